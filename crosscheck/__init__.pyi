@@ -5,7 +5,7 @@ from .comparing.comparison import Comparison, QuantityResult
 from .distributing import DaskWorkers, LocalProcesses
 from .identifying import Identified, identify
 from .judging.judge import judge
-from .judging.judgment import Diagnosis, JudgedFunction, Judgement
+from .judging.judgment import Diagnosis, JudgedFunction, Judgment
 from .recordings import (
     DirtyRecording,
     PartitionedRecording,
@@ -34,7 +34,7 @@ __all__ = [
     "Disagreement",
     "Identified",
     "JudgedFunction",
-    "Judgement",
+    "Judgment",
     "LocalProcesses",
     "PartitionedRecording",
     "QuantityResult",

@@ -9,7 +9,7 @@ from crosscheck.commands.judge.report import judge_report
 from crosscheck.comparing.compare import compare
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.judging.judge import judge
-from crosscheck.judging.judgment import Judgement
+from crosscheck.judging.judgment import Judgment
 from crosscheck.reference.subject import Robot
 from crosscheck.report.text import as_text
 
@@ -25,11 +25,11 @@ class Disagreement(AssertionError):
 
 
 class WrongDynamics(AssertionError):
-    """Raised by assert_correct; prints verdict and diagnoses. judgement: all numbers."""
+    """Raised by assert_correct; prints verdict and diagnoses. judgment: all numbers."""
 
-    def __init__(self, judgement: Judgement):
-        self.judgement = judgement
-        super().__init__(as_text(judge_report(judgement)))
+    def __init__(self, judgment: Judgment):
+        self.judgment = judgment
+        super().__init__(as_text(judge_report(judgment)))
 
 
 def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: Any) -> Comparison:
@@ -40,9 +40,9 @@ def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: A
     return comparison
 
 
-def assert_correct(robot: Robot, **options: Any) -> Judgement:
-    """judge, for test suites: returns the Judgement, or raises WrongDynamics (an AssertionError) with the diagnoses."""
-    judgement = judge(robot, **options)
-    if not (judgement.agrees and judgement.decided):
-        raise WrongDynamics(judgement)
-    return judgement
+def assert_correct(robot: Robot, **options: Any) -> Judgment:
+    """judge, for test suites: returns the Judgment, or raises WrongDynamics (an AssertionError) with the diagnoses."""
+    judgment = judge(robot, **options)
+    if not (judgment.agrees and judgment.decided):
+        raise WrongDynamics(judgment)
+    return judgment

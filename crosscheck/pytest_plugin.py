@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
-    from crosscheck.judging.judgment import Judgement
+    from crosscheck.judging.judgment import Judgment
 
 
 @pytest.fixture(scope="session")
-def judge_dynamics() -> Callable[..., Judgement]:
+def judge_dynamics() -> Callable[..., Judgment]:
     """crosscheck.assert_correct: fails with a table and the diagnoses where a function is wrong."""
     from crosscheck.assertions import assert_correct  # Pinocchio takes half a second to import
 

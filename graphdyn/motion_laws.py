@@ -185,7 +185,7 @@ class TabulatedMotion:
 
 @dataclass(frozen=True)
 class Rail:
-    """The carriage slides along a fixed direction, in world axes; the law is in m. direction (3,), normalised here."""
+    """The carriage slides along a fixed direction, in world axes; the law is in m. direction (3,), normalized here."""
 
     direction: Sequence[float]
     law: MotionLaw
@@ -196,7 +196,7 @@ class Rail:
 
 @dataclass(frozen=True)
 class Turntable:
-    """The carriage turns about a fixed axis through its origin, in world axes; the law is in rad. axis (3,), normalised
+    """The carriage turns about a fixed axis through its origin, in world axes; the law is in rad. axis (3,), normalized
     here.
     """
 

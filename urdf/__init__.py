@@ -1,9 +1,9 @@
-"""URDF files and graphdyn: load, inspect, save, and a catalogue of robots.
+"""URDF files and graphdyn: load, inspect, save, and a catalog of robots.
 
 Strict where other parsers guess: a missing value is refused, with file, line, element and remedy.
 """
 
-from urdf.document.catalogue import RobotEntry, robots
+from urdf.document.catalog import RobotEntry, robots
 from urdf.document.connections.loops import Loop
 from urdf.document.opening import Xacro
 from urdf.errors import (

@@ -66,7 +66,7 @@ class URDFError(GraphDynError, ValueError):
 
 
 class RobotNotFound(URDFError):
-    """Neither a file nor a name of the catalogue."""
+    """Neither a file nor a name of the catalog."""
 
     default_code = "no-such-file"
 
@@ -100,7 +100,7 @@ class UnsupportedJoint(URDFError):
 
 
 class UnsupportedConstraint(URDFError):
-    """An element that closes a loop, couples joints or joins links in a way that is not modelled."""
+    """An element that closes a loop, couples joints or joins links in a way that is not modeled."""
 
     default_code = "unsupported-constraint"
 
@@ -166,7 +166,7 @@ class MissingInertialWarning(URDFWarning):
 
 
 class AxisNotNormalizedWarning(URDFWarning):
-    """Joint axes that are not of unit length; they are normalised."""
+    """Joint axes that are not of unit length; they are normalized."""
 
 
 class ChainWarning(URDFWarning):

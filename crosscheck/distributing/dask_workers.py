@@ -102,7 +102,7 @@ def _killed(future: Future) -> bool:
 
 
 def _answer(future: Future, cluster: Cluster) -> Any:
-    if future.status == "cancelled":
+    if future.status == "canceled":
         raise cluster.gone()
     if _killed(future):
         killed: Any = future.exception()

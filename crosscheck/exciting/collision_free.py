@@ -7,8 +7,8 @@ from graphdyn.excitation import (
     CHECK_RATE,
     ExcitationProblem,
     NoFeasibleMotion,
-    OptimisedMotion,
-    optimised,
+    OptimizedMotion,
+    optimized,
     sample_times,
 )
 
@@ -16,7 +16,7 @@ MAX_SEARCHES = 6
 """Searches at most, each with more distance between the balls of links that collided in the one before."""
 
 
-def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) -> OptimisedMotion:
+def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) -> OptimizedMotion:
     """The best motion that is found from one start, free of collisions on the meshes at CHECK_RATE.
 
     problem: without clearances; usages of the result are with those of the last search
@@ -24,7 +24,7 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
     Raises NoFeasibleMotion where none is found.
     """
     times = sample_times(problem.basis.duration, CHECK_RATE)
-    found = optimised(robot.with_limits(problem), seed)
+    found = optimized(robot.with_limits(problem), seed)
     for _ in range(MAX_SEARCHES - 1):
         q = found.trajectory.motion(times).q
         hits = robot.hits(q)
@@ -41,9 +41,9 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
     )
 
 
-def _again(problem: ExcitationProblem, seed: int, before: OptimisedMotion) -> OptimisedMotion:
+def _again(problem: ExcitationProblem, seed: int, before: OptimizedMotion) -> OptimizedMotion:
     """From the motion before, or, where that leads to none, from random motions as at first."""
     try:
-        return optimised(problem, seed, start=before.trajectory)
+        return optimized(problem, seed, start=before.trajectory)
     except NoFeasibleMotion:
-        return optimised(problem, seed)
+        return optimized(problem, seed)

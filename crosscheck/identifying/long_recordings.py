@@ -27,7 +27,7 @@ from graphdyn import InvalidInput
 from graphdyn.identification import (
     CHECKED_POSES,
     Estimator,
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     MaximumLikelihood,
     Problem,
     ReweightedLeastSquares,
@@ -58,7 +58,7 @@ EXOGENEITY_NEEDS_ROWS = "not tested: the test needs single rows, and recordings 
 """What is said of the exogeneity of the regressor."""
 
 SAMPLE_METHODS = (
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     MaximumLikelihood,
     ReweightedLeastSquares,
     RobustConsistent,

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
-from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgement
+from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
 from crosscheck.judging.observing.conventions import check_declared
 from crosscheck.judging.observing.function_under_test import BatchFunction, ForeignFunction, joint_order
 from crosscheck.judging.observing.references import References
@@ -47,7 +47,7 @@ def judge(
     batched: bool = False,
     progress: Progress | None = None,
     **functions: Unpack[JudgedKeywords],
-) -> Judgement:
+) -> Judgment:
     """Compare foreign functions with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with them.
 
     functions: by the names in docs/judge.md, which lists arguments and answers: inverse_dynamics=f with f(q, v, a) → τ.
@@ -89,7 +89,7 @@ def judge(
     return judge_functions(given, setting, progress)
 
 
-def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Progress | None = None) -> Judgement:
+def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Progress | None = None) -> Judgment:
     """As judge. given: functions by name. Raises InvalidInput for names that are none of FUNCTIONS."""
     _check(given, setting)
     check_counts(setting.samples, setting.seed)
@@ -134,7 +134,7 @@ def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Pr
             if not found.verdict.agrees:
                 say(f"looking for the fault of {name}")
                 diagnoses += diagnoses_of(function, found, declared, partial(_readings, judged_robot), say)
-    judgement = Judgement(
+    judgment = Judgment(
         robot=judged_robot.name,
         file=judged_robot.file,
         model=model,
@@ -151,9 +151,9 @@ def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Pr
         external_wrenches=setting.external_wrenches,
         beyond_limits=setting.beyond_limits,
     )
-    if not judgement.decided:
+    if not judgment.decided:
         notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
-    return replace(judgement, notes=tuple(dict.fromkeys(notes)))
+    return replace(judgment, notes=tuple(dict.fromkeys(notes)))
 
 
 def _readings(robot: Subject) -> Misreadings | None:

@@ -162,7 +162,7 @@ class Diagnosis:
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement(OfReading):
+class Judgment(OfReading):
     """The verdict on foreign functions for one robot.
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded

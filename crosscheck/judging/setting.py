@@ -23,7 +23,7 @@ TOLERANCES: Mapping[Precision, Tolerance] = {"double": FOREIGN, "single": FOREIG
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """A judgement without its functions; the fields are explained at crosscheck.judge."""
+    """A judgment without its functions; the fields are explained at crosscheck.judge."""
 
     robot: Robot
     reading: Reading = AS_IT_STANDS

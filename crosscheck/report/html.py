@@ -1,4 +1,4 @@
-"""Any report as a page: one file, readable without network, script or colour; with script, plots can be zoomed.
+"""Any report as a page: one file, readable without network, script or color; with script, plots can be zoomed.
 
 The scripts on it are known to its content security policy by their hashes; nothing is evaluated from text.
 """

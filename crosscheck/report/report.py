@@ -27,7 +27,7 @@ Recorder = Callable[[Sequence[str]], object]
 """Makes the record of the JSON file, a dataclass of crosscheck.report.records, from the arguments of the program."""
 
 VERDICT_SYMBOLS: dict[State, str] = {"agrees": "✓", "undecided": "?", "disagrees": "✗", "plain": ""}
-"""Before a verdict on the page: no reader depends on colour."""
+"""Before a verdict on the page: no reader depends on color."""
 
 WIDE_LINE_CHARACTERS = 120
 """Characters of a line from which tables have room for columns that explain."""
@@ -91,7 +91,7 @@ class Hover:
 
 @dataclass(frozen=True)
 class Row:
-    """cells: a value per column; a Verdict among them colours itself.
+    """cells: a value per column; a Verdict among them colors itself.
 
     state: "disagrees" marks the row and, in a table that sorts, puts it first
     rule: a line above it, where a new group begins

@@ -22,7 +22,7 @@ def robot_picture(model: RobotModel, name: str, q: Array | None = None) -> Robot
     chords = ", ◇ and c: chords, which close loops" if model.chords else ""
     caption = (
         f"{pose}. ○ revolute joint and its axis, □ prismatic joint and its direction{chords}, discs: centers of "
-        "mass, area as the mass, ×: fixed frames, grey band: the links seen from above."
+        "mass, area as the mass, ×: fixed frames, gray band: the links seen from above."
     )
     return RobotPicture(partial(stick_figure, model=model, name=name, q=q), caption, wide=False, on=("page",))
 

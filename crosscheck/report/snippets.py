@@ -11,7 +11,7 @@ import numpy as np
 import urdf
 from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.judging.functions.known_function import LOADS
-from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgement
+from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgment
 from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED, QUANTITIES, RECURSIVE
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -171,7 +171,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += ["from crosscheck.reference.reference_values import multipliers_of"] if "multipliers_of" in text else []
     lines += ["from crosscheck.reference.frame_choices import of_frames"] if "of_frames" in text else []
     lines += ["from graphdyn.equations.kinematics import link_origins"] if "link_origins" in text else []
-    lines += ["from urdf.document.catalogue import locate"] if referee and worst.route == "urdf" else []
+    lines += ["from urdf.document.catalog import locate"] if referee and worst.route == "urdf" else []
     lines += [
         "",
         *_robot(
@@ -190,18 +190,18 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     return "\n".join(lines) + "\n"
 
 
-def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
+def worst_call(judgment: Judgment, function: JudgedFunction) -> str:
     """graphdyn's answer at the worst call, beside the recorded answer of the foreign function.
 
     Where a RobotModel was judged, the reader must put it into `model` first.
     """
-    origin, model = _origin(judgement), judgement.model
+    origin, model = _origin(judgment), judgment.model
     lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
-    lines += _robot(origin, judgement.reading, model, only=".uncoupled" * (UNCOUPLED in judgement.notes))
-    reordered = judgement.joint_names != model.joint_names
+    lines += _robot(origin, judgment.reading, model, only=".uncoupled" * (UNCOUPLED in judgment.notes))
+    reordered = judgment.joint_names != model.joint_names
     if reordered:
         lines += [
-            f"names = {list(judgement.joint_names)!r}  # the order of the foreign function",
+            f"names = {list(judgment.joint_names)!r}  # the order of the foreign function",
             "order = [names.index(name) for name in model.joint_names]",
         ]
     for name, values in function.worst.arguments.items():
@@ -219,8 +219,8 @@ def worst_call(judgement: Judgement, function: JudgedFunction) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _origin(record: Comparison | Judgement) -> str | None:
-    """What urdf.load takes: the name in the catalogue, or the whole path. None where a RobotModel was given."""
+def _origin(record: Comparison | Judgment) -> str | None:
+    """What urdf.load takes: the name in the catalog, or the whole path. None where a RobotModel was given."""
     if record.file is None:
         return None
     named = (entry.path for entry in urdf.robots() if entry.name == record.robot)

@@ -1,7 +1,7 @@
 """A scene and its player as one page, which plays without server and network.
 
 Its content security policy allows the scripts and styles on it, by their hashes, and nothing else: a browser that
-honours it lets the page load nothing. Served live, it may ask its own server.
+honors it lets the page load nothing. Served live, it may ask its own server.
 """
 
 from __future__ import annotations

@@ -33,10 +33,10 @@ def judged(peer, robot):
     except Exception as error:
         row |= {"agrees": False, "refusal": f"{type(error).__name__}: {' '.join(str(error).split())}"}
     else:
-        judgement = crosscheck.judge(robot, **functions)
-        row |= {"agrees": bool(judgement.agrees), "errors": _errors(judgement)}
+        judgment = crosscheck.judge(robot, **functions)
+        row |= {"agrees": bool(judgment.agrees), "errors": _errors(judgment)}
         keys = ("function", "kind", "standing", "message")
-        row["diagnoses"] = [{key: getattr(diagnosis, key) for key in keys} for diagnosis in judgement.diagnoses]
+        row["diagnoses"] = [{key: getattr(diagnosis, key) for key in keys} for diagnosis in judgment.diagnoses]
     if not row["agrees"]:
         row["undone"], row["errors_undone"] = _undone(peer, robot, file, model)
         row["alone"] = _alone(peer, robot, file, model, row["undone"] or [])
@@ -54,9 +54,9 @@ def _undone(peer, robot, file, model):
         except Exception:
             continue  # the library cannot read the edited file
         if _near(functions, model):
-            judgement = crosscheck.judge(robot, **functions)
-            if judgement.agrees:
-                return list(causes), _errors(judgement)
+            judgment = crosscheck.judge(robot, **functions)
+            if judgment.agrees:
+                return list(causes), _errors(judgment)
     return None, None
 
 
@@ -92,8 +92,8 @@ def _near(functions, model):
     return True
 
 
-def _errors(judgement):
-    return {name: float(np.max(function.errors["graphdyn"])) for name, function in judgement.functions.items()}
+def _errors(judgment):
+    return {name: float(np.max(function.errors["graphdyn"])) for name, function in judgment.functions.items()}
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ class UnknownCommand(ValueError):
 
 
 def svg(tex: str, size: float) -> str:
-    """The formula as one <svg> element in the colour of the text. Raises UnknownCommand, naming the command."""
+    """The formula as one <svg> element in the color of the text. Raises UnknownCommand, naming the command."""
     unknown = re.search(r"\\[a-zA-Z]+", convert(re.sub(r"\\(begin|end)\{aligned\}", "", tex)))
     if unknown:
         raise UnknownCommand(f"{unknown[0]} in {tex}")

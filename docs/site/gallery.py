@@ -131,7 +131,7 @@ def output_of(exhibit: Exhibit, folder: Path, pages: Path) -> str:
 def _write_inputs(folder: Path) -> None:
     """The files that the commands read: the worked example of judge.md, and a URDF file with faults."""
     text = (HERE.parent / "judge.md").read_text(encoding="utf-8")
-    example = re.search(r"```python\n(.*?)\n\n\njudgement = ", text, re.DOTALL)
-    assert example, "docs/judge.md has no worked example that ends before 'judgement = '"
+    example = re.search(r"```python\n(.*?)\n\n\njudgment = ", text, re.DOTALL)
+    assert example, "docs/judge.md has no worked example that ends before 'judgment = '"
     (folder / "textbook.py").write_text(example[1] + "\n", encoding="utf-8")
     (folder / "doubtful.urdf").write_bytes((HERE / "robots" / "doubtful.urdf").read_bytes())

@@ -7,7 +7,7 @@ from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
 from graphdyn.excitation.clearances import smallest_distances
 from graphdyn.excitation.criteria import ConditionNumber, Criterion, log_det, mean_sigma
 from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane
-from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimisedMotion, optimised
+from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimizedMotion, optimized
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import FiniteMotion, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
@@ -28,7 +28,7 @@ __all__ = [
     "JointMotion",
     "MotionLimits",
     "NoFeasibleMotion",
-    "OptimisedMotion",
+    "OptimizedMotion",
     "Plane",
     "Poses",
     "SplineBasis",
@@ -39,7 +39,7 @@ __all__ = [
     "frame_origins",
     "log_det",
     "mean_sigma",
-    "optimised",
+    "optimized",
     "prior_spread",
     "random_trajectory",
     "sample_times",

@@ -64,7 +64,7 @@ MAX_LIMIT_VIOLATION = 1.3
 """A search that ends with more than this part of a limit will not come within it by tightening."""
 
 MAX_CLEARANCE_VIOLATION = 3.0
-"""The same of clearances: two centimetres."""
+"""The same of clearances: two centimeters."""
 
 LIMIT_SLACK = 1e-3
 """Part of a limit by which a motion on the way may violate it, to be one from which the next search goes on."""
@@ -154,7 +154,7 @@ class ExcitationProblem:
 
 
 @dataclass(frozen=True, eq=False)
-class OptimisedMotion:
+class OptimizedMotion:
     """The result of one seed.
 
     usages: of every limit, at CHECK_RATE; none above 1
@@ -173,12 +173,12 @@ class NoFeasibleMotion(InvalidInput):
     """No motion within all limits was found; the message names those that were violated."""
 
 
-def optimised(
+def optimized(
     problem: ExcitationProblem,
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
     start: Trajectory | None = None,
-) -> OptimisedMotion:
+) -> OptimizedMotion:
     """The best motion from the first start that leads to a better one.
 
     progress: called with the criterion after every iteration
@@ -187,14 +187,14 @@ def optimised(
     Raises NoFeasibleMotion if no motion within the limits is found.
     """
     rng = np.random.default_rng([seed, 1])
-    best: OptimisedMotion | None = None
+    best: OptimizedMotion | None = None
     with one_thread():
         for _ in range(1 if start else MAX_STARTS):
             trajectory = start or random_trajectory(
                 problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, MIN_START_SHARE
             )
             found = _searched(problem, trajectory, seed, progress or (lambda value: None))
-            if not isinstance(found, OptimisedMotion):
+            if not isinstance(found, OptimizedMotion):
                 worst = found
                 continue
             if best is None or found.value < best.value:
@@ -208,7 +208,7 @@ def optimised(
 
 def _searched(
     problem: ExcitationProblem, trajectory: Trajectory, seed: int, progress: Callable[[float], None]
-) -> OptimisedMotion | Usage:
+) -> OptimizedMotion | Usage:
     """The motion found from one start, or the most violated limit of the last motion."""
     search = _Search(problem, progress)
     for number in range(len(SHARPNESSES) + MAX_TIGHTENINGS):
@@ -219,7 +219,7 @@ def _searched(
             break
         if number >= len(SHARPNESSES) - 1:
             if worst.used <= 1:
-                return OptimisedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
+                return OptimizedMotion(trajectory, tuple(used), problem.value(trajectory), seed, search.iterations)
             search.tighten(used)
     return worst
 

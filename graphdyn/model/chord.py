@@ -37,7 +37,7 @@ class Chord:
         this far apart)
     body_i, body_j: numbers of the bodies, 0 for the ground
     placement_i, placement_j: the chord's frame in the link frames of both bodies
-    axis: p of a hinge or slide, in both chord frames; normalised at construction      (3,)
+    axis: p of a hinge or slide, in both chord frames; normalized at construction      (3,)
     length: of a distance, and None for the others                                     [m]
 
     Raises InvalidModel, naming the chord, for anything else.

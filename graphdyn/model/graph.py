@@ -17,7 +17,7 @@ IntArray = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Graph:
-    """A tree in regular labelling: the inside body of joint j has a number below j.
+    """A tree in regular labeling: the inside body of joint j has a number below j.
 
     inside: i(j) for j = 1 … n, the number of the vertex on the inside of joint j; 0 is the ground
 

@@ -21,7 +21,7 @@ JointKind = Literal["revolute", "continuous", "prismatic"]
 JOINT_KINDS: tuple[JointKind, ...] = ("revolute", "continuous", "prismatic")
 
 SYMMETRY_TOLERANCE = 1e-9
-"""Largest |J - Jᵀ| relative to the largest entry that counts as rounding (and is symmetrised)."""
+"""Largest |J - Jᵀ| relative to the largest entry that counts as rounding (and is symmetrized)."""
 
 AXIS_TIE_TOLERANCE = 1e-9
 """Two coordinate axes are equally far from p if their components differ by less than this; the first is taken."""
@@ -90,7 +90,7 @@ class Joint:
     kind: "revolute", "continuous" (revolute without position limits) or "prismatic"
     inside: number of the inside body, 0 for the ground
     placement: the joint frame in the link frame of the inside body
-    axis: p, in joint axes, normalised at construction      (3,)
+    axis: p, in joint axes, normalized at construction      (3,)
     limits, damping, friction: kept, not part of the rigid dynamics; damping [N m s/rad or N s/m], friction [N m or N]
 
     At q = 0 the link frame of body j coincides with the joint frame.
@@ -195,7 +195,7 @@ def unit_axis(who: str, axis: Array) -> Array:
 def axis_normals(axis: Array) -> Array:
     """t_1, t_2 (2, 3) normal to a unit axis p, with t_1 × t_2 = p.
 
-    t_1 is the normalised p × e with e the coordinate axis least aligned with p, t_2 = p × t_1.
+    t_1 is the normalized p × e with e the coordinate axis least aligned with p, t_2 = p × t_1.
     """
     alignment = np.abs(axis)
     least = int(np.argmax(alignment <= alignment.min() + AXIS_TIE_TOLERANCE))

@@ -31,7 +31,7 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 class RobotModel:
     """A tree of n rigid bodies on n joints of one freedom each, some of which others may drive, and chords.
 
-    bodies, joints: in regular labelling, parents first; joints[j-1] is the inside joint of bodies[j-1]
+    bodies, joints: in regular labeling, parents first; joints[j-1] is the inside joint of bodies[j-1]
     gravity: in world axes                                  (3,)  [m/s²]
     base: the ground frame (body 0) in the world
     base_name: name of the ground frame (the root link of a URDF)

@@ -36,7 +36,7 @@ def apply(matrix: Array, vector: Array) -> Array:
 
 
 def solve(matrix: Array, vector: Array) -> Array:
-    """x with matrix x = vector, by LU factorisation. (…, k, k), (…, k) → (…, k)."""
+    """x with matrix x = vector, by LU factorization. (…, k, k), (…, k) → (…, k)."""
     x: Any = np.linalg.solve(matrix, vector[..., None])[..., 0]
     return np.asarray(x)
 

@@ -23,7 +23,7 @@ from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.integration.course import Event, SimulatedCourse
 from graphdyn.simulation.integration.fixed import fixed
 from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
-from graphdyn.simulation.integration.maximal import Stabilisation, maximal
+from graphdyn.simulation.integration.maximal import Stabilization, maximal
 from graphdyn.simulation.integration.steps import FIXED_STEPS
 from graphdyn.simulation.plant import PlantConstants, Wrenches, make_plant
 from graphdyn.simulation.result import Simulation
@@ -55,7 +55,7 @@ def simulate(
     torque_limits: ArrayLike | Literal["model"] | None = None,
     events: Event | Sequence[Event] = (),
     coordinates: Literal["joint", "maximal"] = "joint",
-    stabilisation: Stabilisation = "projection",
+    stabilization: Stabilization = "projection",
     progress: Callable[[float], None] | None = None,
 ) -> Simulation:
     """The motion of a robot from a state on, under the torques given.
@@ -77,7 +77,7 @@ def simulate(
     events: functions whose changes of sign are found, and may stop the simulation
     coordinates: "joint", or "maximal": the equations of all bodies as they stand, with fixed steps, for teaching and
         checks; they know torques, but neither friction nor limits, events, or a base that moves
-    stabilisation: of maximal coordinates, "projection", "baumgarte" or "none"
+    stabilization: of maximal coordinates, "projection", "baumgarte" or "none"
     progress: called with the time reached, from time to time   [s]
 
     Work that the friction takes, and what actuators do, is integrated beside the motion (Simulation.energy). Contact
@@ -120,7 +120,7 @@ def simulate(
     if coordinates == "maximal":
         _refuse_in_maximal(plant, method, limits, watched)
         assert step is not None
-        course, bodies = maximal(plant, start, duration, source, method, step, times, stabilisation, report)
+        course, bodies = maximal(plant, start, duration, source, method, step, times, stabilization, report)
         return replace(simulation(plant, course), _bodies=bodies)
     if coordinates != "joint":
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'joint' or 'maximal'")

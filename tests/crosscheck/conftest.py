@@ -123,7 +123,7 @@ def textbook(ur5):
 
 
 @pytest.fixture(scope="session")
-def wrong_judgement(textbook):
+def wrong_judgment(textbook):
     """Of the ur5 in a code whose ω × q̇ p has the wrong sign."""
     return crosscheck.judge("ur5", inverse_dynamics=textbook.but(cross=-1.0).inverse_dynamics, samples=5)
 

@@ -144,7 +144,7 @@ def test_free_body_falls_with_gravity_and_keeps_its_angular_momentum(method):
 
 @pytest.mark.usefixtures("default_method")
 def test_mass_matrix_is_what_inverse_dynamics_multiplies_the_accelerations_with(robot):
-    """Columns from the dense form, which never symmetrises: so M is symmetric by mechanics."""
+    """Columns from the dense form, which never symmetrizes: so M is symmetric by mechanics."""
     q, v, _ = random_state(robot, 7)
     unit = np.eye(robot.n_bodies)
     at_rest = graphdyn.inverse_dynamics(robot, q, v, 0 * unit, method="dense")
@@ -185,7 +185,7 @@ def test_bias_torque_is_christoffel_symbols_plus_gradient_of_the_potential(robot
 
 @pytest.mark.usefixtures("default_method")
 def test_mass_matrix_rate_minus_twice_coriolis_is_skew(robot):
-    """C from the bias torque by polarisation, Ṁ by differences: neither is skew by construction."""
+    """C from the bias torque by polarization, Ṁ by differences: neither is skew by construction."""
     q, v, _ = random_state(robot, 10)
     unit = np.eye(robot.n_bodies)
     c = ((graphdyn.bias_torque(robot, q, v + unit) - graphdyn.bias_torque(robot, q, v - unit)) / 4).T

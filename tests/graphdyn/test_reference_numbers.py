@@ -186,7 +186,7 @@ class RtbPuma:
         return np.linalg.solve(self.mass_matrix(q), tau - self.torque(q, v, np.zeros(6)))
 
     def coriolis_matrix(self, q, v):
-        """Christoffel form, by polarisation of the bias torque, which is quadratic in v."""
+        """Christoffel form, by polarization of the bias torque, which is quadratic in v."""
         unit = np.eye(6)
         return ((graphdyn.bias_torque(self.model, q, v + unit) - graphdyn.bias_torque(self.model, q, v - unit)) / 4).T
 

@@ -207,7 +207,7 @@ def test_axis_normals_do_not_jump_where_coordinate_axes_are_equally_far(axis):
         np.testing.assert_allclose(triad_of(axis + rounding), exact, rtol=0, atol=1e-11)
 
 
-def test_axis_is_normalised():
+def test_axis_is_normalized():
     assert np.array_equal(Joint("j", "prismatic", 0, Placement(), [0, -3, 0]).axis, [0, -1, 0])
 
 
@@ -241,7 +241,7 @@ def test_pseudo_inertia_is_the_second_moment_of_the_mass(seed):
     np.testing.assert_allclose(matrix, expected, rtol=0, atol=10 * ROUNDING * expected.max())
 
 
-def test_rounding_in_a_tensor_is_symmetrised():
+def test_rounding_in_a_tensor_is_symmetrized():
     tensor = np.diag([1.0, 2.0, 2.5])
     tensor[0, 1] = 1e-12
     body = Body("b", 1.0, np.zeros(3), tensor)

@@ -14,7 +14,7 @@ import graphdyn
 import urdf
 from crosscheck.identifying import Preparation, friction_terms, virtual_robot
 from graphdyn.identification import (
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     OrdinaryLeastSquares,
     Problem,
     ReweightedLeastSquares,
@@ -33,7 +33,7 @@ RATE = 50.0
 METHODS = (
     OrdinaryLeastSquares(),
     WeightedLeastSquares(),
-    GeneralisedLeastSquares(),
+    GeneralizedLeastSquares(),
     ReweightedLeastSquares("huber"),
 )
 

@@ -120,7 +120,7 @@ ANGLES = [
         ("joint_4.*degrees",),
     ),
     Case(
-        "finger in millimetres",
+        "finger in millimeters",
         "vx300s",
         before(lambda q, v, a: tuple(scaled(x, 7, 1e-3) for x in (q, v, a))),
         ("finger.*milli",),

@@ -1,6 +1,6 @@
 """How many planted faults are named: python tests/helpers/diagnosis_run.py [--single] [--only WORDS] [--samples N].
 
-One line per case: verdict, processor seconds of the judgement, diagnoses. "named": the diagnoses that hold are the
+One line per case: verdict, processor seconds of the judgment, diagnoses. "named": the diagnoses that hold are the
 planted faults; "candidates": they are among those that fit as well; "located": the term, body or joint is right;
 "unknown": no claim; "WRONG": a claim that is not the planted fault; "missed": no deviation found.
 """
@@ -24,7 +24,7 @@ from crosscheck.judging.judge import judge
 
 
 def judged(case: Case, samples: int, *, single: bool = False):
-    """The judgement of the code that has the fault, and the processor seconds that it took."""
+    """The judgment of the code that has the fault, and the processor seconds that it took."""
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         robot = ROBOTS[case.robot]
@@ -38,8 +38,8 @@ def judged(case: Case, samples: int, *, single: bool = False):
         if single:
             function = in_single_precision(function)
         start = time.process_time()
-        judgement = judge(robot, **{case.function: function}, samples=samples)
-        return judgement, time.process_time() - start
+        judgment = judge(robot, **{case.function: function}, samples=samples)
+        return judgment, time.process_time() - start
 
 
 def in_single_precision(function):
@@ -51,10 +51,10 @@ def in_single_precision(function):
     return rounded
 
 
-def verdict(case: Case, judgement) -> str:
-    if judgement.agrees:
+def verdict(case: Case, judgment) -> str:
+    if judgment.agrees:
         return "missed"
-    claims = [x for x in judgement.diagnoses if x.standing in ("holds", "candidate", "part")]
+    claims = [x for x in judgment.diagnoses if x.standing in ("holds", "candidate", "part")]
     strange = [x for x in claims if not matches(case.named, x.message)]
     if not strange and all(
         any(re.search(words, x.message) and x.standing == "holds" for x in claims) for words in case.named
@@ -66,9 +66,7 @@ def verdict(case: Case, judgement) -> str:
     if any(not re.search(case.located or "$^", x.message) for x in strange):
         return "WRONG"
     return (
-        "located"
-        if claims or matches((case.located or "$^",), *(x.message for x in judgement.diagnoses))
-        else "unknown"
+        "located" if claims or matches((case.located or "$^",), *(x.message for x in judgment.diagnoses)) else "unknown"
     )
 
 
@@ -86,18 +84,18 @@ def main():
     totals, seconds = Counter(), []
     for case in cases:
         try:
-            judgement, taken = judged(case, options.samples, single=options.single)
+            judgment, taken = judged(case, options.samples, single=options.single)
         except Exception as error:
             print(f"{case!s:58} RAISED {type(error).__name__}: {error}", flush=True)
             totals["RAISED"] += 1
             continue
-        said = verdict(case, judgement)
+        said = verdict(case, judgment)
         totals[said] += 1
         seconds.append(taken)
-        claims = [f"{x.message[:150]} [{x.kind}, {x.standing}, {x.explains:.0e}]" for x in judgement.diagnoses]
+        claims = [f"{x.message[:150]} [{x.kind}, {x.standing}, {x.explains:.0e}]" for x in judgment.diagnoses]
         print(f"{case!s:58} {said:10} {taken:5.1f} s  {' + '.join(claims)}", flush=True)
     print(f"{len(cases)} cases: " + ", ".join(f"{count} {said}" for said, count in totals.most_common()))
-    print(f"processor seconds per judgement: median {np.median(seconds):.1f}, largest {max(seconds):.1f}")
+    print(f"processor seconds per judgment: median {np.median(seconds):.1f}, largest {max(seconds):.1f}")
     return bool(totals["WRONG"] or totals["RAISED"])
 
 

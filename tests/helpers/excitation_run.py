@@ -33,7 +33,7 @@ from graphdyn.excitation import (
     excitation_plan,
     log_det,
     mean_sigma,
-    optimised,
+    optimized,
     random_trajectory,
     sample_times,
 )
@@ -69,7 +69,7 @@ def gain():
         print(f"noise {words}; {len(problem.information.independent)} columns")
         for seed in range(SEEDS):
             start = time.process_time()
-            found = optimised(problem, seed)
+            found = optimized(problem, seed)
             spent = time.process_time() - start
             information = problem.total_information(found.trajectory)
             ratio = np.exp(best["gm σ"] - mean_sigma(information)[0])
@@ -102,7 +102,7 @@ def collisions(seeds):
         best[words] = min(mean_sigma(problem.total_information(motion))[0] for motion in free) if free else np.inf
         print(f"{RANDOM} random motions {words}: {len(free)} without collisions", flush=True)
     for seed in seeds:
-        regardless = known.hits(optimised(problem, seed).trajectory.motion(sample_times(10.0, 1000.0)).q)
+        regardless = known.hits(optimized(problem, seed).trajectory.motion(sample_times(10.0, 1000.0)).q)
         start = time.process_time()
         try:
             found = collision_free(problem, known, seed)
@@ -151,7 +151,7 @@ def promise():
     model = urdf.load("ur5")
     noise = 0.01 * np.array([joint.limits.effort for joint in model.joints])
     problem = problem_of(model, noise)
-    trajectory = optimised(problem).trajectory
+    trajectory = optimized(problem).trajectory
     friction = FRICTION * np.array([joint.limits.effort for joint in model.joints])
     exact = followed(problem, trajectory, friction, friction)
     plan = excitation_plan(problem.torque_model, problem.total_information(trajectory))

@@ -7,7 +7,7 @@ LOCKED = {"wrist_2_joint": 0.0, "wrist_3_joint": 0.0}
 """Four joints of the ur5 show all kinds of faults, in half of the time that six take."""
 
 WRIST_LOCKED = {f"wrist_{k}_joint": 0.0 for k in (1, 2, 3)}
-"""Three joints, for what has no name: everything of the catalogue is tried on it."""
+"""Three joints, for what has no name: everything of the catalog is tried on it."""
 
 
 def outer(center):

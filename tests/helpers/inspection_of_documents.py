@@ -59,9 +59,9 @@ DOCUMENTS = {
         "expand the file with xacro",
     ),
     "duplicate-material": Case(
-        ("</robot>", '<material name="grey"/>\n<material name="grey"/></robot>'),
+        ("</robot>", '<material name="gray"/>\n<material name="gray"/></robot>'),
         "warning", None, 38,
-        "material 'grey' is defined 2 times, first in line 37. Pinocchio refuses the file, yourdfpy loads it",
+        "material 'gray' is defined 2 times, first in line 37. Pinocchio refuses the file, yourdfpy loads it",
         "keep one of them",
     ),
     "non-ascii": Case(

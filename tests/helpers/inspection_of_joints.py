@@ -25,7 +25,7 @@ JOINTS = {
     "prismatic-joint": Case(
         (SHOULDER, '<joint name="shoulder" type="prismatic">'),
         "note", "joint 'shoulder'", 18,
-        "a prismatic joint: metres and newtons",
+        "a prismatic joint: meters and newtons",
         "nothing need be done",
     ),
     "mimic-joint": Case(
@@ -41,10 +41,10 @@ JOINTS = {
         "without <axis>: it is (1, 0, 0)",
         "write <axis>",
     ),
-    "axis-not-normalised": Case(
+    "axis-not-normalized": Case(
         (AXIS, '<axis xyz="0 0 0.999"/>'),
         "note", "<axis> of joint 'shoulder'", 22,
-        "the axis has length 0.999; load normalises it. Pinocchio normalises it, yourdfpy does not",
+        "the axis has length 0.999; load normalizes it. Pinocchio normalizes it, yourdfpy does not",
         "write it with more digits",
     ),
     "oblique-axis": Case(

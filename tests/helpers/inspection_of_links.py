@@ -102,6 +102,6 @@ LINKS = {
         ('xyz="0.1 0.2 0.3"', 'xyz="100 200 300"'),
         "warning", "<inertial> of link 'upper'", 4,
         "the center of mass is 374 m from the origin of the link",
-        "give it in metres, in the link frame; it may be in millimetres",
+        "give it in meters, in the link frame; it may be in millimeters",
     ),
 }  # fmt: skip

@@ -31,7 +31,7 @@ REFUSALS = {
     "unsupported-constraint": Case(
         ("</robot>", '<loop name="l" type="planar"><predecessor link="base"/><successor link="fore"/></loop></robot>'),
         "error", "<loop> of robot 'arm'", 37,
-        "'l': type 'planar' is not modelled. Pinocchio and yourdfpy load the tree without it",
+        "'l': type 'planar' is not modeled. Pinocchio and yourdfpy load the tree without it",
         "use one of revolute, continuous, prismatic, fixed, spherical, distance, or replace it by several links and "
         "joints",
     ),

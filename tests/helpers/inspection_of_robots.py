@@ -53,7 +53,7 @@ ROBOTS = {
         ('xyz="0 0 0.5"', 'xyz="0 0 500"'),
         "warning", None, None,
         "the joints span 500 m along the longest branch",
-        "give lengths in metres; they may be in millimetres",
+        "give lengths in meters; they may be in millimeters",
     ),
     "suspicious-masses": Case(
         ('"2.5"', '"25000"'),

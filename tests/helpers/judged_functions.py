@@ -1,4 +1,4 @@
-"""Judgements of functions whose answers are those of graphdyn times a factor."""
+"""Judgments of functions whose answers are those of graphdyn times a factor."""
 
 import numpy as np
 from pages import COMMAND
@@ -7,7 +7,7 @@ from planting import SEED
 import graphdyn
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.functions.table import FUNCTIONS
-from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgement, WorstCall
+from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment, WorstCall
 from crosscheck.report.html import page as page_of
 from crosscheck.report.versions import versions
 
@@ -37,8 +37,8 @@ def judged(model, name, factor=1.0, referees_differ=0.0, order=None):
     )  # fmt: skip
 
 
-def judgement(model, *functions, robot="some robot", file=None, diagnoses=(), order=None):
-    return Judgement(
+def judgment(model, *functions, robot="some robot", file=None, diagnoses=(), order=None):
+    return Judgment(
         robot, file, model, order or model.joint_names, STATES, SEED, {}, ("graphdyn", "pinocchio"),
         {function.name: function for function in functions}, diagnoses, ("no MuJoCo",),
     )  # fmt: skip
@@ -55,5 +55,5 @@ DIAGNOSIS = Diagnosis(
 )
 
 
-def judgement_page(judged_functions):
+def judgment_page(judged_functions):
     return page_of(judge_report(judged_functions), COMMAND, versions())

@@ -37,9 +37,9 @@ def four_bar(crank: float = 1.0, coupler: float = 2.0, rocker: float = 1.5, grou
     )
 
 
-def palletiser(data: Path) -> tuple[RobotModel, np.ndarray]:
-    """The palletising arm of the test data, and K with all joint angles K u."""
-    given = json.loads((data / "loops" / "palletiser.json").read_text())
+def palletizer(data: Path) -> tuple[RobotModel, np.ndarray]:
+    """The palletizing arm of the test data, and K with all joint angles K u."""
+    given = json.loads((data / "loops" / "palletizer.json").read_text())
     bodies = [
         Body(b["name"], b["mass"], np.array(b["center_of_mass"]), np.array(b["inertia"])) for b in given["bodies"]
     ]
@@ -49,7 +49,7 @@ def palletiser(data: Path) -> tuple[RobotModel, np.ndarray]:
         for c in given["cuts"]
     ]
     model = RobotModel(
-        "palletiser",
+        "palletizer",
         tuple(bodies),
         tuple(joints),
         np.array(given["gravity"]),

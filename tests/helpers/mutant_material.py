@@ -4,14 +4,14 @@ RICH = """\
 <?xml version="1.0" encoding="UTF-8"?>
 <!-- every element that a URDF file may have -->
 <robot name="rich" xmlns:xacro="http://www.ros.org/wiki/xacro">
-  <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+  <material name="gray"><color rgba="0.5 0.5 0.5 1"/></material>
   <link name="world"/>
   <link name="base">
     <inertial><mass value="4"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
     <visual name="shell">
       <origin xyz="0 0 0.1" rpy="0 0 0"/>
       <geometry><mesh filename="package://rich/base.stl" scale="1 1 1"/></geometry>
-      <material name="grey"/>
+      <material name="gray"/>
     </visual>
     <collision><origin xyz="0 0 0"/><geometry><cylinder radius="0.1" length="0.2"/></geometry></collision>
   </link>
@@ -127,8 +127,8 @@ PIECES = (
     '<axis xyz="0 1 1"/>', '<limit effort="1" velocity="1"/>', '<limit lower="1" upper="0" effort="1" velocity="1"/>',
     '<limit effort="-1" velocity="-1"/>', "<limit/>", '<dynamics damping="1"/>', "<dynamics/>",
     '<mimic joint="grip"/>', '<mimic joint="nowhere" multiplier="2"/>', "<mimic/>", "<safety_controller/>",
-    '<safety_controller k_velocity="1"/>', '<calibration rising="x"/>', "<calibration/>", '<material name="grey"/>',
-    '<material name="grey"><color rgba="1 1 1 1"/></material>', "<material/>", '<material name="m"/>', "<visual/>",
+    '<safety_controller k_velocity="1"/>', '<calibration rising="x"/>', "<calibration/>", '<material name="gray"/>',
+    '<material name="gray"><color rgba="1 1 1 1"/></material>', "<material/>", '<material name="m"/>', "<visual/>",
     "<collision/>", "<visual><geometry/></visual>", '<visual><geometry><sphere radius="x"/></geometry></visual>',
     '<collision><geometry><mesh filename="/dev/zero"/></geometry></collision>', "<geometry><cone/></geometry>",
     '<link name="new"/>', '<link name="new"><inertial><mass value="1"/></inertial></link>',

@@ -39,7 +39,7 @@ STATES = 3
 
 WARNINGS = {
     urdf.MissingInertialWarning: ("missing-inertial",),
-    urdf.AxisNotNormalizedWarning: ("axis-not-normalised",),
+    urdf.AxisNotNormalizedWarning: ("axis-not-normalized",),
     urdf.UnreadWarning: ("unread-dynamics", "unknown-element", "unknown-attribute"),
 }
 """What load warns of, and the findings of which one must say the same."""

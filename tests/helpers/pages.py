@@ -1,4 +1,4 @@
-"""Pages of a comparison and of a judgement, and what a test reads in them."""
+"""Pages of a comparison and of a judgment, and what a test reads in them."""
 
 import html
 import re

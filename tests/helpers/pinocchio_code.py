@@ -14,7 +14,7 @@ REFERENCES = {
 
 
 class PinocchioCode:
-    """A robot of the catalogue whose joints are all plain angles, in Pinocchio's own order; one frame of it."""
+    """A robot of the catalog whose joints are all plain angles, in Pinocchio's own order; one frame of it."""
 
     def __init__(self, robot: str, frame: str):
         (entry,) = (entry for entry in urdf.robots() if entry.name == robot)

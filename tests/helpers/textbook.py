@@ -1,7 +1,7 @@
 """A textbook recursion, written for these tests alone, with places where things go wrong.
 
 Luh, Walker and Paul, "On-line computational scheme for mechanical manipulators", 1980, in link axes; sliding joints
-as in Siciliano et al., "Robotics: Modelling, Planning and Control", 2009, section 7.5.
+as in Siciliano et al., "Robotics: Modeling, Planning and Control", 2009, section 7.5.
 """
 
 import dataclasses

@@ -1,4 +1,4 @@
-"""Shows every robot of the catalogue and of the shared files in headless Chromium, and measures each page.
+"""Shows every robot of the catalog and of the shared files in headless Chromium, and measures each page.
 
 Per robot: triangles, size of the page [kB], time until it is ready [s], frames per second in software rendering (each
 one read back after a seek). The exit code is the number of robots that load and are not shown.

@@ -1,6 +1,6 @@
 """A URDF file before it is a robot: sources, xacro, the XML tree, its elements and numbers."""
 
-from urdf.document.catalogue import locate
+from urdf.document.catalog import locate
 from urdf.document.document import UNNAMED_SOURCES
 from urdf.document.files import write_whole
 from urdf.document.numbers import rpy_from_rotation

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import IO
 
 from graphdyn.model import STANDARD_GRAVITY
-from urdf.document.catalogue import locate
+from urdf.document.catalog import locate
 from urdf.document.document import BYTES, MAX_URDF_BYTES, STREAM, TEXT, Document, check_size, parsed
 from urdf.document.xacro.files import expand
 from urdf.errors import InvalidXacro, MalformedXML, RobotNotFound

@@ -76,7 +76,7 @@ def _numbers(
         raise UnreadableMesh(f"<{tag_of(element)}>: {found.problem}; {found.remedy}")
     if max(map(abs, found)) > MAX_COORDINATE:
         raise UnreadableMesh(
-            f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {MAX_COORDINATE:g}; give metres'
+            f'<{tag_of(element)}>: {name}="{shortened(text)}" is larger than {MAX_COORDINATE:g}; give meters'
         )
     return tuple(found)
 

@@ -104,7 +104,7 @@ def _mesh(triangles: Triangles) -> Filled:
 
 
 def _hull(vertices: Array) -> trimesh.Trimesh:
-    """The convex hull, its faces anticlockwise from outside. Raises Unreadable for points in one plane."""
+    """The convex hull, its faces counterclockwise from outside. Raises Unreadable for points in one plane."""
     import trimesh
     from scipy.spatial import ConvexHull, QhullError
 

@@ -37,7 +37,7 @@ class Shape:
     link: the link of the file to which the shape belongs: the body's own, or one that is fused into it
     placement: of the shape's axes in the link frame of the body
     vertices: in the shape's axes                           (k, 3)  [m]
-    faces: three vertices each, anticlockwise from outside  (m, 3)
+    faces: three vertices each, counterclockwise from outside  (m, 3)
     color: red, green, blue and opacity, 0 to 1
     file: the mesh file; None for a box, cylinder, sphere or capsule
 

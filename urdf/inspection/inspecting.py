@@ -40,7 +40,7 @@ Meshes = Literal["summary", "detail", "off"]
 
 
 def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[ReadingOptions]) -> Inspection:
-    """Everything odd or wrong about a URDF file or a robot of the catalogue, and whether it is good for dynamics.
+    """Everything odd or wrong about a URDF file or a robot of the catalog, and whether it is good for dynamics.
 
     source: as urdf.load takes it: name, path, XML as text or bytes, an open file
     meshes: inertials are compared with the meshes of their links where these are found: "detail" tells of every

@@ -14,7 +14,7 @@ _UNREADABLE = "Pinocchio gives a link with such a number mass 0 or a tensor of z
 _PINOCCHIO_REFUSES = "Pinocchio refuses the file, yourdfpy loads it"
 
 OTHER_READERS = {
-    "axis-not-normalised": "Pinocchio normalises it, yourdfpy does not",
+    "axis-not-normalized": "Pinocchio normalizes it, yourdfpy does not",
     "continuous-joint": "In Pinocchio such a joint has two coordinates (cosine, sine), so that nq is not nv",
     "cycle": "Pinocchio leaves these links out, yourdfpy loads them",
     "default-namespace": "Pinocchio ignores it, yourdfpy finds no link at all",

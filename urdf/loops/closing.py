@@ -78,7 +78,7 @@ def closure_faults(
     source: Source,
     held: Sequence[str] | None = None,
 ) -> Iterator[URDFError]:
-    """An error for each element that constrains the model in a way that is not modelled, or that is malformed.
+    """An error for each element that constrains the model in a way that is not modeled, or that is malformed.
 
     carriers: per link of the model, the body that carries it
     held: joints that chain= holds still, None where there is no chain=
@@ -92,7 +92,7 @@ def closure_faults(
         elif says is None:
             yield place.error(
                 UnsupportedConstraint,
-                f"{closure.problem}, which is not modelled",
+                f"{closure.problem}, which is not modeled",
                 "remove it to load the robot without it, or let one body carry the links that it joins (chain=, lock=)",
             )
         elif left_out and held is not None:

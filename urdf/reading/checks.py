@@ -160,6 +160,6 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
             problem = f"mass {found[0]} kg is negative"
             yield source.error(InvalidNumber, "negative-mass", element, problem, "give a mass of at least 0")
         elif element.tag == "axis" and math.hypot(*found) < MIN_AXIS_LENGTH:
-            problem = f"the axis has length {math.hypot(*found):.3g}, too short to normalise"
+            problem = f"the axis has length {math.hypot(*found):.3g}, too short to normalize"
             problem = problem if any(found) else "the axis is zero"
             yield source.error(InvalidNumber, "zero-axis", element, problem, "give a direction")

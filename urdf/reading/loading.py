@@ -13,7 +13,7 @@ from urdf.reading.warnings import warn
 
 
 def load(source: Given, **reading: Unpack[ReadingOptions]) -> RobotModel:
-    """The robot of a URDF file, or of the catalogue by name ("ur5", "kr500": see urdf.robots).
+    """The robot of a URDF file, or of the catalog by name ("ur5", "kr500": see urdf.robots).
 
     source: name, path, XML as text or bytes, or an open file; a string is XML if it begins with "<" or has several
         lines. A path that ends with .xacro is expanded, which needs the extra graphdyn[xacro]

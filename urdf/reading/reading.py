@@ -36,7 +36,7 @@ class Reading:
     repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes whose length
         differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed,
         InertialsFromMeshes(density=…) computes missing inertials from the shapes of their links
-    gravity: (3,) in world axes [m/s²]; default: the catalogue's for a name, (0, 0, -9.81) for a file
+    gravity: (3,) in world axes [m/s²]; default: the catalog's for a name, (0, 0, -9.81) for a file
     xacro: arguments and packages for a .xacro file
     """
 

@@ -27,7 +27,7 @@ def shapes(
     geometry: "visual" or "collision"
     faces: how many triangles all shapes may have together, about; None leaves them as they are
 
-    Mesh files are STL, OBJ and Collada (.dae), in metres times their scale; a Collada file states its own unit.
+    Mesh files are STL, OBJ and Collada (.dae), in meters times their scale; a Collada file states its own unit.
     package://NAME/… is looked for beside the file and in every folder above it, then in ROS_PACKAGE_PATH and
     AMENT_PREFIX_PATH; other paths are relative to the file. Nothing is fetched. What cannot be shown is listed in
     .missing with the reason.

@@ -53,7 +53,7 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     odd = [
         f"joint '{name}' ({length:.9g})" for name, length in lengths.items() if abs(length - 1) > UNIT_LENGTH_TOLERANCE
     ]
-    _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalised: ", odd)
+    _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalized: ", odd)
     aside = {*parsed.locked, *(coupling.joint for coupling in parsed.couplings)}
     mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in aside]
     _tell(MimicJointWarning, parsed, "mimic joints are loaded as independent joints: ", mimics, "; lock= locks them")

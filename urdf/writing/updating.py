@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from graphdyn import Body, InvalidModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import consistency_problems
-from urdf.document.catalogue import locate
+from urdf.document.catalog import locate
 from urdf.document.files import write_whole
 from urdf.document.numbers import inertial_element
 from urdf.errors import CannotUpdate, one_line
@@ -117,7 +117,7 @@ def update(
 ) -> Update:
     """Write a copy of a URDF file in which the bodies have other inertial parameters.
 
-    source: path, or name of the catalogue; destination: may be the same path
+    source: path, or name of the catalog; destination: may be the same path
     parameters: ten per body of urdf.load(source, **reading), in its order
                                                             (n, 10) or (10n,)  [kg, kg m, kg m²]
     inconsistent: also write parameters that no real body can have

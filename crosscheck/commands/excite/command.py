@@ -90,7 +90,7 @@ def run(
     that every base parameter will have for the given noise of the torques, beside those of random motions and of your
     own recordings. Ctrl-C keeps the best motion found so far.
 
-    By default the volume of the ellipsoid of errors is minimised. A small condition number is no aim in itself: it is
+    By default the volume of the ellipsoid of errors is minimized. A small condition number is no aim in itself: it is
     small where all parameters are equally badly determined, and depends on how columns are scaled.
 
     Exit code 0: the motion keeps all limits; 1: none was found, or that of --motion violates one or collides; 2: bad

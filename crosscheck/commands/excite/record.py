@@ -168,7 +168,7 @@ class ExciteRecord:
     """Joints held still, with their positions [rad or m]."""
 
     criterion: Literal["log-det", "sigma", "condition"]
-    """What was minimised."""
+    """What was minimized."""
 
     noise: Sequence[float]
     """Standard deviation of the torques, of each joint that no others drive [N m or N]."""

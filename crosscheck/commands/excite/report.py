@@ -154,7 +154,7 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
         ("robot", f"{found.robot}: {problem.torque_model.model.n_bodies} joints{locked_text(found.locked)}"),
         ("motion", f"{seconds} s, {shape}"),
         ("noise", f"{', '.join(f'{x:.3g}' for x in problem.noise)} N m or N: {found.noise_words}; {problem.rate:g} Hz"),
-        ("minimised", found.criterion),
+        ("minimized", found.criterion),
         ("geometric mean σ", f"{100 * plan.geometric_mean:.3g} % of what is unknown before the experiment"),
     ]
     for words, other in (

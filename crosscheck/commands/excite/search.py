@@ -10,7 +10,7 @@ from crosscheck.distributing import LocalProcesses, Lost
 
 if TYPE_CHECKING:
     from crosscheck.exciting.self_collision import SelfCollision
-    from graphdyn.excitation import ExcitationProblem, OptimisedMotion
+    from graphdyn.excitation import ExcitationProblem, OptimizedMotion
 
 
 class SearchTask(NamedTuple):
@@ -22,25 +22,25 @@ class SearchTask(NamedTuple):
 class SearchSummary(NamedTuple):
     """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done"""
 
-    best: OptimisedMotion | None
+    best: OptimizedMotion | None
     failures: list[str]
     interrupted: bool
 
 
-def search(task: SearchTask) -> OptimisedMotion | str:
+def search(task: SearchTask) -> OptimizedMotion | str:
     """The motion from one seed, or why there is none."""
     from crosscheck.exciting.collision_free import collision_free
-    from graphdyn.excitation import NoFeasibleMotion, optimised
+    from graphdyn.excitation import NoFeasibleMotion, optimized
 
     try:
         if task.collisions is None:
-            return optimised(task.problem, task.seed)
+            return optimized(task.problem, task.seed)
         return collision_free(task.problem, task.collisions, task.seed)
     except NoFeasibleMotion as error:
         return str(error)
 
 
-def one_by_one(tasks: list[SearchTask]) -> Generator[tuple[int, OptimisedMotion | str]]:
+def one_by_one(tasks: list[SearchTask]) -> Generator[tuple[int, OptimizedMotion | str]]:
     """In this process: starting another takes longer than a search."""
     for k, task in enumerate(tasks):
         yield k, search(task)
@@ -55,7 +55,7 @@ def best_of(
 ) -> SearchSummary:
     """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
     tasks = [SearchTask(problem, seed, collisions) for seed in seeds]
-    best: OptimisedMotion | None = None
+    best: OptimizedMotion | None = None
     failures = list[str]()
     answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)
     try:

@@ -26,7 +26,7 @@ from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
 
 BLUE_CURVE, RED_CURVE, GRAY_CURVE = 0, 1, 7
-"""Colours of curves."""
+"""Colors of curves."""
 
 TORQUE_HEIGHT, RESIDUAL_HEIGHT = 0.8, 0.45
 """Of the panels of a joint."""

@@ -138,7 +138,7 @@ def run(
         )
         try:
             with progress(robot) as advance, warnings_shown():
-                judgement, unused = judge_answers(
+                judgment, unused = judge_answers(
                     setting,
                     read_answers(answers or []),
                     functions,
@@ -149,11 +149,11 @@ def run(
             raise typer.Exit(PENDING) from None
     if unused:
         warn_of_unused(unused)
-    report = judge_report(judgement)
+    report = judge_report(judgment)
     if three_d:
-        report = with_stage(report, [standing(robot, judgement.model, judgement.reading)])
+        report = with_stage(report, [standing(robot, judgment.model, judgment.reading)])
     deliver(report, html_file, json_file)
-    raise typer.Exit(AGREED if judgement.agrees and judgement.decided else DISAGREED)
+    raise typer.Exit(AGREED if judgment.agrees and judgment.decided else DISAGREED)
 
 
 def _in_python(

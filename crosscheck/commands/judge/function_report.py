@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crosscheck.judging.functions.table import FUNCTIONS
-from crosscheck.judging.judgment import JudgedFunction, Judgement
+from crosscheck.judging.judgment import JudgedFunction, Judgment
 from crosscheck.report.error_tables import ERROR_FORMAT, distribution, over_states, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
 from crosscheck.report.report import Code, Column, Row, Section, Table
@@ -25,7 +25,7 @@ def counted(errors: Array) -> Array:
     return np.where(np.isnan(errors), np.inf, errors)
 
 
-def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
+def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
     """For the page: the errors in detail, and the worst call."""
     contests = [
         *(SpreadRow(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
@@ -63,9 +63,9 @@ def function_section(judgement: Judgement, function: JudgedFunction) -> Section:
                 "Against every reference implementation.",
             ),
             *([_failed_states(function)] if function.failures else []),
-            _worst_call(judgement.model, function),
+            _worst_call(judgment.model, function),
             Code(
-                worst_call(judgement, function),
+                worst_call(judgment, function),
                 title="Python that computes the expected answer beside the one that was given",
                 on=("page",),
             ),

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgement
+from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment
 from crosscheck.report.record_fields import FORMAT, Command, Keywords, Number, Versions, taken
 from crosscheck.report.versions import versions
 from graphdyn.layout import Array
@@ -224,15 +224,15 @@ class JudgeRecord:
     """What a reader must know, for instance why a referee took no part."""
 
 
-def record(judgement: Judgement, command: Sequence[str]) -> JudgeRecord:
-    """A judgement but for the model."""
+def record(judgment: Judgment, command: Sequence[str]) -> JudgeRecord:
+    """A judgment but for the model."""
     return taken(
         JudgeRecord,
-        judgement,
+        judgment,
         command=command,
-        verdict=judgement.verdict.lower(),
-        functions={name: _function(function) for name, function in judgement.functions.items()},
-        diagnoses=[_diagnosis(diagnosis) for diagnosis in judgement.diagnoses],
+        verdict=judgment.verdict.lower(),
+        functions={name: _function(function) for name, function in judgment.functions.items()},
+        diagnoses=[_diagnosis(diagnosis) for diagnosis in judgment.diagnoses],
     )
 
 

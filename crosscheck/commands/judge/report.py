@@ -9,7 +9,7 @@ from pathlib import Path
 
 from crosscheck.commands.judge.function_report import counted, function_section
 from crosscheck.commands.judge.record import record
-from crosscheck.judging.judgment import Diagnosis, Judgement
+from crosscheck.judging.judgment import Diagnosis, Judgment
 from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
@@ -31,31 +31,31 @@ MAX_LISTED_STATES = 20
 """Numbers of states without an answer that are listed at most; the page and the JSON file have all."""
 
 
-def judge_report(judgement: Judgement) -> Report:
+def judge_report(judgment: Judgment) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
-    diagnoses = tuple(block for diagnosis in judgement.diagnoses for block in _diagnosis(diagnosis))
+    diagnoses = tuple(block for diagnosis in judgment.diagnoses for block in _diagnosis(diagnosis))
     return Report(
-        f"Foreign functions for {Path(judgement.robot).name}",
-        verdict_of(judgement.agrees, judgement.decided, _reason(judgement)),
+        f"Foreign functions for {Path(judgment.robot).name}",
+        verdict_of(judgment.agrees, judgment.decided, _reason(judgment)),
         (
             *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
-            Section("errors", "Errors", (_errors(judgement), *_read(judgement), _to_be_known(judgement))),
-            Section("judged", "What was judged", _judged(judgement)),
-            *(function_section(judgement, function) for function in judgement.functions.values()),
+            Section("errors", "Errors", (_errors(judgment), *_read(judgment), _to_be_known(judgment))),
+            Section("judged", "What was judged", _judged(judgment)),
+            *(function_section(judgment, function) for function in judgment.functions.values()),
         ),
-        record=partial(record, judgement),
+        record=partial(record, judgment),
     )
 
 
-def _reason(judgement: Judgement) -> str:
-    functions, referees = judgement.functions.values(), ", ".join(judgement.referees)
-    if judgement.agrees and judgement.decided:
+def _reason(judgment: Judgment) -> str:
+    functions, referees = judgment.functions.values(), ", ".join(judgment.referees)
+    if judgment.agrees and judgment.decided:
         return (
             f"Every function gives the same numbers as every reference implementation ({referees}), within its bound."
         )
     faulty = [function for function in functions if function.referees_agree and not function.agrees]
     wrong = ", ".join(function.name for function in faulty if not function.right_where_answered)
-    if judgement.decided:
+    if judgment.decided:
         other = f"{wrong}: other numbers than the reference implementations ({referees}), which agree among themselves."
         told = [other] if wrong else []
         if unanswered := ", ".join(function.name for function in faulty if function.failures):
@@ -114,11 +114,11 @@ def _fitted(diagnosis: Diagnosis) -> Table:
     )
 
 
-def _errors(judgement: Judgement) -> Table:
+def _errors(judgment: Judgment) -> Table:
     """A row per function, two for accelerations: the largest error against every reference implementation."""
     rows = [
         row
-        for function in judgement.functions.values()
+        for function in judgment.functions.values()
         for row in (
             (function, function.name, function.errors, function.scale),
             (function, "backward_error", function.backward_errors, function.backward_scale),
@@ -129,7 +129,7 @@ def _errors(judgement: Judgement) -> Table:
         (
             Column("function", "name"),
             Column("verdict", "verdict"),
-            *(Column(referee, **ERROR_FORMAT) for referee in judgement.referees),
+            *(Column(referee, **ERROR_FORMAT) for referee in judgment.referees),
             Column("bound", **ERROR_FORMAT),
             Column("relative to", from_width=WIDE_LINE_CHARACTERS),
         ),
@@ -138,7 +138,7 @@ def _errors(judgement: Judgement) -> Table:
                 (
                     name,
                     verdict,
-                    *(_largest(errors, referee) for referee in judgement.referees),
+                    *(_largest(errors, referee) for referee in judgment.referees),
                     function.bound,
                     scale,
                 ),
@@ -152,9 +152,9 @@ def _errors(judgement: Judgement) -> Table:
     )
 
 
-def _read(judgement: Judgement) -> tuple[Block, ...]:
+def _read(judgment: Judgment) -> tuple[Block, ...]:
     """The conventions that the functions follow, and the states without an answer."""
-    functions = judgement.functions.values()
+    functions = judgment.functions.values()
     followed = tuple(
         (function.name, ", ".join(f"{name}: {way}" for name, way in function.conventions.items()))
         for function in functions
@@ -182,16 +182,16 @@ def _largest(errors: Mapping[str, Array], referee: str) -> float | None:
     return float(counted(errors[referee]).max()) if referee in errors else None
 
 
-def _to_be_known(judgement: Judgement) -> Notes:
-    return Notes(tuple(map(Note, judgement.notes)), title="To be known")
+def _to_be_known(judgment: Judgment) -> Notes:
+    return Notes(tuple(map(Note, judgment.notes)), title="To be known")
 
 
-def _judged(judgement: Judgement) -> tuple[Block, ...]:
-    model, names = judgement.model, judgement.joint_names
+def _judged(judgment: Judgment) -> tuple[Block, ...]:
+    model, names = judgment.model, judgment.joint_names
     facts = (
-        ("robot", f"{judgement.robot}: {len(names)} joints{locked_text(judgement.locked)}"),
+        ("robot", f"{judgment.robot}: {len(names)} joints{locked_text(judgment.locked)}"),
         ("joint order", ", ".join(names)),
-        ("states", f"{judgement.samples} random states and special ones, seed {judgement.seed}"),
-        ("reference implementations", ", ".join(judgement.referees)),
+        ("states", f"{judgment.samples} random states and special ones, seed {judgment.seed}"),
+        ("reference implementations", ", ".join(judgment.referees)),
     )
-    return robot_picture(model, Path(judgement.robot).name), Group((Facts(facts), joints_table(model)))
+    return robot_picture(model, Path(judgment.robot).name), Group((Facts(facts), joints_table(model)))

@@ -34,7 +34,7 @@ LABEL_DISTANCE_POINTS = 11.0
 CIRCLE_ANGLES = np.linspace(0.0, 2 * np.pi, 33)
 
 FRAME_STYLES = ((CURVES[0], "-", "e_1"), (CURVES[1], (0, (3, 1.2)), "e_2"), (CURVES[2], (0, (1, 1)), "e_3"))
-"""Colour and line of e_1, e_2, e_3."""
+"""Color and line of e_1, e_2, e_3."""
 
 _TOWARD = np.array([np.cos(AZIMUTH) * np.cos(ELEVATION), np.sin(AZIMUTH) * np.cos(ELEVATION), np.sin(ELEVATION)])
 _RIGHT = np.array([-np.sin(AZIMUTH), np.cos(AZIMUTH), 0.0])

@@ -22,7 +22,7 @@ FACES = 12000
 
 
 def robot_names(incomplete: str) -> list[str]:
-    """Names of the catalogue that begin like this, for completion by the shell, which completes files if none does."""
+    """Names of the catalog that begin like this, for completion by the shell, which completes files if none does."""
     from urdf import robots
 
     return [entry.name for entry in robots() if entry.name.startswith(incomplete)]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 
 def is_folder(robot: str) -> bool:
-    """Whether an argument is a folder, and not the name of a robot of the catalogue."""
+    """Whether an argument is a folder, and not the name of a robot of the catalog."""
     from urdf import robots
 
     return Path(robot).is_dir() and robot not in {entry.name for entry in robots()}

@@ -1,4 +1,4 @@
-"""`graphdyn questions`: the states of a judgement as a file, for code that is asked by files."""
+"""`graphdyn questions`: the states of a judgment as a file, for code that is asked by files."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def run(
     chain: ChainOption = None,
     gravity: GravityOption = None,
 ) -> None:
-    """Write the questions of a judgement to a file.
+    """Write the questions of a judgment to a file.
 
     Each has an id, the name of a function and its arguments. Compute the answers with any code, write a file with
     the id and the numbers of each answer, and give it to `graphdyn judge ROBOT --answers FILE` with the same options

@@ -1,4 +1,4 @@
-"""`graphdyn robots`: the catalogue."""
+"""`graphdyn robots`: the catalog."""
 
 from __future__ import annotations
 

@@ -9,19 +9,19 @@ from crosscheck.report.record import Record, written
 from urdf import RobotEntry
 
 
-class CatalogueEntryRecord(Record, of=RobotEntry, leave_out=("gravity",)):
+class CatalogEntryRecord(Record, of=RobotEntry, leave_out=("gravity",)):
     """A robot."""
 
 
 class RobotsRecord(Record, format="graphdyn robots 1"):
     """The robots known by name.
 
-    robots: the catalogue, in the order of the table
+    robots: the catalog, in the order of the table
     """
 
-    robots: Sequence[CatalogueEntryRecord]
+    robots: Sequence[CatalogEntryRecord]
 
 
 def record(entries: Sequence[RobotEntry]) -> dict[str, Any]:
-    """The catalogue. entries: as urdf.robots gives them"""
+    """The catalog. entries: as urdf.robots gives them"""
     return written(RobotsRecord, robots=entries)

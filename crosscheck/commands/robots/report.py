@@ -1,4 +1,4 @@
-"""`graphdyn robots`: the catalogue, as a report."""
+"""`graphdyn robots`: the catalog, as a report."""
 
 from __future__ import annotations
 

@@ -174,7 +174,7 @@ class StudyScenarioRecord:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyRecord:
-    """A study of identification methods, summarised; every run is in results.parquet."""
+    """A study of identification methods, summarized; every run is in results.parquet."""
 
     format: Annotated[Literal["graphdyn study 1"], FORMAT] = "graphdyn study 1"
 

@@ -20,7 +20,7 @@ from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, 
 from crosscheck.study.statistics.grid import Grid, grid_of
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median, order_of_median, share
 from crosscheck.study.statistics.outcomes import Measures, read_outcomes
-from crosscheck.study.statistics.summary import StudySummary, summarised
+from crosscheck.study.statistics.summary import StudySummary, summarized
 
 NUMBER_IN_REASON = re.compile(r"\d[\d.e+-]*")
 """In a reason."""
@@ -40,7 +40,7 @@ def study_report(folder: Path, facts: Sequence[tuple[str, str]], repeat: Repeat)
 
     Raises as read_outcomes.
     """
-    found = summarised(read_outcomes(folder))
+    found = summarized(read_outcomes(folder))
     grid = grid_of(found.outcomes.scenarios)
     on_page = shown_runs(found)
     sections = (

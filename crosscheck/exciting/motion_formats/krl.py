@@ -1,7 +1,7 @@
 """KUKA: a spline block of points in degrees, each taking the same part of the time of the whole block.
 
 Makers count axes from zeros and in directions of their own: A_j = sign_j q_j + zero_j, with q_j in degrees. Sliding
-joints are external axes E1, … in millimetres.
+joints are external axes E1, … in millimeters.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from graphdyn.layout import Array
 
 MILLIMETERS_PER_METER = 1000.0
 KRL_DECIMALS = 6
-"""Decimals of a degree or millimetre."""
+"""Decimals of a degree or millimeter."""
 
 _POINT = re.compile(r"^\s*S?PTP\s*\{([^}]*)\}", re.MULTILINE)
 _END = re.compile(r"^\s*TIME_BLOCK\s+END\s*=\s*([-+.\deE]+)", re.MULTILINE)

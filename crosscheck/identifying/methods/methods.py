@@ -17,7 +17,7 @@ from graphdyn.identification import (
     EssentialParameters,
     Estimate,
     Estimator,
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     InstrumentalVariables,
     LogCholesky,
     MaximumLikelihood,
@@ -34,7 +34,7 @@ ESTIMATORS: dict[str, Callable[[], Estimator]] = {
     "ols": OrdinaryLeastSquares,
     "wls": WeightedLeastSquares,
     "wls-pinocchio": lambda: WithPinocchio(WeightedLeastSquares()),
-    "gls": GeneralisedLeastSquares,
+    "gls": GeneralizedLeastSquares,
     "huber": lambda: ReweightedLeastSquares("huber"),
     "tukey": lambda: ReweightedLeastSquares("tukey"),
     "ridge": Ridge,
@@ -93,7 +93,7 @@ def method_with(method: str, *, name: str | None = None, **settings: Any) -> Est
     if not settings and name is None:
         return method_named(method)
     said = ", ".join(f"{setting} {_short(value)}" for setting, value in settings.items())
-    return Labelled(replace(estimator, **settings), name or f"{estimator.name}, {said}")
+    return Labeled(replace(estimator, **settings), name or f"{estimator.name}, {said}")
 
 
 def _short(value: Any) -> str:
@@ -101,7 +101,7 @@ def _short(value: Any) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Labelled:
+class Labeled:
     """An estimator under another name."""
 
     estimator: Estimator

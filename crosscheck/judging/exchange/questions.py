@@ -1,4 +1,4 @@
-"""The questions that files hold: the states of one judgement, each with an id that depends on what is asked alone.
+"""The questions that files hold: the states of one judgment, each with an id that depends on what is asked alone.
 
 Questions as files: CSV, JSON, NumPy and Parquet.
 """

@@ -1,4 +1,4 @@
-"""Judging by files: the questions of the first round, and a judgement of answers or the questions of the second."""
+"""Judging by files: the questions of the first round, and a judgment of answers or the questions of the second."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from crosscheck.judging.exchange.replay import QUESTION_STAGES, AnswersPending, 
 from crosscheck.judging.functions.known_function import LOADS, KnownFunction
 from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judge import Progress, check_frame, judge_functions
-from crosscheck.judging.judgment import Judgement
+from crosscheck.judging.judgment import Judgment
 from crosscheck.judging.observing.function_under_test import ForeignFunction, joint_order
 from crosscheck.judging.setting import Foreign, Setting
 from crosscheck.judging.states.judged_states import JudgedStates
@@ -88,8 +88,8 @@ def judge_answers(
     given: Mapping[int, GivenAnswer],
     others: Mapping[str, Foreign],
     progress: Progress | None = None,
-) -> tuple[Judgement, list[int]]:
-    """The judgement of answers and of other functions, and the ids that belong to no question.
+) -> tuple[Judgment, list[int]]:
+    """The judgment of answers and of other functions, and the ids that belong to no question.
 
     given: answers by id, may be none; others: functions besides, by name
 
@@ -115,7 +115,7 @@ def judge_answers(
 
     try:
         answered = {name: Replay(given, used) for name in names}
-        judgement = judge_functions({**answered, **others}, setting, progress)
+        judgment = judge_functions({**answered, **others}, setting, progress)
     except AnswersPending:
         raise AnswersPending([one for name in names for one in pending(name)]) from None
-    return judgement, [number for number in given if number not in used]
+    return judgment, [number for number in given if number not in used]

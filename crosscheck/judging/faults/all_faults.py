@@ -1,4 +1,4 @@
-"""The catalogue: faults of dynamics codes, and families whose numbers are fitted."""
+"""The catalog: faults of dynamics codes, and families whose numbers are fitted."""
 
 from __future__ import annotations
 

@@ -12,8 +12,8 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
 
-LENGTH_UNITS = {"millimetres": 1e3, "centimetres": 1e2, "inches": 1 / 0.0254}
-"""Units that a length may be in, per metre."""
+LENGTH_UNITS = {"millimeters": 1e3, "centimeters": 1e2, "inches": 1 / 0.0254}
+"""Units that a length may be in, per meter."""
 
 
 def units(model: RobotModel) -> Iterator[CodeFault]:
@@ -32,17 +32,17 @@ def units(model: RobotModel) -> Iterator[CodeFault]:
             yield _scaled(model, turning, of, "velocities", "rev/min", 2 * np.pi / 60, "v")
         if sliding and (len(joints) == 1 or len(sliding) > 1):
             of_slides = of if len(joints) == 1 else "sliding {what}"
-            for unit, per_metre in LENGTH_UNITS.items():
+            for unit, per_meter in LENGTH_UNITS.items():
                 what = "positions, velocities and accelerations"
-                yield _scaled(model, sliding, of_slides, what, unit, 1 / per_metre, "qva")
-                yield _scaled(model, sliding, of_slides, "positions", unit, 1 / per_metre, "q")
-    for unit, per_metre in LENGTH_UNITS.items():
+                yield _scaled(model, sliding, of_slides, what, unit, 1 / per_meter, "qva")
+                yield _scaled(model, sliding, of_slides, "positions", unit, 1 / per_meter, "q")
+    for unit, per_meter in LENGTH_UNITS.items():
         yield from of_joints(
             model,
             "unit",
-            f"the placement of {{who}} is in {unit}, the rest in metres",
-            "convert lengths to metres",
-            lambda x, j, f=per_metre: {"translations": f * x.translations[j]},  # type: ignore[misc]
+            f"the placement of {{who}} is in {unit}, the rest in meters",
+            "convert lengths to meters",
+            lambda x, j, f=per_meter: {"translations": f * x.translations[j]},  # type: ignore[misc]
         )
     for turn, said in ((degree, "degrees"), (1 / degree, "radians, but the code means degrees")):
         yield from of_joints(

@@ -17,7 +17,7 @@ from graphdyn import inverse_dynamics
 
 DIFFERENCE_ORDER = 8
 POINT_SPACING = 1e-5
-"""Between neighbouring points, relative to the arguments: 80 units in the last place of single precision; terms that
+"""Between neighboring points, relative to the arguments: 80 units in the last place of single precision; terms that
 turn a thousand times as fast as the joints still vanish."""
 
 N_LINES = 5

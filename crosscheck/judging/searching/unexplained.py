@@ -51,7 +51,7 @@ def unexplained(
     rest = [part for part in wrong if part not in explained]
     if rest:
         message = (
-            f"no fault of the catalogue explains the deviation {' and '.join(EXPERIMENT_PARTS[part] for part in rest)}"
+            f"no fault of the catalog explains the deviation {' and '.join(EXPERIMENT_PARTS[part] for part in rest)}"
         )
     elif wrong:
         message = "what the parts leave together has no explanation"

@@ -33,7 +33,7 @@ TURNING_LIMITS = {
     "temperature": Limit(1e3, "copper melts"),
 }
 SLIDING_LIMITS = {
-    "q": Limit(1e3, "a kilometre of rail"),
+    "q": Limit(1e3, "a kilometer of rail"),
     "v": Limit(1e2, "ten times the fastest linear axis"),
     "a": Limit(1e5, "ten thousand times gravity"),
     "tau": Limit(1e7, "the weight of a thousand tonnes"),
@@ -49,9 +49,9 @@ MIN_SATURATED_ROWS = 5
 them."""
 
 TRAVEL_TOLERANCE = 0.1
-"""Allowed relative error of the distance travelled by v against that by q; wrong units or joints give far more."""
+"""Allowed relative error of the distance traveled by v against that by q; wrong units or joints give far more."""
 MIN_TRAVEL, N_WINDOWS = 0.05, 20
-"""Distance travelled below which v and q are not compared [rad or m]; number of intervals in which they are."""
+"""Distance traveled below which v and q are not compared [rad or m]; number of intervals in which they are."""
 
 
 def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:

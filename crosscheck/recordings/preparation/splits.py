@@ -1,4 +1,4 @@
-"""Train and test: by time, by rows or by file, in whole intervals, since neighbouring rows are correlated."""
+"""Train and test: by time, by rows or by file, in whole intervals, since neighboring rows are correlated."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Interval = tuple[float, float]
 
 GUARD_TIME = 0.25
 """Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
-neighbouring rows."""
+neighboring rows."""
 
 
 class Split(NamedTuple):

@@ -1,4 +1,4 @@
-"""Colours of the pictures. On the page each is a variable of page/style.css, so that it follows dark mode."""
+"""Colors of the pictures. On the page each is a variable of page/style.css, so that it follows dark mode."""
 
 INK, SOFT_COLOR, MIDDLE_COLOR, FAINT_COLOR, GROUND, BAR = (
     "#222222",

@@ -133,7 +133,7 @@ def thinned(y: Array, points: int = MAX_STATIC_POINTS) -> NDArray[np.intp]:
 
 
 def _rows(plot: Plot, samples: int) -> NDArray[np.intp]:
-    """All of x, or those at which some curve is smallest or largest among its neighbours."""
+    """All of x, or those at which some curve is smallest or largest among its neighbors."""
     if len(plot.x) <= samples:
         return np.arange(len(plot.x))
     curves = [one.y for panel in plot.panels for one in panel.series]

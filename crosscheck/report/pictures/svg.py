@@ -78,7 +78,7 @@ def _say(root: etree._Element, hovers: Mapping[str, str]) -> None:
 
 
 def _follow_the_page(root: etree._Element) -> None:
-    """Colours that are known to the style sheet become its variables; text has the font of the page, and its ink."""
+    """Colors that are known to the style sheet become its variables; text has the font of the page, and its ink."""
 
     def variable(found: re.Match[str]) -> str:
         color = found.group()

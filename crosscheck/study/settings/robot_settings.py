@@ -23,7 +23,7 @@ class RobotSettings:
     """The robot as it is, its controller, and the limits of its motions. One number for all joints, or one each.
 
     file: of the configuration, for messages
-    name: of the catalogue, or path of a file; locked: joints that stand still at zero
+    name: of the catalog, or path of a file; locked: joints that stand still at zero
     viscous, coulomb, rotor_inertia: of the drives   [N m s/rad, N m, kg m²; sliding joints in N and kg]
     position_gain, velocity_gain: of the PD controller; without them from the inertia at q = 0   [N m/rad, N m s/rad]
     velocity_noise: of the velocities that the controller sees   [rad/s or m/s]

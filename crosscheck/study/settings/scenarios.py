@@ -17,7 +17,7 @@ from graphdyn.identification.closed_loop import MAX_SIMULATION_STEP
 MOTION_KINDS = ("random", "excited", "steps", "paper")
 """Kinds of references:
 
-random: a Fourier series with random coefficients that reaches the limits; excited: one that is optimised within them
+random: a Fourier series with random coefficients that reaches the limits; excited: one that is optimized within them
 steps: from one random position to the next within half a second, then half a second at rest
 paper: that of section 3.1, without the rail: the first two joints accelerate at 30°/s², the others stand still
 """

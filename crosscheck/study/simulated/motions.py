@@ -13,7 +13,7 @@ from crosscheck.study.settings.robot_settings import RobotSettings
 from crosscheck.study.settings.scenarios import MOTION_KINDS
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of
 from graphdyn import InvalidInput
-from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, frame_origins, optimised, random_trajectory
+from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, frame_origins, optimized, random_trajectory
 from graphdyn.layout import Array
 from graphdyn.motion_laws import ConstantAcceleration, Course, Locked, MotionLaw
 
@@ -24,7 +24,7 @@ MIN_MOTION_RANGE = 1e-9
 """A motion that goes no further is none [rad or m]."""
 
 OPTIMIZED_RATE = 500.0
-"""Samples per second of the recording for which a motion is optimised [Hz]."""
+"""Samples per second of the recording for which a motion is optimized [Hz]."""
 
 STEP_PERIOD = 1.0
 """Time from one step to the next [s]; the robot moves in the first half."""
@@ -75,7 +75,7 @@ def _excited(
     torque_model = plant.known_exactly
     basis = FourierBasis(min(duration, MOTION_PERIOD), HARMONICS)
     problem = ExcitationProblem(torque_model, plant.limits, basis, assumed_noise(plant.model)[0], OPTIMIZED_RATE)
-    return _repeated(optimised(problem, int(rng.integers(2**31))).trajectory)
+    return _repeated(optimized(problem, int(rng.integers(2**31))).trajectory)
 
 
 def _steps(

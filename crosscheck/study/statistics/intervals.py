@@ -44,9 +44,9 @@ def share(count: int, trials: int, level: float = CONFIDENCE_LEVEL) -> Interval:
         return UNKNOWN_INTERVAL
     z = NormalDist().inv_cdf((1 + level) / 2)
     p, shrunk = count / trials, 1 + z**2 / trials
-    centre = (p + z**2 / (2 * trials)) / shrunk
+    center = (p + z**2 / (2 * trials)) / shrunk
     half = z / shrunk * float(np.sqrt(p * (1 - p) / trials + z**2 / (4 * trials**2)))
-    return Interval(p, 0.0 if count == 0 else centre - half, 1.0 if count == trials else centre + half)
+    return Interval(p, 0.0 if count == 0 else center - half, 1.0 if count == trials else center + half)
 
 
 def order_of_median(count: int, level: float = CONFIDENCE_LEVEL) -> tuple[int, float]:
@@ -67,8 +67,8 @@ def median(values: Array) -> Interval:
         return Interval(float(values[0]), np.nan, np.nan) if len(values) else UNKNOWN_INTERVAL
     k, _ = order_of_median(len(values))
     middle = values[(len(values) - 1) // 2], values[len(values) // 2]
-    centre = middle[0] if middle[0] == middle[1] else 0.5 * (middle[0] + middle[1])
-    return Interval(float(centre), float(values[k - 1]), float(values[-k]))
+    center = middle[0] if middle[0] == middle[1] else 0.5 * (middle[0] + middle[1])
+    return Interval(float(center), float(values[k - 1]), float(values[-k]))
 
 
 def means(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array, Array]:
@@ -79,9 +79,9 @@ def means(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array,
     if count < 2:
         nothing = np.full(values.shape[1:], np.nan)
         return (values[0] if count else nothing), nothing, nothing
-    centre = values.mean(axis=0)
+    center = values.mean(axis=0)
     half = t.ppf((1 + level) / 2, count - 1) * values.std(axis=0, ddof=1) / np.sqrt(count)
-    return centre, centre - half, centre + half
+    return center, center - half, center + half
 
 
 def deviations(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array, Array]:

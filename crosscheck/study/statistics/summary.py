@@ -1,4 +1,4 @@
-"""What a study found, in numbers: every scenario and method summarised, the methods of each class ranked."""
+"""What a study found, in numbers: every scenario and method summarized, the methods of each class ranked."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class StudySummary:
         return sorted(columns, key=lambda k: ranking.methods.index(self.outcomes.methods[k].name))
 
 
-def summarised(found: StudyOutcomes) -> StudySummary:
+def summarized(found: StudyOutcomes) -> StudySummary:
     """All statistics of a study."""
     scenarios = []
     for scenario in found.scenarios:

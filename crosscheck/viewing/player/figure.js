@@ -99,7 +99,7 @@ class Figure {
     return { q, bodies, wrenches, tau: actuatorTorques(this.robot, bodies, wrenches), recorded: null };
   }
 
-  // Draw an instant; lengths per newton and newton metre, and the torque of a full arc, in scales.
+  // Draw an instant; lengths per newton and newton meter, and the torque of a full arc, in scales.
   show(instant, scales) {
     this.bodies.forEach((group, i) => { group.matrix.copy(matrixOf(instant.bodies[i])); });
     instant.wrenches.forEach(([force, moment], j) => {

@@ -214,7 +214,7 @@ async function main() {
   document.body.dataset.ready = "yes";
 }
 
-// Metres per newton and newton metre, so that a usual load is a part of the size; the torque of a full arc.
+// Meters per newton and newton meter, so that a usual load is a part of the size; the torque of a full arc.
 function firstScales(figures, size) {
   const loads = figures.map((figure) => figure.loads());
   const usual = (kind) => {

@@ -147,7 +147,7 @@ class Stage {
     }
   }
 
-  // Pixels of a metre at the point about which the camera turns.
+  // Pixels of a meter at the point about which the camera turns.
   pixelsPerMetre() {
     const distance = this.controls ? this.camera.position.distanceTo(this.controls.target) : this.size * 4;
     return this.element.clientHeight / (2 * distance * Math.tan((Math.PI / 360) * FIELD));

@@ -82,7 +82,7 @@ _kept: dict[int, Array] = {}
 
 
 def aligned(shape: tuple[int, ...]) -> Array:
-    """An uninitialised array."""
+    """An uninitialized array."""
     size = prod(shape)
     memory = _memory(size + CACHE_LINE_BYTES // 8)
     start = -address(memory) % CACHE_LINE_BYTES // 8

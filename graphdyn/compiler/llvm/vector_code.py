@@ -2,7 +2,7 @@
 
 Reduction to [-π/4, π/4] by Cody and Waite with π/2 in three parts of 33 bits, whose products with the number of quarter
 turns are exact up to MAX_ANGLE; minimax polynomials of FreeBSD's msun (k_sin.c, k_cos.c; Sun Microsystems, 1993).
-Measured against fifty digits: within 1.4 units in the last place up to 100 rad, 2.3 up to MAX_ANGLE, neighbours of the
+Measured against fifty digits: within 1.4 units in the last place up to 100 rad, 2.3 up to MAX_ANGLE, neighbors of the
 multiples of π/2 included.
 
 Lines of LLVM code that compute with vectors, one sample per lane.
@@ -233,7 +233,7 @@ class VectorCode:
         step = width if step is None else step
         columns: list[str] = []
         for column in range(0, width - 1, 2):
-            # two neighbouring columns of each row: (x_0 y_0), (x_1 y_1), … of the lanes
+            # two neighboring columns of each row: (x_0 y_0), (x_1 y_1), … of the lanes
             pairs = [self.load("<2 x double>", block, lane * step + column) for lane in range(self.lanes)]
             # even rows x_0 y_0 x_2 y_2 …, odd rows x_1 y_1 x_3 y_3 …; interleaved: x_0 x_1 x_2 …, and y_0 y_1 …
             even, odd = self._joined(pairs[0::2]), self._joined(pairs[1::2])

@@ -210,7 +210,7 @@ class KKTSolution:
 
 
 def _residual(products: tuple[tuple[Array, Array], ...], right: Array, *others: Array) -> Array:
-    """‖Σ matrix vector - right‖∞ over the largest row of Σ |matrix| |vector| + |right|: no term hides by cancelling."""
+    """‖Σ matrix vector - right‖∞ over the largest row of Σ |matrix| |vector| + |right|: no term hides by canceling."""
     error = np.abs(sum(apply(matrix, vector) for matrix, vector in products) - right).max(axis=-1)
     terms = sum(apply(np.abs(matrix), np.abs(vector)) for matrix, vector in products) + np.abs(right)
     scale = np.maximum.reduce([x.max(axis=-1) for x in (terms, *others)])

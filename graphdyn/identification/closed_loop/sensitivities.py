@@ -39,14 +39,14 @@ def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: Outpu
     """
     problem = loop.problem
     sensitivity = sensitivities(loop, x, name)
-    modelled = problem.chosen(np.concatenate([_output(loop, samples, name) for samples in simulated]))
+    modeled = problem.chosen(np.concatenate([_output(loop, samples, name) for samples in simulated]))
     measured = problem.chosen(loop.measured_positions()) if name == "position" else None
     position = 0
     for rows in problem.rows():
         here = slice(position, position + len(rows))
         position = here.stop
         seen = rows if measured is None else replace(rows, measured=measured[here])
-        yield RowBlock(seen, problem.reduced(rows), sensitivity[here], modelled[here])
+        yield RowBlock(seen, problem.reduced(rows), sensitivity[here], modeled[here])
 
 
 def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:

@@ -4,7 +4,7 @@ from graphdyn.identification.estimators.consistent import ConsistentLeastSquares
 from graphdyn.identification.estimators.consistent_prior import ConsistentWithPrior
 from graphdyn.identification.estimators.direct_inverse import DirectInverse
 from graphdyn.identification.estimators.essential import EssentialParameters
-from graphdyn.identification.estimators.generalised import GeneralisedLeastSquares
+from graphdyn.identification.estimators.generalized import GeneralizedLeastSquares
 from graphdyn.identification.estimators.instrumental import InstrumentalVariables
 from graphdyn.identification.estimators.log_cholesky import LogCholesky
 from graphdyn.identification.estimators.maximum_likelihood import MaximumLikelihood
@@ -22,7 +22,7 @@ __all__ = [
     "ConsistentWithPrior",
     "DirectInverse",
     "EssentialParameters",
-    "GeneralisedLeastSquares",
+    "GeneralizedLeastSquares",
     "InstrumentalVariables",
     "LogCholesky",
     "MaximumLikelihood",

@@ -83,7 +83,7 @@ class MaximumLikelihood:
         shifts = [np.zeros((len(part.rows), 3 * problem.n_joints)) for part in measured_motion(problem)]
         ones, moved = np.ones(problem.n_joints), np.inf
         for iteration in range(1, self.most + 1):
-            blocks, squares, explained = _linearised(problem, x, shifts, noise)
+            blocks, squares, explained = _linearized(problem, x, shifts, noise)
             step = solve(merged(blocks), ones)
             x = x + step.x
             moved = float(np.abs(step.x / np.sqrt(np.diag(step.inverse))).max(initial=0.0))
@@ -111,7 +111,7 @@ class MaximumLikelihood:
         return left if self.torque_noise is None else positive("torque_noise", self.torque_noise, len(left))
 
 
-def _linearised(
+def _linearized(
     problem: Problem, x: Array, shifts: list[Array], noise: Array
 ) -> tuple[list[CompressedEquations], Array, Array]:
     """Equations of a step, block by block, with Σ e² and Σ G C Gᵀ of every joint (n,); it updates `shifts`."""

@@ -31,7 +31,7 @@ class RotorInertia:
         I_a a_j + I_a / G_j n·ω̇            on joint j
         I_a / G_j Jᵀ (n a_j + ω × n v_j)   on all joints that turn the carrier, J its angular Jacobian
 
-    Siciliano, Sciavicco, Villani and Oriolo, Robotics: Modelling, Planning and Control, 2009, section 7.1.1, with the
+    Siciliano, Sciavicco, Villani and Oriolo, Robotics: Modeling, Planning and Control, 2009, section 7.1.1, with the
     terms that it neglects for large G.
 
     gears: G_j, signed: turns of the rotor per turn of the joint      (n,)   [1, rad/m]

@@ -2,7 +2,7 @@
 
 With all joint positions K q + o, torques become Kᵀ τ and Jacobians J K, for any answer that has an entry per joint.
 What asks for accelerations solves Kᵀ M K instead of eliminating body after body: a coupling ties joints that are not
-neighbours.
+neighbors.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ from graphdyn.simulation.integration.steps import Tableau, tableau
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import Torques, whole_steps
 
-Stabilisation = Literal["projection", "baumgarte", "none"]
+Stabilization = Literal["projection", "baumgarte", "none"]
 
 LAST_STEP_RESIDUAL = 1e-8
 """Residual [m, -] whose square is rounding: one Newton step from there closes the joints."""
@@ -59,15 +59,15 @@ def maximal(
     method: str,
     step: float,
     at: Array | None,
-    stabilisation: Stabilisation,
+    stabilization: Stabilization,
     progress: Callable[[float], None],
 ) -> tuple[SimulatedCourse, MaximalState]:
     """The course, with q and v as the bodies show them, and where the bodies are. Raises InvalidInput."""
-    if stabilisation not in ("projection", "baumgarte", "none"):
-        raise InvalidInput(f"stabilisation is '{stabilisation}'; use 'projection', 'baumgarte' or 'none'")
+    if stabilization not in ("projection", "baumgarte", "none"):
+        raise InvalidInput(f"stabilization is '{stabilization}'; use 'projection', 'baumgarte' or 'none'")
     steps = whole_steps("the duration", duration, step)
     wanted = None if at is None else {round(time / step) for time in at.tolist()}
-    run = _MaximalRun(plant, start, source, tableau(method), step, source.steps_held(step, steps), stabilisation)
+    run = _MaximalRun(plant, start, source, tableau(method), step, source.steps_held(step, steps), stabilization)
     rows: dict[str, list[Array]] = {name: [] for name in COURSE_COLUMNS}
     times, states = [], []
     for number, state, values in run.steps(steps):
@@ -95,10 +95,10 @@ class _MaximalRun:
         method: Tableau,
         step: float,
         hold: int,
-        stabilisation: Stabilisation,
+        stabilization: Stabilization,
     ) -> None:
         self._plant, self._source, self._method, self._step, self._hold = plant, source, method, step, hold
-        self._equations, self._stabilisation = Equations(plant), stabilisation
+        self._equations, self._stabilization = Equations(plant), stabilization
         self._q, self._tau = start[0], np.zeros(len(start[0]))
         state = maximal_state(plant.model, *start)
         self._pose = Pose(state.position, Rotation.from_matrix(state.rotation).as_quat(), state.velocity, 0.0)
@@ -128,7 +128,7 @@ class _MaximalRun:
             rates.append(self._rates(t + c * h, _moved(begin, rates, weights, h)))
         pose = _moved(begin, rates, method.b, h)
         pose = pose._replace(quaternion=pose.quaternion / np.linalg.norm(pose.quaternion, axis=-1, keepdims=True))
-        self._pose = self._projected(pose) if self._stabilisation == "projection" else pose
+        self._pose = self._projected(pose) if self._stabilization == "projection" else pose
 
     def _rates(self, t: float, pose: Pose) -> Pose:
         state = self._state(pose)
@@ -144,7 +144,7 @@ class _MaximalRun:
         if self._plant.is_loaded:
             wrenches = self._equations.wrenches(t, *self._joints(state))
         system = kkt(state, tau, wrenches, bias=np.zeros((n, 6)))  # which couplings alone need
-        if self._stabilisation == "baumgarte":
+        if self._stabilization == "baumgarte":
             alpha = 1 / (BAUMGARTE_STEPS * self._step)
             rate = apply(system.constraint_jacobian, stacked(state.velocity))
             zeta = system.zeta - 2 * alpha * rate - alpha**2 * stacked(state.constraint_residual())

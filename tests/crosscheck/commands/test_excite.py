@@ -32,7 +32,7 @@ SHORT = ("--duration", 4, "--harmonics", 2, "--seeds", 1, "--random", 3, "--jobs
 LIMITS = ("--velocity", 2, "--torque", 200, "--lower", -2, "--upper", 2)
 
 ROUNDED = {".csv": 1e-15, ".yaml": 1e-15, ".yml": 1e-15, ".script": 1e-15, ".src": 1e-8}
-"""[rad or m] Degrees and millimetres have six decimals."""
+"""[rad or m] Degrees and millimeters have six decimals."""
 
 SETTINGS = AxisSettings((1.0, -1.0, 1.0), (0.0, 25.0, -90.0))
 
@@ -72,7 +72,7 @@ def test_message_for_ros(tmp_path):
 
 
 def test_program_for_kuka(tmp_path):
-    """Degrees, the maker's signs and zeros, sliding joints as external axes in millimetres, the time of the block."""
+    """Degrees, the maker's signs and zeros, sliding joints as external axes in millimeters, the time of the block."""
     model = mixed_tree()
     text = document(timed(model), tmp_path / "motion.src", SETTINGS).decode()
     q = timed(model).q[0]

@@ -74,7 +74,7 @@ class TestCommand:
         )
         assert str(folder / "a_dynamics.urdf") in done.stdout.replace("\n", "")
 
-    def test_a_robot_of_the_catalogue(self):
+    def test_a_robot_of_the_catalog(self):
         done = run("kr500")
         assert done.exit_code == 0
         assert done.stdout.startswith("kr500: good for dynamics\nDynamics can be computed (0 errors, ")
@@ -147,7 +147,7 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("argument", "message"),
         [
-            ("ur55", "'ur55' is neither a file nor a robot of the catalogue; close names: ur5"),
+            ("ur55", "'ur55' is neither a file nor a robot of the catalog; close names: ur5"),
             ("", "no \\*.urdf in the folder '.*'; give a folder with URDF files"),
         ],
     )

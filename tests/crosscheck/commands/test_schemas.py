@@ -147,11 +147,11 @@ class TestNumbers:
         assert [type(item) for item in record] == [int, bool, float, int, list]
 
     @pytest.mark.parametrize("number", few([math.nan, math.inf], math.inf))
-    def test_every_number_that_may_be_null(self, number, small_arm, small_comparison, wrong_judgement):
+    def test_every_number_that_may_be_null(self, number, small_arm, small_comparison, wrong_judgment):
         """Of the formats whose records are quickly made; those of paper, bench and identify are tested beside them."""
         for record in (
             crosscheck_records.record([small_comparison], [], []),
-            judge_records.record(wrong_judgement, []),
+            judge_records.record(wrong_judgment, []),
             describe(urdf.load(small_arm), "arm", {}),
             errata_records.record([Effect("A1", "arm", "error", np.ones(2), np.zeros(2))]),
         ):

@@ -20,7 +20,7 @@ from crosscheck.report.json import plain
 from crosscheck.report.text import as_text
 from crosscheck.study.statistics.grid import grid_of
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
-from crosscheck.study.statistics.summary import summarised
+from crosscheck.study.statistics.summary import summarized
 
 SCHEMA = REPOSITORY / "docs/schemas/study-1.schema.json"
 RUNS = 5
@@ -57,7 +57,7 @@ def test_record(report, folder):
     """It follows the schema, and has the numbers of the statistics."""
     record = plain(report.record(["study"]))
     Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
-    found = summarised(read_outcomes(folder))
+    found = summarized(read_outcomes(folder))
     ranking = found.rankings["torques", "torque_error"]
     said = next(one for one in record["rankings"] if one["error"] == "torque_error")
     assert [one["method"] for one in said["methods"]] == list(ranking.methods)
@@ -76,7 +76,7 @@ def test_record(report, folder):
 def test_terminal(report, folder):
     """Who leads, with what right; the median torque errors; why methods failed."""
     text = as_text(report, 200)
-    ranking = summarised(read_outcomes(folder)).rankings["torques", "torque_error"]
+    ranking = summarized(read_outcomes(folder)).rankings["torques", "torque_error"]
     assert f"{', '.join(ranking.leaders)} lead and are not told apart, by torque error" in " ".join(text.split())
     assert f"{ranking.distance:.2f}" in text
     assert "no convergence after 50 iterations" in text

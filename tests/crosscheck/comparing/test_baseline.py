@@ -10,7 +10,7 @@ from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import BaseMotion, InvalidInput
 from graphdyn.identification import (
     EssentialParameters,
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     OrdinaryLeastSquares,
     Problem,
     ReweightedLeastSquares,
@@ -26,7 +26,7 @@ SAME = 1e-10
 ESTIMATORS = [
     OrdinaryLeastSquares(),
     WeightedLeastSquares(),
-    GeneralisedLeastSquares(),
+    GeneralizedLeastSquares(),
     ReweightedLeastSquares(),
     Ridge(strength=1.0),
     EssentialParameters(),

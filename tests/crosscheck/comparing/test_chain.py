@@ -21,7 +21,7 @@ from crosscheck.report.html import page as page_of
 from crosscheck.report.json import plain
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput, kr500
-from urdf.document.catalogue import locate
+from urdf.document.catalog import locate
 
 SAMPLES = 10
 TORSO = ("torso_2_link", "gripper_left_base_link")

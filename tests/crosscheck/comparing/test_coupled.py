@@ -76,7 +76,7 @@ def test_on_the_command_line(file, tmp_path):
 
 def test_judged_as_if_independent(file):
     free = urdf.load(file).uncoupled
-    judgement = crosscheck.judge(file, mass_matrix=lambda q: graphdyn.mass_matrix(free, q), samples=5)
-    assert judgement.agrees
-    assert judgement.notes == ("joints that others drive are judged as if they were independent",)
-    assert ").uncoupled" in worst_call(judgement, judgement.functions["mass_matrix"])
+    judgment = crosscheck.judge(file, mass_matrix=lambda q: graphdyn.mass_matrix(free, q), samples=5)
+    assert judgment.agrees
+    assert judgment.notes == ("joints that others drive are judged as if they were independent",)
+    assert ").uncoupled" in worst_call(judgment, judgment.functions["mass_matrix"])

@@ -42,10 +42,10 @@ def weightless_wrist(*axes):
     return arm
 
 
-@pytest.mark.parametrize("metres", [pytest.param(30, marks=LONG), 1e4])
-def test_far_from_the_origin(metres):
+@pytest.mark.parametrize("meters", [pytest.param(30, marks=LONG), 1e4])
+def test_far_from_the_origin(meters):
     """A robot on a map: its dynamics do not depend on where it stands."""
-    far = kr500().with_base(Placement(translation=[metres, metres, metres]))
+    far = kr500().with_base(Placement(translation=[meters, meters, meters]))
     assert flagged(crosscheck.compare(far, SAMPLES)) == set()
 
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from mechanisms import bricard, four_bar, palletiser
+from mechanisms import bricard, four_bar, palletizer
 from shared_data import DATA, existing
 
 import crosscheck
@@ -16,8 +16,8 @@ from graphdyn import Chord
 SAMPLES = 2
 
 
-def test_a_palletising_arm_agrees():
-    model, _ = palletiser(existing(DATA / "loops").parent)
+def test_a_palletizing_arm_agrees():
+    model, _ = palletizer(existing(DATA / "loops").parent)
     comparison = crosscheck.compare(model, samples=SAMPLES)
     assert comparison.agrees
     assert set(comparison.quantities) - set(BY_NAME) == set(LOOPED)

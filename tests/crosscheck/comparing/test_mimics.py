@@ -10,7 +10,7 @@ from witnesses import relative_error
 
 import graphdyn
 import urdf
-from urdf.document.catalogue import locate
+from urdf.document.catalog import locate
 
 ROUNDING = 1e-13
 """Relative to the largest entry: measured 6e-16, of accelerations 6e-14."""

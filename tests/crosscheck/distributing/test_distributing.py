@@ -66,7 +66,7 @@ class Future:
 
     def __init__(self, task, beside):
         self.key, self.task, self.beside = str(uuid4()), task, beside
-        self.status = "cancelled" if task == "gone" else "error" if task == "broken" else "finished"
+        self.status = "canceled" if task == "gone" else "error" if task == "broken" else "finished"
         if task == "killer" or (task == "innocent" and beside):
             self.status = "error"
 

@@ -25,7 +25,7 @@ from graphdyn.excitation import (
     FourierBasis,
     MotionLimits,
     NoFeasibleMotion,
-    OptimisedMotion,
+    OptimizedMotion,
     Poses,
     TabulatedCourse,
 )
@@ -192,11 +192,11 @@ def test_motions_that_still_collide(folding_arm, monkeypatch):
     folded = type("Folded", (), {"motion": lambda self, times: type("Q", (), {"q": np.array([[0, 2.9, 3.0]])})})()
     starts = []
 
-    def not_optimised(tried, seed, start=None):
+    def not_optimized(tried, seed, start=None):
         starts.append([clearance.distance for clearance in tried.limits.clearances])
         return type("Found", (), {"trajectory": folded})
 
-    monkeypatch.setattr(searching, "optimised", not_optimised)
+    monkeypatch.setattr(searching, "optimized", not_optimized)
     with pytest.raises(
         NoFeasibleMotion,
         match=r"no motion without collisions was found from seed 3: in 6 searches with growing distances, .*a - c.* "
@@ -210,18 +210,18 @@ def test_searches_that_end_without_a_motion(folding_arm, monkeypatch):
     """From a motion that collides none is found: random motions are started from again, with the grown distances."""
     known, problem = known_of(folding_arm), problem_of(urdf.load(folding_arm))
     folded, unfolded = (
-        OptimisedMotion(TabulatedCourse(np.linspace(0, 4, 7), np.tile(q, (7, 1))), (), 0.0, 3, 1)
+        OptimizedMotion(TabulatedCourse(np.linspace(0, 4, 7), np.tile(q, (7, 1))), (), 0.0, 3, 1)
         for q in ([0, 2.9, 3.0], [0, 0, 0])
     )
     tried = []
 
-    def not_optimised(at, seed, start=None):
+    def not_optimized(at, seed, start=None):
         tried.append((start, [clearance.distance for clearance in at.limits.clearances]))
         if start is not None:
             raise NoFeasibleMotion("none")
         return folded if len(tried) == 1 else unfolded
 
-    monkeypatch.setattr(searching, "optimised", not_optimised)
+    monkeypatch.setattr(searching, "optimized", not_optimized)
     assert collision_free(problem, known, 3) is unfolded
     assert [start for start, _ in tried] == [None, folded.trajectory, None]
     assert tried[1][1] == tried[2][1]

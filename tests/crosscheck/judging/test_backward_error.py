@@ -40,22 +40,22 @@ class TestBackwardError:
 
     @pytest.mark.parametrize("robot", ["kr500", "ur5", "kinova"])
     def test_single_precision(self, robot):
-        judgement = crosscheck.judge(robot, forward_dynamics=single_precision(urdf.load(robot)), samples=SAMPLES)
-        function = judgement.functions["forward_dynamics"]
-        assert not judgement.agrees
-        assert judgement.decided
-        assert set(function.backward_errors) == set(judgement.referees)
+        judgment = crosscheck.judge(robot, forward_dynamics=single_precision(urdf.load(robot)), samples=SAMPLES)
+        function = judgment.functions["forward_dynamics"]
+        assert not judgment.agrees
+        assert judgment.decided
+        assert set(function.backward_errors) == set(judgment.referees)
         for backward in function.backward_errors.values():
             assert 1e-8 < backward.max() < 1e-6
-        assert "single precision" in judgement.diagnoses[0].message
+        assert "single precision" in judgment.diagnoses[0].message
 
     def test_gravity_where_the_condition_number_hides_it(self):
         """The worst conditioned arm among the makers' files."""
         model = urdf.load(existing(ARMS / "j2s6s200_standalone.urdf"))
-        judgement = crosscheck.judge(model, forward_dynamics=wrong_gravity(model), samples=SAMPLES)
-        function = judgement.functions["forward_dynamics"]
+        judgment = crosscheck.judge(model, forward_dynamics=wrong_gravity(model), samples=SAMPLES)
+        function = judgment.functions["forward_dynamics"]
         assert function.backward_errors["graphdyn"].max() > 4e-5
-        assert [diagnosis.kind for diagnosis in judgement.diagnoses] == ["gravity"]
+        assert [diagnosis.kind for diagnosis in judgment.diagnoses] == ["gravity"]
 
     def test_an_error_that_only_the_backward_error_shows(self):
         """A part in a hundred million of the acceleration, in the direction that needs most torque."""
@@ -66,32 +66,32 @@ class TestBackwardError:
             heaviest = np.linalg.eigh(graphdyn.mass_matrix(short, q))[1][:, -1]
             return a + 1e-8 * np.abs(a).max() * heaviest
 
-        judgement = crosscheck.judge(short, forward_dynamics=forward_dynamics, samples=SAMPLES)
-        function = judgement.functions["forward_dynamics"]
+        judgment = crosscheck.judge(short, forward_dynamics=forward_dynamics, samples=SAMPLES)
+        function = judgment.functions["forward_dynamics"]
         assert function.within(function.errors)
         assert not function.within(function.backward_errors)
         assert not function.agrees
-        text = as_text(judge_report(judgement), width=140)
+        text = as_text(judge_report(judgment), width=140)
         rows = {line.split("│")[1].strip(): line for line in text.splitlines() if line.startswith("│")}
         assert "agrees" in rows["forward_dynamics"]
         assert "DISAGREES" in rows["backward_error"]
         worst = int(np.argmax(function.backward_errors["graphdyn"]))
         assert f"{function.backward_errors['graphdyn'][worst]:.1e}" in rows["backward_error"]
-        written = plain(record_of(judgement, ["graphdyn", "judge"]))["functions"]["forward_dynamics"]
+        written = plain(record_of(judgment, ["graphdyn", "judge"]))["functions"]["forward_dynamics"]
         assert written["backward_errors"]["graphdyn"]["1"] == function.backward_errors["graphdyn"][worst]
         assert list(function.worst.answer) == list(forward_dynamics(*map(np.array, function.worst.arguments.values())))
 
     @pytest.mark.parametrize("value", [math.nan, math.inf, 1e300])
     @pytest.mark.filterwarnings("ignore::RuntimeWarning")
     def test_no_finite_answer(self, ur5, value):
-        judgement = crosscheck.judge(ur5, forward_dynamics=lambda q, v, tau: value + 0 * q, samples=SAMPLES)
-        function = judgement.functions["forward_dynamics"]
+        judgment = crosscheck.judge(ur5, forward_dynamics=lambda q, v, tau: value + 0 * q, samples=SAMPLES)
+        function = judgment.functions["forward_dynamics"]
         assert all((error > 0.01).all() for error in function.backward_errors.values())
-        assert not judgement.agrees
+        assert not judgment.agrees
 
     def test_only_accelerations_have_one(self, textbook):
-        judgement = crosscheck.judge("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
-        assert judgement.functions["inverse_dynamics"].backward_errors == {}
+        judgment = crosscheck.judge("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
+        assert judgment.functions["inverse_dynamics"].backward_errors == {}
 
     def test_a_referee_that_differs_backward_decides_nothing(self, textbook, monkeypatch):
         """Pinocchio's accelerations are off by what the forward scale does not notice."""
@@ -103,8 +103,8 @@ class TestBackwardError:
             return dataclasses.replace(values, a=values.a + 1e-8 * np.abs(values.a).max() * heaviest)
 
         monkeypatch.setattr(PinocchioModel, "evaluate", evaluate)
-        judgement = crosscheck.judge("ur5", forward_dynamics=textbook.forward_dynamics, samples=SAMPLES)
-        function = judgement.functions["forward_dynamics"]
+        judgment = crosscheck.judge("ur5", forward_dynamics=textbook.forward_dynamics, samples=SAMPLES)
+        function = judgment.functions["forward_dynamics"]
         assert function.within(function.referees_differ)
-        assert not judgement.decided
-        assert judgement.verdict == "UNDECIDED"
+        assert not judgment.decided
+        assert judgment.verdict == "UNDECIDED"

@@ -47,16 +47,16 @@ def short_arm(short):
 
 
 SLOW = [case for case in SPREAD if str(case) == "fingers held together-vx300s"]
-"""Nine joints, and everything of the catalogue is tried."""
+"""Nine joints, and everything of the catalog is tried."""
 
 
 @pytest.mark.parametrize("case", few(SPREAD, *(case for case in SPREAD if case not in SLOW)), ids=str)
 def test_cases(case):
     if case.robot in ("vx300s", "kr210"):
         existing(Path(ROBOTS[case.robot]))
-    judgement = judged(case, 20)[0]
-    assert verdict(case, judgement) not in ("WRONG", "missed"), [x.message for x in judgement.diagnoses]
-    for diagnosis in judgement.diagnoses:
+    judgment = judged(case, 20)[0]
+    assert verdict(case, judgment) not in ("WRONG", "missed"), [x.message for x in judgment.diagnoses]
+    for diagnosis in judgment.diagnoses:
         assert diagnosis.remedy
         if diagnosis.standing == "holds" and math.isfinite(diagnosis.explains):
             assert diagnosis.explains <= 1e-9 or diagnosis.kind == "precision"
@@ -117,10 +117,10 @@ class TestPrecision:
     def test_faults_above_single_precision(self, case):
         if case.robot == "kr210":
             existing(Path(ROBOTS[case.robot]))
-        judgement = judged(case, 20, single=True)[0]
-        assert verdict(case, judgement) == "named"
-        assert all(1e-9 < diagnosis.explains < 1e-5 for diagnosis in judgement.diagnoses)
-        assert "as in single precision" in judgement.diagnoses[0].evidence
+        judgment = judged(case, 20, single=True)[0]
+        assert verdict(case, judgment) == "named"
+        assert all(1e-9 < diagnosis.explains < 1e-5 for diagnosis in judgment.diagnoses)
+        assert "as in single precision" in judgment.diagnoses[0].evidence
 
     def test_single_precision_alone(self, textbook):
         single = in_single_precision(textbook.in_single_precision().inverse_dynamics)
@@ -137,15 +137,15 @@ class TestPrecision:
 
 
 @pytest.fixture(scope="module")
-def judgement(ur5):
+def judgment(ur5):
     arm = TextbookArm.of(ur5)
     arm.centers[2] += [0, 0.01, -0.02]
     return judge("ur5", inverse_dynamics=arm.inverse_dynamics, samples=10)
 
 
 class TestFittedNumbers:
-    def test_theirs_ours_difference(self, judgement, ur5):
-        (diagnosis,) = judgement.diagnoses
+    def test_theirs_ours_difference(self, judgment, ur5):
+        (diagnosis,) = judgment.diagnoses
         center = ur5.bodies[2].center_of_mass
         assert [number.name for number in diagnosis.numbers] == ["c_y", "c_z"]
         assert [number.ours for number in diagnosis.numbers] == pytest.approx(list(center[1:]))
@@ -153,12 +153,12 @@ class TestFittedNumbers:
         assert {number.unit for number in diagnosis.numbers} == {"m"}
         assert diagnosis.message == ("the center of mass of body 'forearm_link' is off: c_y by 0.01 m, c_z by -0.02 m")
 
-    def test_in_text_and_json(self, judgement):
-        text = as_text(judge_report(judgement), 120)
+    def test_in_text_and_json(self, judgment):
+        text = as_text(judge_report(judgment), 120)
         assert "holds: put into graphdyn, it gives the numbers of the function at all judged states" in text
         (row,) = (line for line in text.splitlines() if "c_y" in line and "│" in line)
         assert [cell.strip() for cell in row.split("│")[4:6]] == ["0.01", "m"]
-        (diagnosis,) = json.loads(json.dumps(plain(record(judgement, []))))["diagnoses"]
+        (diagnosis,) = json.loads(json.dumps(plain(record(judgment, []))))["diagnoses"]
         assert diagnosis["standing"] == "holds"
         assert diagnosis["numbers"][1]["difference"] == pytest.approx(-0.02, abs=1e-9)
 
@@ -166,8 +166,8 @@ class TestFittedNumbers:
 def test_a_limit_has_no_value_here():
     """It is infinite in graphdyn, null in JSON."""
     (case,) = (case for case in CASES if case.name.startswith("torque clipped"))
-    judgement = judged(case, 100)[0]
-    (diagnosis,) = json.loads(json.dumps(plain(record(judgement, [])), allow_nan=False))["diagnoses"]
+    judgment = judged(case, 100)[0]
+    (diagnosis,) = json.loads(json.dumps(plain(record(judgment, [])), allow_nan=False))["diagnoses"]
     assert diagnosis["numbers"][0]["ours"] is None
 
 

@@ -117,9 +117,9 @@ class TestInput:
 
     def test_a_robot_without_mass(self):
         massless = kr500().with_inertial_parameters(np.zeros(60))
-        judgement = crosscheck.judge(massless, inverse_dynamics=lambda q, v, a: 0 * q, samples=1)
-        assert judgement.agrees
-        assert "no body has mass: all torques vanish, and little can be judged" in judgement.notes
+        judgment = crosscheck.judge(massless, inverse_dynamics=lambda q, v, a: 0 * q, samples=1)
+        assert judgment.agrees
+        assert "no body has mass: all torques vanish, and little can be judged" in judgment.notes
 
     def test_foreign_code_cannot_change_our_states(self, textbook):
         def destructive(q, v, a):

@@ -43,10 +43,10 @@ def judged(robot="ur5", samples=SAMPLES, **options):
 
 def named(name, f, **options):
     """Kind and message of the one diagnosis."""
-    judgement = judged(**{name: f}, **options)
-    assert not judgement.agrees
-    assert judgement.decided
-    (diagnosis,) = judgement.diagnoses
+    judgment = judged(**{name: f}, **options)
+    assert not judgment.agrees
+    assert judgment.decided
+    (diagnosis,) = judgment.diagnoses
     return diagnosis.kind, diagnosis.message
 
 
@@ -54,29 +54,29 @@ class TestRightFunctions:
     def test_pinocchio_has_most(self, code):
         right = code.functions()
         assert set(right) | set(OF_FRAME) | set(own_functions(code.model)) == set(FUNCTIONS)
-        judgement = judged(**right, joint_names=code.names)
-        assert judgement.agrees, judgement.diagnoses
-        for name, function in judgement.functions.items():
+        judgment = judged(**right, joint_names=code.names)
+        assert judgment.agrees, judgment.diagnoses
+        for name, function in judgment.functions.items():
             assert function.errors["graphdyn"].max() <= ROUNDED, name
 
     def test_the_others(self, ur5):
-        judgement = judged(**own_functions(ur5), samples=3, batched=True)
-        assert judgement.agrees, judgement.diagnoses
-        for name, function in judgement.functions.items():
+        judgment = judged(**own_functions(ur5), samples=3, batched=True)
+        assert judgment.agrees, judgment.diagnoses
+        for name, function in judgment.functions.items():
             assert {"graphdyn", "pinocchio"} <= set(function.errors), name
 
     def test_a_frame_of_the_ground(self, ur5):
         """Pinocchio gives no motion of it."""
         still = {"frame_jacobian": lambda q: np.zeros((6, 6)), "frame_velocity": lambda q, v: np.zeros(6)}
-        judgement = crosscheck.judge("ur5", **still, frame="base_link", samples=3)
-        assert judgement.agrees
-        assert judgement.referees == ("graphdyn",)
+        judgment = crosscheck.judge("ur5", **still, frame="base_link", samples=3)
+        assert judgment.agrees
+        assert judgment.referees == ("graphdyn",)
 
     @pytest.mark.parametrize("reference", ["local", "world", "local_world_aligned"])
     def test_references_are_found_out(self, code, reference):
-        judgement = judged(**code.of_frame(reference), joint_names=code.names)
-        assert judgement.agrees
-        for function in judgement.functions.values():
+        judgment = judged(**code.of_frame(reference), joint_names=code.names)
+        assert judgment.agrees
+        for function in judgment.functions.values():
             assert function.conventions["reference"] == reference
             assert function.conventions["order"] == "linear first"
             assert function.errors["graphdyn"].max() <= ROUNDED
@@ -232,7 +232,7 @@ FAULTS = {
         "frame_velocity", lambda m: lambda q, v: graphdyn.frame_velocity(m, q, v, "wrist_2_link", reference="local"),
         "frame", "the answers are those of frame 'wrist_2_link'",
     ),
-    "frame_velocity, millimetres": (
+    "frame_velocity, millimeters": (
         "frame_velocity",
         lambda m: lambda q, v: graphdyn.frame_velocity(m, q, v, FRAME, reference="local") * np.repeat([1000, 1], 3),
         "unit", "the linear part is multiplied by 1000, the angular part by 1",
@@ -333,16 +333,16 @@ class TestDeclaredConventions:
 
 class TestExternalWrenches:
     def test_right(self, ur5):
-        judgement = judged(
+        judgment = judged(
             inverse_dynamics=lambda q, v, a, f: graphdyn.inverse_dynamics(ur5, q, v, a, f).tau,
             forward_dynamics=lambda q, v, tau, f: graphdyn.forward_dynamics(ur5, q, v, tau, f).a,
             joint_wrenches=lambda q, v, a, f: graphdyn.inverse_dynamics(ur5, q, v, a, f).joint_wrenches,
             mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q),
             external_wrenches=True,
         )
-        assert judgement.agrees
-        assert set(judgement.functions["inverse_dynamics"].worst.arguments) == {"q", "v", "a", "external_wrenches"}
-        assert "mujoco" not in judgement.functions["inverse_dynamics"].errors
+        assert judgment.agrees
+        assert set(judgment.functions["inverse_dynamics"].worst.arguments) == {"q", "v", "a", "external_wrenches"}
+        assert "mujoco" not in judgment.functions["inverse_dynamics"].errors
 
     @pytest.mark.parametrize(
         ("change", "message"),
@@ -367,12 +367,12 @@ class TestExternalWrenches:
 class TestOptions:
     def test_batched(self, ur5):
         """All states at once; graphdyn's own verbs take them so."""
-        judgement = judged(
+        judgment = judged(
             inverse_dynamics=lambda q, v, a: graphdyn.inverse_dynamics(ur5, q, v, a).tau,
             frame_jacobian=lambda q: graphdyn.frame_jacobian(ur5, q, FRAME, reference="world"),
             batched=True,
         )
-        assert judgement.agrees
+        assert judgment.agrees
         with pytest.raises(
             crosscheck.judging.observing.function_under_test.ForeignFailure, match="called with all states at once, arr"
         ):
@@ -380,8 +380,8 @@ class TestOptions:
 
     def test_a_batch_whose_rows_are_mixed_up(self, four_joints):
         mixed_up = lambda q, v, a: graphdyn.inverse_dynamics(four_joints, q, v, a).tau[::-1]  # noqa: E731
-        judgement = judged(inverse_dynamics=mixed_up, batched=True, samples=1, lock=LOCKED)
-        assert not judgement.agrees
+        judgment = judged(inverse_dynamics=mixed_up, batched=True, samples=1, lock=LOCKED)
+        assert not judgment.agrees
 
     def test_chain_and_gravity(self):
         moon = (0, 0, -1.62)
@@ -390,15 +390,15 @@ class TestOptions:
             arm = urdf.load("ur5_gripper", **options)
         foreign = lambda q, v, a: graphdyn.inverse_dynamics(arm, q, v, a).tau  # noqa: E731
         with pytest.warns(urdf.ChainWarning):
-            judgement = crosscheck.judge("ur5_gripper", inverse_dynamics=foreign, **options, samples=3)
-        assert judgement.agrees
-        assert judgement.chain == ("base_link", "forearm_link")
+            judgment = crosscheck.judge("ur5_gripper", inverse_dynamics=foreign, **options, samples=3)
+        assert judgment.agrees
+        assert judgment.chain == ("base_link", "forearm_link")
 
     def test_couplings_are_left_out(self, ur5):
         coupled = dataclasses.replace(ur5, couplings=(graphdyn.Coupling("elbow_joint", {"shoulder_lift_joint": 0.5}),))
-        judgement = judged(coupled, mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q), samples=3)
-        assert judgement.agrees
-        assert judgement.notes == ("joints that others drive are judged as if they were independent",)
+        judgment = judged(coupled, mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q), samples=3)
+        assert judgment.agrees
+        assert judgment.notes == ("joints that others drive are judged as if they were independent",)
 
     def test_frame_is_needed(self, ur5):
         f = lambda q: np.eye(4)  # noqa: E731
@@ -431,7 +431,7 @@ def test_the_guide_lists_every_function():
 class TestReport:
     @pytest.fixture(scope="class")
     @classmethod
-    def judgement(cls, code):
+    def judgment(cls, code):
         """All functions, each off by a part in a thousand of its own answer; those of frames by the reference local."""
         right = {**code.functions(), **code.of_frame("local"), **own_functions(code.model)}
         wrong = {name: lambda *state, f=f: 1.001 * np.asarray(f(*state)) for name, f in right.items()}
@@ -440,20 +440,20 @@ class TestReport:
             patch.setattr(judging, "diagnoses_of", lambda *_: [])  # not what this is about
             return judged(**wrong, joint_names=code.names, samples=1)
 
-    def test_code_reproduces_what_was_expected(self, judgement, capsys):
+    def test_code_reproduces_what_was_expected(self, judgment, capsys):
         """The Python that the page shows, run as it stands."""
-        for name, function in judgement.functions.items():
+        for name, function in judgment.functions.items():
             names = {}
-            exec(worst_call(judgement, function), names)
+            exec(worst_call(judgment, function), names)
             assert np.allclose(names["expected"], function.worst.expected, rtol=0, atol=1e-9), name
         assert capsys.readouterr().out
-        without = {name for name, function in judgement.functions.items() if function.code is None}
+        without = {name for name, function in judgment.functions.items() if function.code is None}
         assert without == {"potential_energy"}  # nearest to the wrong one with another zero: the numbers are shown
 
-    def test_page_and_terminal(self, judgement):
+    def test_page_and_terminal(self, judgment):
         """A number, a matrix of twists, regressors of bodies and of the whole robot."""
         chosen = ("kinetic_energy", "frame_jacobian", "body_regressor", "potential_energy_regressor")
-        few = dataclasses.replace(judgement, functions={name: judgement.functions[name] for name in chosen})
+        few = dataclasses.replace(judgment, functions={name: judgment.functions[name] for name in chosen})
         report = judge_report(few)
         assert "kinetic_energy" in as_text(report, 100)
         page = page_of(report, ["graphdyn", "judge"], versions())

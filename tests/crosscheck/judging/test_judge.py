@@ -29,18 +29,18 @@ class TestAgreement:
     @pytest.mark.parametrize("robot", ["kr500", "ur5", "kinova"])
     def test_textbook(self, robot):
         textbook = TextbookArm.of(urdf.load(robot))
-        judgement = crosscheck.judge(
+        judgment = crosscheck.judge(
             robot,
             inverse_dynamics=textbook.inverse_dynamics,
             forward_dynamics=textbook.forward_dynamics,
             mass_matrix=textbook.mass_matrix,
             samples=SAMPLES,
         )
-        assert judgement.agrees
-        assert judgement.decided
-        assert judgement.diagnoses == ()
-        assert set(judgement.functions) == {"inverse_dynamics", "forward_dynamics", "mass_matrix"}
-        for function in judgement.functions.values():
+        assert judgment.agrees
+        assert judgment.decided
+        assert judgment.diagnoses == ()
+        assert set(judgment.functions) == {"inverse_dynamics", "forward_dynamics", "mass_matrix"}
+        for function in judgment.functions.values():
             assert all(error.max() <= ALIKE for error in function.errors.values())
             assert all(len(error) == SAMPLES + 11 for error in function.errors.values())
 
@@ -49,12 +49,12 @@ class TestAgreement:
         """Built from the file; its joint order, which sorts siblings, is given by name."""
         entry = {entry.name: entry for entry in urdf.robots()}.get(robot)
         if entry is None:
-            pytest.skip(f"robot {robot} is not in the installed catalogue")
+            pytest.skip(f"robot {robot} is not in the installed catalog")
         native = pinocchio.buildModelFromUrdf(str(entry.path))
         data = native.createData()
         if native.nq != native.nv:
             pytest.skip("continuous joints take (cos, sin)")
-        judgement = crosscheck.judge(
+        judgment = crosscheck.judge(
             robot,
             inverse_dynamics=lambda q, v, a: pinocchio.rnea(native, data, q, v, a),
             forward_dynamics=lambda q, v, tau: pinocchio.aba(native, data, q, v, tau),
@@ -63,8 +63,8 @@ class TestAgreement:
             joint_names=list(native.names[1:]),
             samples=SAMPLES,
         )
-        assert judgement.agrees
-        assert judgement.joint_names == tuple(native.names[1:])
+        assert judgment.agrees
+        assert judgment.joint_names == tuple(native.names[1:])
 
     def test_mujoco_as_foreign_code(self, ur5):
         pytest.importorskip("mujoco", reason="the package mujoco is not installed")
@@ -84,18 +84,18 @@ class TestAgreement:
     def test_any_tree(self):
         tree = mixed_tree()
         textbook = TextbookArm.of(tree.with_base(type(tree.base)()))
-        judgement = crosscheck.judge(
+        judgment = crosscheck.judge(
             tree.with_base(type(tree.base)()), inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES
         )
-        assert judgement.agrees
-        assert judgement.robot == tree.name
+        assert judgment.agrees
+        assert judgment.robot == tree.name
 
     def test_locked_joints_and_gravity_are_passed_on(self):
         moon = (0, 0, -1.62)
         model = urdf.load("z1", lock=["jointGripper"], gravity=moon)
-        judgement = crosscheck.judge("z1", inverse_dynamics=rnea(model), samples=1, lock=["jointGripper"], gravity=moon)
-        assert judgement.agrees
-        assert judgement.locked == {"jointGripper": 0.0}
+        judgment = crosscheck.judge("z1", inverse_dynamics=rnea(model), samples=1, lock=["jointGripper"], gravity=moon)
+        assert judgment.agrees
+        assert judgment.locked == {"jointGripper": 0.0}
 
     def test_another_joint_order(self, textbook, ur5):
         order = [3, 0, 5, 1, 4, 2]
@@ -118,16 +118,16 @@ class TestAgreement:
 
 
 class TestVerdict:
-    def test_two_against_one(self, wrong_judgement):
-        (function,) = wrong_judgement.functions.values()
-        assert not wrong_judgement.agrees
-        assert wrong_judgement.decided
+    def test_two_against_one(self, wrong_judgment):
+        (function,) = wrong_judgment.functions.values()
+        assert not wrong_judgment.agrees
+        assert wrong_judgment.decided
         assert function.errors["pinocchio"].max() == pytest.approx(function.errors["graphdyn"].max())
         assert function.referees_differ["pinocchio"].max() <= ALIKE
 
-    def test_worst_call_reproduces(self, wrong_judgement, textbook, ur5):
+    def test_worst_call_reproduces(self, wrong_judgment, textbook, ur5):
         faulty = textbook.but(cross=-1.0).inverse_dynamics
-        worst = wrong_judgement.functions["inverse_dynamics"].worst
+        worst = wrong_judgment.functions["inverse_dynamics"].worst
         state = [np.array(worst.arguments[name]) for name in "qva"]
         assert np.array_equal(faulty(*state), worst.answer)
         assert np.allclose(inverse_dynamics(ur5, *state).tau, worst.expected, rtol=0, atol=1e-12)
@@ -136,19 +136,19 @@ class TestVerdict:
         plant.referee_value("tau", lambda x: x * 1.01)
         with pytest.raises(crosscheck.WrongDynamics, match="UNDECIDED") as caught:
             crosscheck.assert_correct("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
-        judgement = caught.value.judgement
-        assert not judgement.decided
-        assert judgement.verdict == "UNDECIDED"
-        assert any("the reference implementations disagree" in note for note in judgement.notes)
+        judgment = caught.value.judgment
+        assert not judgment.decided
+        assert judgment.verdict == "UNDECIDED"
+        assert any("the reference implementations disagree" in note for note in judgment.notes)
 
     def test_nan_is_no_agreement(self, textbook):
-        judgement = crosscheck.judge(
+        judgment = crosscheck.judge(
             "ur5",
             inverse_dynamics=lambda q, v, a: np.where(q > 1, np.nan, textbook.inverse_dynamics(q, v, a)),
             samples=30,
         )
-        assert not judgement.agrees
-        assert judgement.diagnoses[0].message == "the answers are not finite"
+        assert not judgment.agrees
+        assert judgment.diagnoses[0].message == "the answers are not finite"
 
     def test_tolerance(self):
         short = urdf.load("ur5", lock=WRIST_LOCKED)
@@ -184,26 +184,26 @@ class TestVerdict:
         assert crosscheck.judge(small_arm, inverse_dynamics=within, samples=50).agrees
 
     def test_forward_dynamics_without_an_answer(self):
-        judgement = crosscheck.judge("ur5", forward_dynamics=lambda q, v, tau: np.ones(6), samples=1)
-        assert "M⁻¹ from unit torques is singular" in judgement.diagnoses[0].message
+        judgment = crosscheck.judge("ur5", forward_dynamics=lambda q, v, tau: np.ones(6), samples=1)
+        assert "M⁻¹ from unit torques is singular" in judgment.diagnoses[0].message
 
     def test_the_same_fault_of_two_functions_is_said_once(self):
         short = urdf.load("ur5", lock=WRIST_LOCKED)
         wrong = TextbookArm.of(short.with_gravity(-short.gravity))
-        judgement = crosscheck.judge(
+        judgment = crosscheck.judge(
             short, inverse_dynamics=wrong.inverse_dynamics, forward_dynamics=wrong.forward_dynamics, samples=1
         )
-        (diagnosis,) = judgement.diagnoses
+        (diagnosis,) = judgment.diagnoses
         assert diagnosis.function == "inverse_dynamics, forward_dynamics"
 
 
 class TestReferees:
     def test_without_mujoco(self, textbook, monkeypatch):
         monkeypatch.setitem(sys.modules, "mujoco", None)
-        judgement = crosscheck.judge("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=1)
-        assert judgement.agrees
-        assert judgement.referees == ("graphdyn", "pinocchio")
-        assert judgement.notes == (
+        judgment = crosscheck.judge("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=1)
+        assert judgment.agrees
+        assert judgment.referees == ("graphdyn", "pinocchio")
+        assert judgment.notes == (
             "MuJoCo is not among the reference implementations: the package mujoco is not installed: "
             "pip install 'graphdyn[mujoco]'",
         )
@@ -213,14 +213,14 @@ class TestReferees:
         odd = with_body(kr500(), 3, inertia=np.diag([1.0, 1.0, 5.0]))
         with pytest.raises(MujocoRefuses, match=r"MuJoCo cannot represent robot 'kr500': .*inertia"):
             MujocoModel(odd)
-        judgement = crosscheck.judge(odd, inverse_dynamics=rnea(odd), samples=1)
-        assert judgement.agrees
-        assert judgement.referees == ("graphdyn", "pinocchio")
+        judgment = crosscheck.judge(odd, inverse_dynamics=rnea(odd), samples=1)
+        assert judgment.agrees
+        assert judgment.referees == ("graphdyn", "pinocchio")
 
     @pytest.mark.parametrize("load", [kr500, lambda: urdf.load("ur5"), mixed_tree], ids=["kr500", "ur5", "tree"])
     def test_mujoco_agrees(self, load):
         pytest.importorskip("mujoco", reason="the package mujoco is not installed")
         robot = load()
-        judgement = crosscheck.judge(robot, inverse_dynamics=rnea(robot), mass_matrix=None, samples=SAMPLES)
-        (function,) = judgement.functions.values()
+        judgment = crosscheck.judge(robot, inverse_dynamics=rnea(robot), mass_matrix=None, samples=SAMPLES)
+        (function,) = judgment.functions.values()
         assert function.referees_differ["mujoco"].max() <= ALIKE

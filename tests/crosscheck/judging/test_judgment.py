@@ -22,8 +22,8 @@ pytest_plugins = ["pytester"]
 
 
 @pytest.fixture
-def wrong(wrong_judgement):
-    return wrong_judgement
+def wrong(wrong_judgment):
+    return wrong_judgment
 
 
 class TestTexts:
@@ -35,7 +35,7 @@ class TestTexts:
         assert "ur5: DISAGREES" in message
         assert "the terms ω × q̇ p in the angular accelerations have the opposite sign [coriolis]" in message
         assert "remedy " in message
-        assert caught.value.judgement.diagnoses
+        assert caught.value.judgment.diagnoses
 
     def test_assert_correct_returns(self, textbook):
         assert crosscheck.assert_correct("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=1).agrees
@@ -85,8 +85,8 @@ class TestTexts:
         assert diagnosis["kind"] == "coriolis"
 
     def test_infinities_become_null(self):
-        judgement = crosscheck.judge("ur5", inverse_dynamics=lambda q, v, a: q * np.nan, samples=1)
-        record = plain(record_of(judgement, []))
+        judgment = crosscheck.judge("ur5", inverse_dynamics=lambda q, v, a: q * np.nan, samples=1)
+        record = plain(record_of(judgment, []))
         assert record["functions"]["inverse_dynamics"]["errors"]["graphdyn"]["1"] is None
         json.dumps(record, allow_nan=False)
 

@@ -24,13 +24,13 @@ TOOL = (
 )
 
 
-def kinds(judgement):
-    return {diagnosis.kind for diagnosis in judgement.diagnoses}
+def kinds(judgment):
+    return {diagnosis.kind for diagnosis in judgment.diagnoses}
 
 
 @pytest.fixture(scope="module")
 def dropped_tool(tmp_path_factory):
-    """The catalogue's file with a gripper screwed to the last link, judged by the arm without it."""
+    """The catalog's file with a gripper screwed to the last link, judged by the arm without it."""
     entry = next(entry for entry in urdf.robots() if entry.name == "ur5")
     path = tmp_path_factory.mktemp("robots") / "ur5.urdf"
     text = entry.path.read_text(encoding="utf-8").replace("</robot>", TOOL.format(last="wrist_3_link"))
@@ -57,11 +57,11 @@ def planted(kind, variant):
 
 
 def test_ten_kinds_are_found_and_named(dropped_tool):
-    judgements = {kind: planted(kind, FIRST[kind]) for kind in TEN_KINDS if kind != "fixed_link"}
-    judgements["fixed_link"] = dropped_tool
-    assert len(judgements) == 10
-    found = {kind for kind, judgement in judgements.items() if not judgement.agrees and judgement.decided}
-    named = {kind for kind, judgement in judgements.items() if kinds(judgement) == {kind}}
+    judgments = {kind: planted(kind, FIRST[kind]) for kind in TEN_KINDS if kind != "fixed_link"}
+    judgments["fixed_link"] = dropped_tool
+    assert len(judgments) == 10
+    found = {kind for kind, judgment in judgments.items() if not judgment.agrees and judgment.decided}
+    named = {kind for kind, judgment in judgments.items() if kinds(judgment) == {kind}}
     assert found == named == set(TEN_KINDS)
 
 
@@ -78,7 +78,7 @@ SENTENCES = {
     ("unit", "degrees"): "joint positions, velocities and accelerations are taken as degrees",
     ("unit", "torques in kN m"): "all inertial parameters of every body, or all torques, multiplied by 1e-3",
     ("unit", "tensors in kg mm²"): "the tensor of every body multiplied by 1e6",
-    ("unit", "translations in mm"): "the placement of every joint is in millimetres, the rest in metres",
+    ("unit", "translations in mm"): "the placement of every joint is in millimeters, the rest in meters",
     ("frame", "rotation of joint 2 transposed"): "the rotation of joint 'shoulder_lift_joint' is transposed",
     ("inertia_point", "of body 3 alone"): (
         "the tensor of body 'forearm_link' is about the link origin and used as if about the center of mass"
@@ -118,8 +118,8 @@ def test_growth_with_the_velocity_is_evidence():
 
 def test_two_faults_in_different_terms_are_two_diagnoses():
     faulty = arm().but(gyroscopic=0.0)
-    judgement = judged(inverse_dynamics=faulty.but(gravity=-faulty.gravity).inverse_dynamics, samples=1)
-    assert [diagnosis.message for diagnosis in judgement.diagnoses] == [
+    judgment = judged(inverse_dynamics=faulty.but(gravity=-faulty.gravity).inverse_dynamics, samples=1)
+    assert [diagnosis.message for diagnosis in judgment.diagnoses] == [
         "gravity has the opposite sign",
         "the gyroscopic moments ω × I ω are left out",
     ]
@@ -141,23 +141,23 @@ def test_what_has_no_name_is_located():
         short, inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a) + np.sin(3 * q), samples=1
     ).diagnoses
     assert diagnosis.kind == "unknown"
-    assert diagnosis.message == "no fault of the catalogue explains the deviation at rest (v = 0, a = 0)"
+    assert diagnosis.message == "no fault of the catalog explains the deviation at rest (v = 0, a = 0)"
     assert "accelerated from rest, one joint at a time, gravity subtracted: agrees" in diagnosis.evidence
 
 
-def test_single_precision_is_recognised():
+def test_single_precision_is_recognized():
     right = arm()
-    judgement = judged(inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a).astype(np.float32), samples=5)
-    assert not judgement.agrees
-    assert "as in single precision" in judgement.diagnoses[0].message
+    judgment = judged(inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a).astype(np.float32), samples=5)
+    assert not judgment.agrees
+    assert "as in single precision" in judgment.diagnoses[0].message
 
 
 def test_a_fault_that_shows_only_where_terms_meet():
     right = arm()
-    judgement = judged(
+    judgment = judged(
         inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a) + v * a * (np.abs(v) > 0), samples=5
     )
-    (diagnosis,) = judgement.diagnoses
+    (diagnosis,) = judgment.diagnoses
     assert diagnosis.message == (
         "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
     )
@@ -214,14 +214,14 @@ def test_mass_matrices_are_diagnosed_too(kind):
     ],
 )  # fmt: skip
 def test_columns_of_a_regressor(change, message):
-    judgement = judged(
+    judgment = judged(
         regressor=lambda q, v, a: change(joint_torque_regressor(model(), q, v, a)).reshape(4, 40), samples=3
     )
-    (diagnosis,) = judgement.diagnoses
+    (diagnosis,) = judgment.diagnoses
     assert (diagnosis.kind, diagnosis.message) == ("parameter_order", message)
 
 
 def test_a_regressor_under_the_wrong_gravity():
     upside_down = model().with_gravity(-model().gravity)
-    judgement = judged(regressor=lambda *state: joint_torque_regressor(upside_down, *state), samples=3)
-    assert kinds(judgement) == {"gravity"}
+    judgment = judged(regressor=lambda *state: joint_torque_regressor(upside_down, *state), samples=3)
+    assert kinds(judgment) == {"gravity"}

@@ -37,9 +37,9 @@ def judged(f, samples=SAMPLES, **options):
     return crosscheck.judge("ur5", inverse_dynamics=f, samples=samples, **options)
 
 
-def only(judgement):
-    assert not judgement.agrees
-    (diagnosis,) = judgement.diagnoses
+def only(judgment):
+    assert not judgment.agrees
+    (diagnosis,) = judgment.diagnoses
     return diagnosis
 
 
@@ -73,8 +73,8 @@ class TestStateBetweenCalls:
             kept.append(graphdyn.mass_matrix(ur5, q))
             return kept[0]
 
-        judgement = crosscheck.judge("ur5", mass_matrix=once, samples=SAMPLES)
-        assert only(judgement).message == "q is that of the first call"
+        judgment = crosscheck.judge("ur5", mass_matrix=once, samples=SAMPLES)
+        assert only(judgment).message == "q is that of the first call"
 
     def test_an_order_that_matters_in_another_way(self, ur5):
         """Once it has seen a stretched elbow, it stays off."""
@@ -95,12 +95,12 @@ class TestStateBetweenCalls:
             calls.append(1)
             return tau_of(ur5)(q, v, a) + 1e-3 * (len(calls) > SAMPLES + 11)
 
-        judgement = judged(worn)
-        (function,) = judgement.functions.values()
+        judgment = judged(worn)
+        (function,) = judgment.functions.values()
         assert function.within(function.errors)
-        assert only(judgement).kind == "kept_state"
+        assert only(judgment).kind == "kept_state"
         assert function.repeated.min() > FOREIGN.bound
-        assert "inverse_dynamics: other answers when asked again." in as_text(judge_report(judgement), 100)
+        assert "inverse_dynamics: other answers when asked again." in as_text(judge_report(judgment), 100)
 
     def test_not_repeatable(self, ur5):
         rng = np.random.default_rng(1)
@@ -128,9 +128,9 @@ class TestStateBetweenCalls:
             memory[:] = tau_of(ur5)(q, v, a)
             return memory
 
-        judgement = judged(reused)
-        assert judgement.agrees
-        assert judgement.functions["inverse_dynamics"].repeated.max() == 0.0
+        judgment = judged(reused)
+        assert judgment.agrees
+        assert judgment.functions["inverse_dynamics"].repeated.max() == 0.0
 
     def test_changed_arguments_are_told(self, ur5):
         def destructive(q, v, a):
@@ -139,9 +139,9 @@ class TestStateBetweenCalls:
             a *= 0
             return tau
 
-        judgement = judged(destructive, samples=3)
-        assert judgement.agrees
-        assert judgement.notes == (
+        judgment = judged(destructive, samples=3)
+        assert judgment.agrees
+        assert judgment.notes == (
             "inverse_dynamics changes its argument a: give it a copy",
             "inverse_dynamics changes its argument q: give it a copy",
         )
@@ -200,8 +200,8 @@ class TestSingleStates:
 
     @pytest.mark.parametrize("name", ["bias_torque", "inverse_dynamics"])
     def test_absurd_numbers(self, name):
-        judgement = crosscheck.judge("ur5", **{name: lambda *state: np.full(6, 1e300)}, samples=3)
-        assert only(judgement).message == "answers beyond 1e+100"
+        judgment = crosscheck.judge("ur5", **{name: lambda *state: np.full(6, 1e300)}, samples=3)
+        assert only(judgment).message == "answers beyond 1e+100"
 
     def test_shapes_that_differ(self, ur5):
         with pytest.raises(
@@ -273,10 +273,10 @@ class TestRegions:
             return tau_of(arm)(np.clip(q, lower, upper), v, a)
 
         assert judged(cut, lock=WRIST_LOCKED).agrees
-        judgement = judged(cut, beyond_limits=True, lock=WRIST_LOCKED)
-        assert not judgement.agrees
-        assert judgement.beyond_limits
-        (function,) = judgement.functions.values()
+        judgment = judged(cut, beyond_limits=True, lock=WRIST_LOCKED)
+        assert not judgment.agrees
+        assert judgment.beyond_limits
+        (function,) = judgment.functions.values()
         assert all(len(errors) == SAMPLES + 11 + SAMPLES // 5 for errors in function.errors.values())
         assert (function.largest_errors[:SAMPLES] <= function.bound).all()
 
@@ -297,11 +297,11 @@ class TestPrecision:
     def test_single(self, ur5, name):
         """The recursions in single precision: no agreement in double, agreement in single."""
         options = {name: single_precision(ur5, name, "wrist_3_link"), "frame": "wrist_3_link", "batched": True}
-        judgement = crosscheck.judge("ur5", **options, precision="single", samples=10)
-        assert judgement.agrees
-        (function,) = judgement.functions.values()
+        judgment = crosscheck.judge("ur5", **options, precision="single", samples=10)
+        assert judgment.agrees
+        (function,) = judgment.functions.values()
         assert FOREIGN.bound < function.largest_errors.max() <= function.bound == FOREIGN_SINGLE.bound
-        assert judgement.precision == "single"
+        assert judgment.precision == "single"
 
     def test_tolerance_comes_first(self, ur5):
         f = single_precision(ur5, "inverse_dynamics")

@@ -82,7 +82,7 @@ class TestSizes:
         swing = turn * lever + [2 * 1.5 * 0.5 + 7.0, 2.0]
         compensated, spin = swing + 5.0, 0.3 * turn
         assert sizes.lever == pytest.approx(lever)
-        assert sizes.arm == pytest.approx([lever[0], 1.0])  # a joint slides: a metre for each metre
+        assert sizes.arm == pytest.approx([lever[0], 1.0])  # a joint slides: a meter for each meter
         assert sizes.omega == pytest.approx([1.5, 0.0])
         assert sizes.slide_rate == pytest.approx([0.5, 0.0])
         assert sizes.velocity == pytest.approx([1.5 * lever[0] + 0.5, 0.0])
@@ -98,7 +98,7 @@ class TestSizes:
         assert tensor == pytest.approx(turn)
 
     def test_farther(self, sizes):
-        """Two metres: ‖ω‖ and turn carry them, forces and moments do not change."""
+        """Two meters: ‖ω‖ and turn carry them, forces and moments do not change."""
         there = sizes.farther(2.0)
         assert there.lever == pytest.approx(sizes.lever + 2.0)
         assert there.arm == pytest.approx(sizes.lever + 2.0)

@@ -39,7 +39,7 @@ from crosscheck.report.report import (
 from crosscheck.report.text import as_text
 
 HOSTILE = "a\x1b]0;b\x07\x9b31m\r\n\x08\u202ec\u200bd\u2066e"
-"""A title of the window, a colour by one character, an overwritten line, a reversed one, and what cannot be seen."""
+"""A title of the window, a color by one character, an overwritten line, a reversed one, and what cannot be seen."""
 
 SHOWN = r"a\x1b]0;b\x07\x9b31m\r\n\x08\u202ec\u200bd\u2066e"
 

@@ -76,7 +76,7 @@ class TestData:
         assert 96 * length < 4_500_000
 
     def test_thinning_is_said(self):
-        assert "smallest or largest among their neighbours" not in written(plot(100))
+        assert "smallest or largest among their neighbors" not in written(plot(100))
         assert "Of 7000 samples, those are drawn that are smallest or largest" in written(plot(7000))
 
     def test_width(self):

@@ -288,6 +288,6 @@ class TestPlots:
         svg = plot_picture("k", Plot(x, "x", (Panel("p", (Series("e", np.array([0.0, 1e-3, 1e-2])),), log=True),), "l"))
         assert "nan" not in svg.lower()
 
-    def test_colours_follow_the_page(self):
+    def test_colors_follow_the_page(self):
         svg = plot_picture("k", curves())
         assert set(re.findall(r"var\((--\w+), #", svg)) >= {"--ink", "--faint", "--c0", "--c1"}

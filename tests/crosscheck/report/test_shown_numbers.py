@@ -159,14 +159,14 @@ def test_errors_as_part_of_their_bounds(tree):
 
 
 def test_errors_of_a_judged_function(tree):
-    judgement = judge(tree, inverse_dynamics=lambda q, v, a: inverse_dynamics(tree, q, v, a).tau, samples=1)
-    (function,) = judgement.functions.values()
+    judgment = judge(tree, inverse_dynamics=lambda q, v, a: inverse_dynamics(tree, q, v, a).tau, samples=1)
+    (function,) = judgment.functions.values()
     function = dataclasses.replace(
         function,
         errors={"graphdyn": np.array([3e-12, 1e-12, 4e-3, 2e-12])},
         worst=dataclasses.replace(function.worst, expected=(1.0, -2.0, 3.0), answer=(1.0, 2.0, 2.5)),
     )
-    tables = [block for block in function_section(judgement, function).blocks if isinstance(block, Table)]
+    tables = [block for block in function_section(judgment, function).blocks if isinstance(block, Table)]
     against, worst = tables[0], tables[-1]
     assert [column.title for column in against.columns[2:]] == ["median", "largest", "bound"]
     assert against.rows[0].cells[2:] == (2e-12, 4e-3, 1e-9)

@@ -10,7 +10,7 @@ from study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 from crosscheck.study.statistics.intervals import deviations, drawn_means, ends, means, median, share
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
 from crosscheck.study.statistics.ranking import critical_distance, friedman, record_ranks
-from crosscheck.study.statistics.summary import summarised
+from crosscheck.study.statistics.summary import summarized
 from graphdyn import InvalidInput
 
 # Demšar 2006, Table 6: ranks of C4.5 and three variants on 14 data sets
@@ -27,7 +27,7 @@ RUNS = 6
 
 @pytest.fixture(scope="module")
 def study():
-    return summarised(outcomes(*study_tables(RUNS)))
+    return summarized(outcomes(*study_tables(RUNS)))
 
 
 @pytest.mark.parametrize(("count", "trials"), [(0, 5), (1, 5), (5, 5), (3, 25), (81, 263)])
@@ -169,7 +169,7 @@ def test_ranking(study):
 
 
 def test_few_records_tell_little(study):
-    """With six runs no neighbours differ."""
+    """With six runs no neighbors differ."""
     found = study.scenarios[0].rankings["torques", "torque_error"]
     assert found.records == RUNS
     assert found.distance == pytest.approx(2.850 * np.sqrt(6 * 7 / (6 * RUNS)), abs=2e-3)
@@ -178,7 +178,7 @@ def test_few_records_tell_little(study):
 
 
 def test_one_run_has_no_interval():
-    found = summarised(outcomes(*study_tables(1, motions=("Fourier",))))
+    found = summarized(outcomes(*study_tables(1, motions=("Fourier",))))
     ranking = found.rankings["torques", "torque_error"]
     assert np.isnan(ranking.low).all()
     assert found.scenarios[0].rankings["torques", "torque_error"].probability is None
@@ -190,7 +190,7 @@ def test_one_common_record_has_no_interval_of_the_ratio():
     results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
     failed = {"status": "failed", "reason": "none", "torque_error": None}
     lone = [{**row, **failed} if row["method"] == "wls" and row["run"] else row for row in results]
-    ranking = summarised(outcomes(lone, scenarios, times)).rankings["torques", "torque_error"]
+    ranking = summarized(outcomes(lone, scenarios, times)).rankings["torques", "torque_error"]
     wls = ranking.methods.index("wls")
     assert np.isfinite(ranking.ratio[wls])
     assert np.isnan([ranking.ratio_low[wls], ranking.ratio_high[wls]]).all()
@@ -201,7 +201,7 @@ def test_stated_deviations_of_the_runs_that_state_them():
     """A run that determines fewer parameters states none; the others do."""
     results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
     some = [{**row, "sigma": None} if row["method"] == "ols" and row["run"] == 0 else row for row in results]
-    ols = summarised(outcomes(some, scenarios, times)).scenarios[0].methods[0]
+    ols = summarized(outcomes(some, scenarios, times)).scenarios[0].methods[0]
     assert ols.method.name == "ols"
     assert ols.parameters.stated == pytest.approx(NOISES[0] * np.abs(TRUTH))
 

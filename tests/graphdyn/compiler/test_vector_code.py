@@ -28,14 +28,14 @@ mpmath.mp.dps = 50
 
 
 def angles(farthest=MAX_ANGLE):
-    """Random ones, tiny ones, and the multiples of π/4 and π/2 with their neighbours."""
+    """Random ones, tiny ones, and the multiples of π/4 and π/2 with their neighbors."""
     rng = np.random.default_rng(0)
     most = int(farthest / (np.pi / 2))
     turns = np.concatenate([np.arange(-40, 41), rng.integers(-most, most, 400), [most, -most]]).tolist()
     corners = np.array([float(k * mpmath.pi / part) for k in turns for part in (2, 4)])
-    neighbours = [corners, np.nextafter(corners, np.inf), np.nextafter(corners, -np.inf)]
+    neighbors = [corners, np.nextafter(corners, np.inf), np.nextafter(corners, -np.inf)]
     tiny = rng.uniform(-1, 1, 500) * 10.0 ** rng.uniform(-320, 0, 500)
-    everything = np.concatenate([*neighbours, tiny, rng.uniform(-farthest, farthest, 2000), [0.0, farthest]])
+    everything = np.concatenate([*neighbors, tiny, rng.uniform(-farthest, farthest, 2000), [0.0, farthest]])
     return everything[np.abs(everything) <= farthest]
 
 

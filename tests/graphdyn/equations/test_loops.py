@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletiser, rod
+from mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletizer, rod
 from shared_data import DATA, existing
 from witnesses import relative_error
 
@@ -99,17 +99,17 @@ def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
 
 
 @pytest.fixture(scope="module")
-def moving_palletiser():
-    """A palletising arm, k of its closed form v = k u̇, and states q and v (20, 10)."""
-    model, k = palletiser(existing(DATA / "loops").parent)
+def moving_palletizer():
+    """A palletizing arm, k of its closed form v = k u̇, and states q and v (20, 10)."""
+    model, k = palletizer(existing(DATA / "loops").parent)
     rng, count = np.random.default_rng(2), 20
     u = rng.uniform((-3, -0.6, -0.5, -3), (3, 0.6, 0.5, 3), (count, 4))
     return model, k, u @ k.T, rng.uniform(-2, 2, (count, 4)) @ k.T
 
 
 @methods
-def test_the_palletiser_is_what_its_closed_form_says(moving_palletiser, method):
-    model, k, q, v = moving_palletiser
+def test_the_palletizer_is_what_its_closed_form_says(moving_palletizer, method):
+    model, k, q, v = moving_palletizer
     rng, count = np.random.default_rng(7), len(q)
     tau, wrenches = np.zeros((count, 10)), rng.normal(size=(count, 10, 6)) * 50
     motors = [model.joint_names.index(name) for name in model.actuated]
@@ -126,8 +126,8 @@ def test_the_palletiser_is_what_its_closed_form_says(moving_palletiser, method):
     assert relative_error(back.tau, tau) < ROUNDING
 
 
-def test_torques_of_a_palletiser_are_linear_in_its_parameters_by_every_method(moving_palletiser):
-    model, k, q, v = moving_palletiser
+def test_torques_of_a_palletizer_are_linear_in_its_parameters_by_every_method(moving_palletizer):
+    model, k, q, v = moving_palletizer
     a = graphdyn.assemble(model, q, v, np.random.default_rng(8).uniform(-5, 5, (len(q), 4)) @ k.T)[2]
     regressor = graphdyn.joint_torque_regressor(model, q, v, a)
     without = graphdyn.joint_torques(model, q, v, a)
@@ -137,8 +137,8 @@ def test_torques_of_a_palletiser_are_linear_in_its_parameters_by_every_method(mo
         assert relative_error(fast, plain) < ROUNDING, verb
 
 
-def test_the_payload_of_a_palletiser_is_identified_at_its_motors():
-    model, k = palletiser(existing(DATA / "loops").parent)
+def test_the_payload_of_a_palletizer_is_identified_at_its_motors():
+    model, k = palletizer(existing(DATA / "loops").parent)
     rng = np.random.default_rng(3)
     u = rng.uniform((-3, -0.6, -0.5, -3), (3, 0.6, 0.5, 3), (200, 4))
     q, (v, a) = u @ k.T, rng.uniform(-2, 2, (2, 200, 4)) @ k.T

@@ -15,7 +15,7 @@ from graphdyn.excitation import (
     FourierBasis,
     MotionLimits,
     NoFeasibleMotion,
-    OptimisedMotion,
+    OptimizedMotion,
     Plane,
     SplineBasis,
     TabulatedCourse,
@@ -23,13 +23,13 @@ from graphdyn.excitation import (
     excitation_plan,
     log_det,
     mean_sigma,
-    optimised,
+    optimized,
     prior_spread,
     random_motions,
     random_trajectory,
     sample_times,
 )
-from graphdyn.excitation import optimizing as optimising
+from graphdyn.excitation import optimizing as optimizing
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.information import Information
 from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_slope
@@ -47,7 +47,7 @@ acceleration of what is limited times (1 ms)²/8."""
 ROUNDING = 1e-11
 
 BETTER = 1.1
-"""Mean half axis of the ellipsoid of errors, best of 20 random motions to the optimised one: measured 1.13."""
+"""Mean half axis of the ellipsoid of errors, best of 20 random motions to the optimized one: measured 1.13."""
 
 VISCOUS, COULOMB = 3.0, 2.0
 """Of every joint of the simulated robot [N m s/rad or N s/m, N m or N]."""
@@ -73,7 +73,7 @@ def coupled_tree():
 @pytest.fixture(scope="module")
 def found():
     problem = problem_of()
-    return problem, optimised(problem, 1)
+    return problem, optimized(problem, 1)
 
 
 @pytest.mark.parametrize("basis", [FourierBasis(5.0, 4), SplineBasis(5.0, 7)], ids=["series", "splines"])
@@ -167,7 +167,7 @@ def test_better_than_random(found):
         assert max(usage.used for usage in problem.usages(motion.motion(np.linspace(0, 5, 240)))) < 1 + 1e-8
         values.append(problem.value(motion))
     assert best.value < min(values) - np.log(BETTER)
-    assert np.array_equal(optimised(problem, 1).trajectory.coefficients, best.trajectory.coefficients)
+    assert np.array_equal(optimized(problem, 1).trajectory.coefficients, best.trajectory.coefficients)
 
 
 def test_limits_hold_between_the_points(found):
@@ -183,7 +183,7 @@ def test_planes_couplings_and_splines():
     model = coupled_tree()
     plane = Plane((0.0, 0.0, 2.0), -0.4)
     problem = problem_of(model, basis=SplineBasis(4.0, 6), planes=(plane,), terms=(Viscous(),))
-    best = optimised(problem, 0)
+    best = optimized(problem, 0)
     q = best.trajectory.motion(sample_times(4.0, 1000.0)).q
     heights = [frame_placement(model, q, body)[1][:, 2].min() for body in model.body_names]
     assert min(heights) > -0.4
@@ -197,7 +197,7 @@ def test_second_motion_complements_the_first(found):
     """It tells more, beside the first, than the first repeated."""
     problem, best = found
     once = problem.total_information(best.trajectory)
-    further = optimised(replace(problem, known=once), 2)
+    further = optimized(replace(problem, known=once), 2)
     assert further.value < log_det(2 * once)[0] - 0.02
     assert np.array_equal(
         replace(problem, known=once).total_information(further.trajectory),
@@ -306,14 +306,14 @@ def test_other_starts_of_a_seed(monkeypatch):
         tried.append(start)
         return Usage("clearance", "a - b", 1.25)
 
-    monkeypatch.setattr(optimising, "_searched", not_searched)
+    monkeypatch.setattr(optimizing, "_searched", not_searched)
     message = r"from seed 2: the balls around a - b come 2\.5 mm nearer to each other than they may; give limits of pos"
     with pytest.raises(NoFeasibleMotion, match=message):
-        optimised(problem, 2)
-    assert len({start.coefficients.tobytes() for start in tried}) == optimising.MAX_STARTS
+        optimized(problem, 2)
+    assert len({start.coefficients.tobytes() for start in tried}) == optimizing.MAX_STARTS
     with pytest.raises(NoFeasibleMotion):
-        optimised(problem, 2, start=tried[0])
-    assert tried[optimising.MAX_STARTS :] == [tried[0]]
+        optimized(problem, 2, start=tried[0])
+    assert tried[optimizing.MAX_STARTS :] == [tried[0]]
 
 
 def test_the_next_start_is_tried_where_a_search_ends_where_it_began(monkeypatch):
@@ -321,19 +321,19 @@ def test_the_next_start_is_tried_where_a_search_ends_where_it_began(monkeypatch)
     problem, gains = problem_of(), iter([0.0, -1.0])
 
     def searched(_, start, seed, __):
-        return OptimisedMotion(start, (), problem.value(start) + next(gains), seed, 1)
+        return OptimizedMotion(start, (), problem.value(start) + next(gains), seed, 1)
 
-    monkeypatch.setattr(optimising, "_searched", searched)
-    found = optimised(problem, 2)
+    monkeypatch.setattr(optimizing, "_searched", searched)
+    found = optimized(problem, 2)
     assert found.value == problem.value(found.trajectory) - 1
 
 
 def test_no_motion_within_limits(monkeypatch):
     """Torques too small to stand still anywhere."""
-    monkeypatch.setattr(optimising, "MAX_SEARCH_ITERATIONS", 5)
+    monkeypatch.setattr(optimizing, "MAX_SEARCH_ITERATIONS", 5)
     problem = problem_of(torque=1e-3)
     with pytest.raises(
         NoFeasibleMotion,
         match=r"no motion within all limits was found from seed 4: the torque of joint. needs .* times its",
     ):
-        optimised(problem, 4)
+        optimized(problem, 4)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import four_bar, n_four_bar, palletiser
+from mechanisms import four_bar, n_four_bar, palletizer
 from scipy.integrate import solve_ivp
 from shared_data import DATA, existing
 from simulated_loops import four_bars, space_linkage, squeezed
@@ -38,8 +38,8 @@ def test_through_singular_poses():
     assert adaptive.closure_error().max() < 1e-14
 
 
-def test_the_palletiser_moves_as_its_closed_form():
-    model, k = palletiser(existing(DATA / "loops").parent)
+def test_the_palletizer_moves_as_its_closed_form():
+    model, k = palletizer(existing(DATA / "loops").parent)
     motors = [model.joint_names.index(name) for name in model.actuated]
     u, rate, torque = np.array([0.3, 0.2, -0.1, 0.5]), np.array([0.5, -0.4, 0.3, 1.0]), np.zeros(10)
     torque[motors] = [100.0, -300.0, 200.0, 1.0]

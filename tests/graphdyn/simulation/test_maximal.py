@@ -17,7 +17,7 @@ def closures(name, duration=0.6):
     model = NAMED[name]
     q, v, _ = random_state(model, 2)
     return {
-        kind: simulate(model, q, v, duration, stabilisation=kind, **SETTINGS).closure_error()
+        kind: simulate(model, q, v, duration, stabilization=kind, **SETTINGS).closure_error()
         for kind in ("projection", "baumgarte", "none")
     }
 
@@ -61,7 +61,7 @@ def test_work_and_angles_beyond_a_turn():
         ({"limits": "stop", "rotor_inertia": 1.0}, "maximal coordinates do not know rotor_inertia, limits"),
         ({"events": Event(lambda t, q, v: 1.0)}, "maximal coordinates do not know events"),
         ({"method": "dop853", "step": None}, "maximal coordinates take steps of fixed width"),
-        ({"stabilisation": "springs"}, "stabilisation is 'springs'; use 'projection', 'baumgarte' or 'none'"),
+        ({"stabilization": "springs"}, "stabilization is 'springs'; use 'projection', 'baumgarte' or 'none'"),
         ({"coordinates": "natural"}, "coordinates is 'natural'; use 'joint' or 'maximal'"),
     ],
 )

@@ -39,7 +39,7 @@ class TestConstraints:
     def test_refused(self, written, tag):
         path = written(changed("</robot>", CONSTRAINTS[tag] + "\n</robot>"))
         with pytest.raises(
-            urdf.UnsupportedConstraint, match="which is not modelled; remove it to load the robot without it"
+            urdf.UnsupportedConstraint, match="which is not modeled; remove it to load the robot without it"
         ) as caught:
             urdf.load(path)
         error = caught.value

@@ -137,7 +137,7 @@ class TestArguments:
     def test_refusals(self, folder, options):
         refusal(odd_file(folder, odd_robot()), **options)
 
-    def test_names_of_the_catalogue(self):
+    def test_names_of_the_catalog(self):
         assert SAID[3:] in str(refusal(ODD.replace("\n", "")).problem)
 
 

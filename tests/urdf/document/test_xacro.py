@@ -118,7 +118,7 @@ class TestExpansion:
         model = urdf.load(within(body + 'link="tool"/><child link="${max(1, 2)}"/></joint>'))
         assert model.frame("2").body == 2
 
-    def test_a_catalogue_of_the_words_that_are_said(self, arm):
+    def test_a_catalog_of_the_words_that_are_said(self, arm):
         report = urdf.inspect(arm)
         (finding,) = [finding for finding in report.findings if finding.code == "xacro-expanded"]
         assert (finding.severity, finding.message, finding.remedy) == (

@@ -88,7 +88,7 @@ PRIMITIVES = [
     ('<sphere radius="nan"/>', '<sphere>: radius="nan" is not finite'),
     ('<sphere radius="0"/>', "<sphere>: a size that is not positive"),
     ('<cylinder radius="1" length="-1"/>', "<cylinder>: a size that is not positive"),
-    ('<sphere radius="1e30"/>', '<sphere>: radius="1e30" is larger than 1e+06; give metres'),
+    ('<sphere radius="1e30"/>', '<sphere>: radius="1e30" is larger than 1e+06; give meters'),
     ('<cone radius="1"/>', "<cone> is none of <box>, <cylinder>, <sphere>, <capsule>, <mesh>"),
     ("", "<geometry> has 0 elements, expected one"),
     ('<box size="1 1 1"/><sphere radius="1"/>', "<geometry> has 2 elements, expected one"),

@@ -109,7 +109,7 @@ class TestForms:
 
     @pytest.mark.parametrize("written", ["stl", "ascii", "obj", "dae"])
     def test_mesh_files(self, drawn, written):
-        """The same box, in millimetres where the file can say so."""
+        """The same box, in millimeters where the file can say so."""
         there = box(center=(0.1, 0.2, 0.3))
         suffix = {"ascii": "stl"}.get(written, written)
         content = {
@@ -226,7 +226,7 @@ def test_robots_of_makers(vendor_arms):
         assert {missing.reason.partition(": ")[2] for missing in found.missing} <= {"no such file"}
 
 
-def test_the_catalogue():
+def test_the_catalog():
     """Collada of an industrial arm: the box around a link reaches from joint to joint."""
     found, model = urdf.shapes("ur5"), urdf.load("ur5")
     assert found.missing == ()

@@ -138,7 +138,7 @@ class TestDegrees:
     @pytest.mark.parametrize(
         ("changes", "code", "severity", "message"),
         [
-            ((AXIS, '<axis xyz="0 0 2"/>'), "axis-not-normalised", "warning", "the axis has length 2"),
+            ((AXIS, '<axis xyz="0 0 2"/>'), "axis-not-normalized", "warning", "the axis has length 2"),
             ((LIMIT, ""), "limits-missing", "warning", "without <limit>. Pinocchio refuses"),
             (('izz="0.17"', 'izz="0.241"'), "triangle-inequality", "note", "exceeds the sum 0.24 kg m²"),
             ((MASS, '<mass value="0"/>'), "zero-mass", "warning", "the mass is zero but the inertia tensor is not"),
@@ -244,7 +244,7 @@ class TestVerdict:
         assert report.verdict == "kinematics only"
         assert "(bodies without mass or inertia: 'fore')" in report.reasons[0]
 
-    def test_cancelled_inertia(self, inspected):
+    def test_canceled_inertia(self, inspected):
         report = inspected(changed('xyz="0 0 0.4"', 'xyz="0 0 0"', 'iyy="0.06"', 'iyy="0"'))
         assert report.verdict == "kinematics only"
         assert "(every body has mass)" in report.reasons[0]
@@ -269,7 +269,7 @@ class TestVerdict:
 
 
 class TestFiles:
-    def test_a_name_of_the_catalogue(self):
+    def test_a_name_of_the_catalog(self):
         report = urdf.inspect("kr500")
         assert report.robot == "kr500"
         assert report.path.endswith("kr500.urdf")
@@ -279,7 +279,7 @@ class TestFiles:
         report = urdf.inspect("ur55")
         (finding,) = report.findings
         assert (finding.code, report.verdict, report.path) == ("no-such-file", "refused", None)
-        assert finding.message == "'ur55' is neither a file nor a robot of the catalogue"
+        assert finding.message == "'ur55' is neither a file nor a robot of the catalog"
         assert "ur5" in finding.remedy
 
     def test_a_folder(self, tmp_path):

@@ -50,7 +50,7 @@ def test_a_center_outside_the_mesh(inspected):
     assert finding.message == (
         "the center of mass lies 0.0583 m outside the box around the visual mesh, whose longest side is 0.4 m"
     )
-    assert finding.remedy == "give it in the link frame, in metres; or correct the placement or the scale of the mesh"
+    assert finding.remedy == "give it in the link frame, in meters; or correct the placement or the scale of the mesh"
     assert len(inspected(xyz="0.119 0 0")) == 1  # less than 5 % of the longest side
     assert len(inspected(xyz="0.121 0 0")) == 2
 
@@ -63,7 +63,7 @@ def test_density(inspected, mass, told):
     )
     assert {each.severity for each in found} <= {"warning"}
     assert {each.remedy for each in found} <= {
-        "give the mass in kg and the mesh in metres, with its scale; a part of the link may not be drawn"
+        "give the mass in kg and the mesh in meters, with its scale; a part of the link may not be drawn"
     }
 
 
@@ -138,7 +138,7 @@ def test_without_meshes_nothing_changes(inspected):
     assert finding.message == "mesh files, not opened because dynamics need none: 1, of which 0 at package:// paths"
 
 
-def test_a_robot_of_the_catalogue():
+def test_a_robot_of_the_catalog():
     """Wrists of the UR5: tensors of bodies far larger than their meshes, which shows at a glance in a picture."""
     found = {each.code: each for each in reversed(urdf.inspect("ur5").findings)}
     assert "the tensors of 3 of 6 links are far from" in found["inertia-unlike-mesh"].message

@@ -233,7 +233,7 @@ def test_an_axis_too_short_for_its_square(written):
     """Pinocchio leaves it as it is, and the joint does not turn."""
     path = written(changed('"0 0 1"', '"0 0 1e-170"'))
     with pytest.raises(
-        urdf.InvalidNumber, match="the axis has length 1e-170, too short to normalise; give a direction"
+        urdf.InvalidNumber, match="the axis has length 1e-170, too short to normalize; give a direction"
     ):
         urdf.load(path)
     assert urdf.inspect(path).codes[0] == "zero-axis"

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import four_bar, palletiser
+from mechanisms import four_bar, palletizer
 from numpy.testing import assert_allclose, assert_array_equal
 from shared_data import DATA, existing
 from urdf_text import joint, link, robot_text
@@ -206,8 +206,8 @@ def test_malformed(case):
 
 
 @pytest.mark.parametrize("kind", ["planar", "universal_joint"])
-def test_kinds_that_are_not_modelled(kind):
-    with pytest.raises(urdf.UnsupportedConstraint, match=rf":9: .*'c': type '{kind}' is not modelled; use one of"):
+def test_kinds_that_are_not_modeled(kind):
+    with pytest.raises(urdf.UnsupportedConstraint, match=rf":9: .*'c': type '{kind}' is not modeled; use one of"):
         urdf.load(arm(loop(kind)))
 
 
@@ -378,7 +378,7 @@ def same(model: RobotModel, again: RobotModel) -> None:
 
 def test_made_mechanisms(tmp_path):
     same(four_bar(), saved(four_bar(), tmp_path))
-    model = palletiser(existing(DATA))[0]
+    model = palletizer(existing(DATA))[0]
     ground = Chord("to ground", "ball", 0, TURNED, 3, Placement())
     model = replace(model, chords=(*model.chords, ground), base=TURNED)
     again = saved(model, tmp_path)

@@ -185,10 +185,10 @@ def test_gravity(arm):
 @pytest.mark.parametrize(
     ("axis", "length"), [("0 0 0.99", "0.99"), ("1 1 0", "1.41421356"), ("0 0.5773 0.8165", "0.99997377")]
 )
-def test_axis_is_normalised_with_a_warning(arm, axis, length):
+def test_axis_is_normalized_with_a_warning(arm, axis, length):
     path = arm('<axis xyz="0 0 1"/>', f'<axis xyz="{axis}"/>')
     with pytest.warns(
-        urdf.AxisNotNormalizedWarning, match=rf"axis not of unit length, normalised: joint 'shoulder' \({length}\)"
+        urdf.AxisNotNormalizedWarning, match=rf"axis not of unit length, normalized: joint 'shoulder' \({length}\)"
     ):
         model = urdf.load(path)
     direction = np.array(axis.split(), dtype=float)

@@ -36,7 +36,7 @@ def test_reversed_limits_are_exchanged(arm):
     }
 
 
-def test_an_axis_almost_of_unit_length_is_normalised(arm):
+def test_an_axis_almost_of_unit_length_is_normalized(arm):
     path = arm(*axis("0 0.5773 0.8165"))
     model, said = told(path, ["axis"])
     assert_allclose(model.joints[0].axis, urdf_axis(path), rtol=0, atol=2e-16)
@@ -46,7 +46,7 @@ def test_an_axis_almost_of_unit_length_is_normalised(arm):
 
 
 def urdf_axis(path):
-    """Of the first joint without the repair: it is normalised as well, with another warning."""
+    """Of the first joint without the repair: it is normalized as well, with another warning."""
     with pytest.warns(urdf.AxisNotNormalizedWarning):
         return urdf.load(path).joints[0].axis
 

@@ -101,8 +101,8 @@ SIDES = {
     ),
     "a center at 50 m": ("far-center-of-mass", center("0 -49.9 0"), None, center("0 -50.1 0"), "warning"),
     # of axes and angles
-    "a unit axis": ("axis-not-normalised", axis("0 0 1.0000000009"), None, axis("0 0 1.0000000011"), "note"),
-    "a rounded axis": ("axis-not-normalised", axis("0 0 0.9901"), "note", axis("0 0 0.9899"), "warning"),
+    "a unit axis": ("axis-not-normalized", axis("0 0 1.0000000009"), None, axis("0 0 1.0000000011"), "note"),
+    "a rounded axis": ("axis-not-normalized", axis("0 0 0.9901"), "note", axis("0 0 0.9899"), "warning"),
     "a straight axis": ("oblique-axis", axis("0.99e-6 0 1"), None, axis("1.01e-6 0 1"), "note"),
     "an exact angle": (
         "rpy-truncated", rolled(QUARTER + 0.9e-12), None, rolled(QUARTER + 1.1e-12), "note",
@@ -187,7 +187,7 @@ def test_repaired_axes(length, repaired):
 
 
 @pytest.mark.parametrize(("length", "warned"), [("1.0000000009", False), ("1.0000000011", True)])
-def test_normalised_axes(length, warned):
+def test_normalized_axes(length, warned):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         urdf.load(changed(*axis(f"0 0 {length}")))

@@ -130,7 +130,7 @@ def test_locked_joints_as_when_identified(arm, tmp_path):
     assert reads_back(out, parameters, lock=lock)
 
 
-def test_in_place_and_from_the_catalogue(arm, tmp_path):
+def test_in_place_and_from_the_catalog(arm, tmp_path):
     path = arm()
     parameters = real_parameters(np.random.default_rng(0), 2)
     urdf.update(path, path, parameters)

@@ -78,7 +78,7 @@ class _ElementReader:
         if stated not in kinds:
             raise self.place.error(
                 UnsupportedConstraint,
-                f"'{shortened(name_of(self.element))}': type '{shortened(stated)}' is not modelled",
+                f"'{shortened(name_of(self.element))}': type '{shortened(stated)}' is not modeled",
                 f"use one of {known}, or replace it by several links and joints",
             )
         return kinds[stated]

@@ -1,4 +1,4 @@
-"""Boxes, cylinders, spheres and capsules as triangles, centred at the origin, their axis along z."""
+"""Boxes, cylinders, spheres and capsules as triangles, centered at the origin, their axis along z."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ WELD_DISTANCE_SHARE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Triangles:
-    """vertices (k, 3) [m]; faces (m, 3), anticlockwise from outside; color: None where none is given."""
+    """vertices (k, 3) [m]; faces (m, 3), counterclockwise from outside; color: None where none is given."""
 
     vertices: Array
     faces: Faces
@@ -30,7 +30,7 @@ class Triangles:
         self.faces.setflags(write=False)
 
     def scaled(self, scale: Array) -> Triangles:
-        """Scaled along the three axes (3,). A mirrored mesh has its faces reversed: they stay anticlockwise."""
+        """Scaled along the three axes (3,). A mirrored mesh has its faces reversed: they stay counterclockwise."""
         if np.array_equal(scale, np.ones(3)):
             return self
         faces = self.faces[:, ::-1].copy() if np.prod(np.sign(scale)) < 0 else self.faces

@@ -85,7 +85,7 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
             "compare angles modulo 2π",
         )
     if kind == "prismatic":
-        yield about("prismatic-joint", "note", joint, "a prismatic joint: metres and newtons", "nothing need be done")
+        yield about("prismatic-joint", "note", joint, "a prismatic joint: meters and newtons", "nothing need be done")
     mimic = joint.find("mimic")
     if mimic is not None:
         yield about(
@@ -108,10 +108,10 @@ def _axis(joint: etree._Element) -> Iterator[Finding]:
     length, largest = math.hypot(*axis), max(map(abs, axis))
     if abs(length - 1) > UNIT_LENGTH_TOLERANCE:
         yield about(
-            "axis-not-normalised",
+            "axis-not-normalized",
             "note" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "warning",
             element,
-            f"the axis has length {length:.9g}; load normalises it",
+            f"the axis has length {length:.9g}; load normalizes it",
             "write it with more digits" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "write a unit vector",
         )
     along = [x for x in axis if abs(x) > ZERO_COMPONENT * largest]

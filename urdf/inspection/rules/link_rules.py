@@ -135,7 +135,7 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "warning",
             element,
             f"the center of mass is {distance:.3g} m from the origin of the link",
-            "give it in metres, in the link frame; it may be in millimetres",
+            "give it in meters, in the link frame; it may be in millimeters",
         )
     if 0 < mass < MIN_PLAUSIBLE_MASS:
         yield about(

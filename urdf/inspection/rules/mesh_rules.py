@@ -24,7 +24,7 @@ MIN_MESH_DENSITY, MAX_MESH_DENSITY = 100.0, 20_000.0
 
 MAX_MOMENT_RATIO = 10.0
 """Factor between a principal moment and that of the filled mesh beyond which they do not fit. A thin shell has at most
-5/3 of a filled body; of the catalogue's links, nine in ten stay below 7."""
+5/3 of a filled body; of the catalog's links, nine in ten stay below 7."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ def _place(each: Compared) -> Iterator[Finding]:
             each.inertial.element,
             f"the center of mass lies {outside:.3g} m outside the box around the {each.link.geometry} mesh, whose "
             f"longest side is {size:.3g} m",
-            "give it in the link frame, in metres; or correct the placement or the scale of the mesh",
+            "give it in the link frame, in meters; or correct the placement or the scale of the mesh",
         )
 
 
@@ -118,7 +118,7 @@ def _density(each: Compared) -> Iterator[Finding]:
             each.inertial.element,
             f"{each.inertial.mass:.3g} kg in {each.link.filled.volume:.3g} m³ ({each.what}) are "
             f"{each.density:.4g} kg/m³",
-            "give the mass in kg and the mesh in metres, with its scale; a part of the link may not be drawn",
+            "give the mass in kg and the mesh in meters, with its scale; a part of the link may not be drawn",
         )
 
 

@@ -71,7 +71,7 @@ def _units(model: RobotModel) -> Iterator[Finding]:
             "warning",
             None,
             f"the joints span {reach:.3g} m along the longest branch",
-            "give lengths in metres; they may be in millimetres",
+            "give lengths in meters; they may be in millimeters",
         )
     elif mass > 0 and not MIN_LINK_DENSITY <= mass / reach**3 <= MAX_LINK_DENSITY:
         yield of_file(

@@ -230,7 +230,7 @@ class TestArguments:
         assert done.code == BAD_INPUT
         assert "--jobs, --scheduler and --resume are for folders" in done.err
 
-    def test_a_robot_of_the_catalogue_comes_before_a_folder(self, program, here, tmp_path, monkeypatch):
+    def test_a_robot_of_the_catalog_comes_before_a_folder(self, program, here, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
         Path("kr500").mkdir()
         done = program("kr500", "--samples", 1)

@@ -14,7 +14,7 @@ import identified_arm
 import numpy as np
 import pytest
 from browser import CHROMIUM, too_wide
-from judged_functions import DIAGNOSIS, judged, judgement, judgement_page
+from judged_functions import DIAGNOSIS, judged, judgment, judgment_page
 from lxml import etree
 from pages import COMMAND, balanced, comparison_page, complaints, parsed, rows
 from planting import compared
@@ -204,12 +204,12 @@ class TestForm:
 def test_in_a_browser(tmp_path, page, wrong_comparison, tree):
     """No page is wider than its window, no script fails, and the buttons appear."""
     function = judged(tree, "regressor", 1.5)
-    verdict = judgement(tree, function, diagnoses=(DIAGNOSIS,))
+    verdict = judgment(tree, function, diagnoses=(DIAGNOSIS,))
     identified = identified_arm.compared()
     pages = {
         "small.html": page,
         "wrong.html": comparison_page([wrong_comparison], COMMAND),
-        "judged.html": judgement_page(verdict),
+        "judged.html": judgment_page(verdict),
         "identified.html": page_of(identify_report(identified, identified.shown()), COMMAND, versions()),
     }
     assert too_wide(pages, tmp_path) == []

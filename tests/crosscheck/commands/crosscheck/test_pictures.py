@@ -54,7 +54,7 @@ class TestPictures:
         assert "✗ b" in text
         assert "the largest is inf of a" in text
 
-    def test_axis_is_labelled_with_powers_of_ten(self):
+    def test_axis_is_labeled_with_powers_of_ten(self):
         text = spread("k", [SpreadRow("a", np.array([1e-16, 20.0]), 1e-13)])
         assert "10⁻" in text
         assert "10²" in text or "10¹" in text

@@ -63,7 +63,7 @@ class TestSnippets:
         for name in ("q", "v", "a"):
             assert tuple(names[name].tolist()) == getattr(result.worst, name)
 
-    def test_names_of_the_catalogue(self, small_comparison):
+    def test_names_of_the_catalog(self, small_comparison):
         kr500 = next(entry for entry in urdf.robots() if entry.name == "kr500")
         renamed = dataclasses.replace(small_comparison, robot="kr500", file=str(kr500.path.resolve()))
         assert "urdf.load('kr500', gravity=[0.0, 0.0, -9.81])" in worst_state(

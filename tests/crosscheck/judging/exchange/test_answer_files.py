@@ -209,7 +209,7 @@ class TestRounds:
 
 
 class TestEveryFunction:
-    """Right answers to the first round are a judgement, whatever the function."""
+    """Right answers to the first round are a judgment, whatever the function."""
 
     SETTING = Setting(robot="ur5", samples=2, frame="tool0", external_wrenches=True)
 
@@ -248,8 +248,8 @@ class TestEveryFunction:
             for one in first_round(setting, list(codes)).questions
         }
         assert set(answered_functions(setting, given)) == set(codes)
-        judgement, unused = judge_answers(setting, given, {})
-        assert judgement.agrees
+        judgment, unused = judge_answers(setting, given, {})
+        assert judgment.agrees
         assert unused == []
 
     def test_unknown_frame(self):

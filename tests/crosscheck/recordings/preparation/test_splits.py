@@ -80,7 +80,7 @@ def test_every_row_is_predicted_once_from_others(folds):
     assert np.ptp(sizes) <= 1
 
 
-def test_the_guard_keeps_neighbours_of_the_test_out_of_the_fit():
+def test_the_guard_keeps_neighbors_of_the_test_out_of_the_fit():
     for split in time_folds(record(), 4, guard=0.55):
         distance = np.abs(split.train.t[:, None] - split.test.t).min(axis=1)
         assert distance.min() == pytest.approx(0.6)

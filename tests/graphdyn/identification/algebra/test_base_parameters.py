@@ -20,7 +20,7 @@ CLEAR = 1e-4
 """The weakest parameter of an arm under random motion; rounding is eleven orders below."""
 
 NOISE = 1e-12
-"""Rounding of a rank-revealing factorisation of some hundred rows."""
+"""Rounding of a rank-revealing factorization of some hundred rows."""
 
 SAME = 1e-12
 """W π and W_b π_b: two sums of up to sixty terms, relative to the largest term."""

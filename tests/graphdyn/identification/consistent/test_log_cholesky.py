@@ -82,7 +82,7 @@ class TestFit:
         assert np.abs(analytic - (ahead - behind) / (2 * STEP)).max() < DIFFERENCES * np.abs(analytic).max()
 
     def test_finds_the_minimum_of_the_convex_problem(self, poor):
-        """Two solvers, two parametrisations, one minimum."""
+        """Two solvers, two parametrizations, one minimum."""
         coordinates, inequalities = poor
         fit = fitting.log_cholesky_fit(coordinates, np.ones(18, dtype=bool))
         convex = ConsistentProblem(coordinates, inequalities, metric="pullback").solve(fitting.PRIOR_STRENGTH)

@@ -69,7 +69,7 @@ class TestDistances:
         """x → R x + t, lengths and masses in other units: P → G P Gᵀ."""
         a, b = real_bodies(rng, 50), real_bodies(rng, 50)
         g = np.eye(4)
-        g[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 10.0  # other axes, decimetres
+        g[:3, :3] = np.linalg.qr(rng.normal(size=(3, 3)))[0] * 10.0  # other axes, decimeters
         g[:3, 3] = rng.normal(size=3)
         moved_a, moved_b = (30.0 * g @ p @ g.T for p in (a, b))
         assert np.abs(distance(moved_a, moved_b) / distance(a, b) - 1).max() < 1e-9  # cond(P)² of rounding

@@ -11,7 +11,7 @@ from scipy.optimize import least_squares, minimize
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import (
     EssentialParameters,
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     OrdinaryLeastSquares,
     Prior,
     Problem,
@@ -23,7 +23,7 @@ from graphdyn.identification import (
     WeightedLeastSquares,
     model_prior,
 )
-from graphdyn.identification.estimators.generalised import error_covariance
+from graphdyn.identification.estimators.generalized import error_covariance
 from graphdyn.identification.estimators.ridge import RidgePath
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Offset, RigidBodies
@@ -40,7 +40,7 @@ RUNS, FEW_RUNS = 2000, 500
 ESTIMATORS = [
     OrdinaryLeastSquares(),
     WeightedLeastSquares(),
-    GeneralisedLeastSquares(),
+    GeneralizedLeastSquares(),
     ReweightedLeastSquares("huber"),
     ReweightedLeastSquares("tukey"),
     Ridge(),
@@ -89,7 +89,7 @@ def test_says_what_it_is(estimator):
     [
         (OrdinaryLeastSquares(), INDEPENDENT, RUNS),
         (WeightedLeastSquares(), INDEPENDENT, RUNS),
-        (GeneralisedLeastSquares(), CORRELATED, FEW_RUNS),
+        (GeneralizedLeastSquares(), CORRELATED, FEW_RUNS),
         (ReweightedLeastSquares("huber"), INDEPENDENT, FEW_RUNS),
         (Ridge(strength=1.0), INDEPENDENT, RUNS),
     ],
@@ -193,13 +193,13 @@ class TestTotal:
             assert cost(x + step / units) > lowest
 
 
-class TestGeneralised:
+class TestGeneralized:
     NOISE = np.random.default_rng(0).normal(size=(120, 2)) @ CORRELATED.T
 
     def test_against_whitened_lstsq(self):
         problem = torque_data.small_problem(self.NOISE)
         w, torque = dense(problem)
-        estimate = GeneralisedLeastSquares().estimate(problem)
+        estimate = GeneralizedLeastSquares().estimate(problem)
         start = problem.base.values(WeightedLeastSquares().estimate(problem).parameters)
         residual = w @ start - torque
         sample = residual.T @ residual
@@ -217,13 +217,13 @@ class TestGeneralised:
         problem = torque_data.small_problem(self.NOISE, min_speed=0.2)
         patterns = np.unique(np.concatenate([rows.kept for rows in problem.rows()]), axis=0)
         assert len(patterns) > 2
-        estimate = GeneralisedLeastSquares().estimate(problem)
+        estimate = GeneralizedLeastSquares().estimate(problem)
         error = problem.base.values(estimate.parameters) - problem.base.values(torque_data.small_parameters())
         assert error @ np.linalg.solve(estimate.covariance, error) < 30  # χ² of 12
 
     def test_too_few_complete_samples(self):
         with pytest.raises(EstimationFailed, match=r"only \d+ samples have equations of all 2 joints, 20 needed"):
-            GeneralisedLeastSquares().estimate(torque_data.small_problem(self.NOISE, min_speed=[0.9, 0.9]))
+            GeneralizedLeastSquares().estimate(torque_data.small_problem(self.NOISE, min_speed=[0.9, 0.9]))
 
     def test_repeated_noise(self):
         problem = torque_data.small_problem(np.random.default_rng(0).normal(size=(120, 1)) * [3.0, 8.0])
@@ -244,7 +244,7 @@ def outliers():
 class TestReweighted:
     @pytest.mark.parametrize("norm", ["huber", "tukey"])
     def test_minimum(self, norm, outliers):
-        """The same minimum as a general optimiser finds at the same scale."""
+        """The same minimum as a general optimizer finds at the same scale."""
         w, torque = dense(outliers)
         estimate = ReweightedLeastSquares(norm).estimate(outliers)
         x = outliers.base.values(estimate.parameters)

@@ -8,7 +8,7 @@ from shared_data import DATA, existing
 
 import urdf
 from graphdyn.identification import (
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     OrdinaryLeastSquares,
     Problem,
     Ridge,
@@ -121,7 +121,7 @@ def test_ur10():
             Problem(model, Samples(q[rows], v[rows], a[rows], tau[rows]))
             for rows in (slice(60, 1701), slice(1750, 2401))
         )
-        methods = [WeightedLeastSquares(), GeneralisedLeastSquares(), Ridge()]
+        methods = [WeightedLeastSquares(), GeneralizedLeastSquares(), Ridge()]
         comparison = compare_methods(train, methods, test, poses=POSES)
         held_out[len(friction)] = {result.name: result.held_out.everything.rms for result in comparison.results}
         assert np.all(comparison.of("WLS").block_deviations > comparison.of("WLS").standard_deviations)

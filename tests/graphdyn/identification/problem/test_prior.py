@@ -36,7 +36,7 @@ def problem():
 
 
 def dense(problem):
-    """Base parameters that minimise all squares together, and their covariance."""
+    """Base parameters that minimize all squares together, and their covariance."""
     samples, model, base = problem.data, problem.torque_model, problem.base
     w = model.rows(samples)[..., base.independent] / NOISE[:, None]
     right = (samples.tau - model.known_torque(samples)) / NOISE

@@ -13,7 +13,7 @@ from long_check import LONG
 from replayed_problem import ReplayedProblem
 
 from graphdyn.identification import (
-    GeneralisedLeastSquares,
+    GeneralizedLeastSquares,
     OrdinaryLeastSquares,
     Problem,
     ReweightedLeastSquares,
@@ -46,7 +46,7 @@ def few_equations():
 
 @pytest.mark.parametrize(
     "method",
-    [OrdinaryLeastSquares(), WeightedLeastSquares(), GeneralisedLeastSquares(), ReweightedLeastSquares("huber")],
+    [OrdinaryLeastSquares(), WeightedLeastSquares(), GeneralizedLeastSquares(), ReweightedLeastSquares("huber")],
     ids=lambda method: method.name,
 )
 def test_noise_of_few_equations(method):
@@ -168,7 +168,7 @@ def test_two_standard_deviations_cover_the_truth(case, correlation_times):
 
 
 def test_the_other_methods_cover_it_too():
-    methods = (OrdinaryLeastSquares(), GeneralisedLeastSquares(), *map(ReweightedLeastSquares, ("huber", "tukey")))
+    methods = (OrdinaryLeastSquares(), GeneralizedLeastSquares(), *map(ReweightedLeastSquares, ("huber", "tukey")))
     found = coverage(Case(20, 0.1), 6, methods)
     for method in methods:
         assert 0.88 <= found.block[method.name] <= 0.99, method.name

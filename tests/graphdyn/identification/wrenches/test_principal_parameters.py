@@ -24,7 +24,7 @@ EXACT = 1e-12
 """Relative error with exact data: some hundred eps times a condition number of 27; measured 3e-13."""
 
 SAME = 1e-13
-"""Body by body and all at once: two factorisations of the same numbers; measured 3e-15."""
+"""Body by body and all at once: two factorizations of the same numbers; measured 3e-15."""
 
 KR500 = kr500()
 TRUTH = np.array([[body.mass] * 3 + list(np.diag(body.inertia)) for body in KR500.bodies])

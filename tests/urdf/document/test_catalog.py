@@ -7,17 +7,17 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import urdf
-from urdf.document import catalogue
+from urdf.document import catalog
 
 
 @pytest.fixture
 def nothing_installed(monkeypatch):
     """A world in which the distribution example-robot-data is not installed."""
-    monkeypatch.setattr(catalogue, "DISTRIBUTION", "example-robot-data-that-nobody-installed")
-    catalogue.robots.cache_clear()
+    monkeypatch.setattr(catalog, "DISTRIBUTION", "example-robot-data-that-nobody-installed")
+    catalog.robots.cache_clear()
     yield
     monkeypatch.undo()
-    catalogue.robots.cache_clear()
+    catalog.robots.cache_clear()
 
 
 def entries() -> dict[str, urdf.RobotEntry]:

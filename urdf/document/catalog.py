@@ -38,7 +38,7 @@ class RobotEntry:
 
 @cache
 def robots() -> tuple[RobotEntry, ...]:
-    """The catalogue, the paper's KR500 first. No file is opened."""
+    """The catalog, the paper's KR500 first. No file is opened."""
     return (
         RobotEntry(
             "kr500",
@@ -52,7 +52,7 @@ def robots() -> tuple[RobotEntry, ...]:
 
 
 def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float, float]]:
-    """File and default gravity [m/s²]. A string that names a robot of the catalogue is that robot, else a file.
+    """File and default gravity [m/s²]. A string that names a robot of the catalog is that robot, else a file.
 
     Raises RobotNotFound with close names.
     """
@@ -75,7 +75,7 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
     )
     if not _files():
         remedy += f". Most robots come with the package {DISTRIBUTION}, which is not installed"
-    raise RobotNotFound(f"'{shortened(str(path_or_name))}' is neither a file nor a robot of the catalogue", remedy)
+    raise RobotNotFound(f"'{shortened(str(path_or_name))}' is neither a file nor a robot of the catalog", remedy)
 
 
 def _files() -> list[metadata.PackagePath]:

@@ -32,7 +32,7 @@ MIN_CORRELATION_EIGENVALUE = 1e-6
 
 
 @dataclass(frozen=True)
-class GeneralisedLeastSquares:
+class GeneralizedLeastSquares:
     """Generalized least squares.
 
     The standard parameters are those with the estimated base parameters that are nearest to the model's.
