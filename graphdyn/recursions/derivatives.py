@@ -11,15 +11,13 @@ from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 from graphdyn.model.coupling import Freedoms
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inertia import mass_matrix
-from graphdyn.recursions.inverse import Wrench, inverse_dynamics
+from graphdyn.recursions.inverse import Loads, inverse_dynamics
 from graphdyn.recursions.loops.couplings import everywhere, projected, solved
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import Root
 from graphdyn.recursions.regressors import joint_torque_regressor
 from graphdyn.scalars.differentiation import directional, jacobian
-from graphdyn.scalars.vectors import Scalars
-
-Columns = Sequence[Any]
+from graphdyn.scalars.vectors import PerJoint, Scalars
 
 
 @recursion(
@@ -28,7 +26,7 @@ Columns = Sequence[Any]
     dtau_da=ArraySpec(("n", "n"), "kg m², kg m, kg"),
 )
 def inverse_dynamics_derivatives(
-    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+    links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """dtau_dq, dtau_dv, and dtau_da = M (n n each)."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
@@ -47,14 +45,14 @@ def inverse_dynamics_derivatives(
     d2tau_dvdv=ArraySpec(("n", "n", "n"), "kg m², kg m, kg"),
 )
 def inverse_dynamics_second_derivatives(
-    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+    links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """d2tau_dqdq, d2tau_dqdv, d2tau_dqda, d2tau_dvdv (n n n each), by a forward sweep after the reverse one."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
     by_q, by_v = jacobians(tau, q, v)
     mass = mass_matrix(links, q)
 
-    def changes(first: Scalars, variables: Columns, symmetric: bool = False) -> list[Any]:
+    def changes(first: Scalars, variables: Sequence[Any], symmetric: bool = False) -> list[Any]:
         """∂first_ik/∂x_j at (i, j, k); where symmetric in j and k, each pair is computed once."""
         rates = [directional(list(first.ravel()), variables, unit) for unit in np.eye(len(links)).tolist()]
         change = np.moveaxis(np.array(rates, dtype=object).reshape(-1, *first.shape), 0, 1)
@@ -76,7 +74,7 @@ def inverse_dynamics_second_derivatives(
     **{f"dwrenches_d{x}": ArraySpec(("bodies", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
 )
 def reaction_derivatives(
-    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None = None
+    links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """Of multipliers (n 5 n each) and joint wrenches (n 6 n each) by q, v and a."""
     found = inverse_dynamics(links, root, q, v, a, external)
@@ -93,12 +91,12 @@ def reaction_derivatives(
     da_dtau=ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"),
 )
 def forward_dynamics_derivatives(
-    links: Sequence[Link],
+    links: Links,
     root: Root,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None = None,
+    q: PerJoint,
+    v: PerJoint,
+    tau: PerJoint,
+    external: Loads = None,
     freedoms: Freedoms | None = None,
 ) -> dict[str, list[Any]]:
     """da_dq = -M⁻¹ ∂τ/∂q, da_dv = -M⁻¹ ∂τ/∂v at the accelerations found, and da_dtau = M⁻¹ (n n each); pivots.
@@ -124,12 +122,12 @@ def forward_dynamics_derivatives(
     forward_dynamics_parameter_derivatives=ArraySpec(("n", "10 bodies"), "rad/s² or m/s² per parameter"),
 )
 def forward_dynamics_parameter_derivatives(
-    links: Sequence[Link],
+    links: Links,
     root: Root,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None = None,
+    q: PerJoint,
+    v: PerJoint,
+    tau: PerJoint,
+    external: Loads = None,
     freedoms: Freedoms | None = None,
 ) -> dict[str, Any]:
     """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 bodies); pivots."""
@@ -140,7 +138,7 @@ def forward_dynamics_parameter_derivatives(
 
 
 @recursion(coriolis_matrix=ArraySpec(("n", "n"), "N m s, N s, kg/s"))
-def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
+def coriolis_matrix(links: Links, q: PerJoint, v: PerJoint) -> Scalars:
     """C = ½ (Ṁ + B - Bᵀ) with B = ∂(M v)/∂q (n, n)."""
     mass = mass_matrix(links, q)
     rate = np.array(directional(list(mass.ravel()), q, v), dtype=object).reshape(mass.shape)
@@ -149,7 +147,7 @@ def coriolis_matrix(links: Sequence[Link], q: Columns, v: Columns) -> Scalars:
     return matrix
 
 
-def jacobians(results: Columns, *variables: Columns, held: Columns = ()) -> list[Scalars]:
+def jacobians(results: Sequence[Any], *variables: Sequence[Any], held: Sequence[Any] = ()) -> list[Scalars]:
     """∂results/∂x (len(results), len(x)) for each x of the variables, in one sweep for all, while others are held."""
     ends = np.cumsum([len(x) for x in variables])[:-1]
     return np.split(jacobian(results, [column for x in variables for column in x], held), ends, axis=1)

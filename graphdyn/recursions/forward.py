@@ -21,10 +21,10 @@ import numpy as np
 
 from graphdyn.recursions.declarations import ACCELERATIONS, recursion
 from graphdyn.recursions.inertia import is_short, joint_accelerations, reciprocal
-from graphdyn.recursions.inverse import REACTIONS, Wrench, added, answers, inwards, unloaded
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.inverse import REACTIONS, Loads, Wrench, added, answers, inwards, unloaded
+from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, inertial_wrench, motions, places
-from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, symmetric, zeros
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, skew, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,12 +86,12 @@ class Drives:
 
 @recursion(a=ACCELERATIONS, **REACTIONS)
 def forward_dynamics(
-    links: Sequence[Link],
+    links: Links,
     root: Root,
-    q: Sequence[Any],
-    v: Sequence[Any],
-    tau: Sequence[Any],
-    external: Sequence[Wrench] | None = None,
+    q: PerJoint,
+    v: PerJoint,
+    tau: PerJoint,
+    external: Loads = None,
     joints_only: bool = False,
     *,
     drives: Drives | None = None,

@@ -6,7 +6,6 @@ point of the body, or of the space it carries with it, that passes the world's o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,10 +15,10 @@ from graphdyn.arguments.choices import FrameChoice
 from graphdyn.layout import BODY_FREEDOMS
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import ArraySpec, recursion
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import BodyMotion, Root, motions, origins, places, rotations, twists
 from graphdyn.scalars.differentiation import directional
-from graphdyn.scalars.vectors import Scalars, cross, scalars, zeros
+from graphdyn.scalars.vectors import PerJoint, Scalars, cross, scalars, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +31,7 @@ class FixedFrame:
     choice: FrameChoice
 
 
-def fixed_frame(model: RobotModel, links: Sequence[Link], choice: FrameChoice) -> FixedFrame:
+def fixed_frame(model: RobotModel, links: Links, choice: FrameChoice) -> FixedFrame:
     frame = model.frame(choice.name)
     to_joint_axes = links[frame.body - 1].link_axes.T if frame.body else scalars(np.eye(3))
     placement = frame.placement
@@ -45,7 +44,7 @@ def fixed_frame(model: RobotModel, links: Sequence[Link], choice: FrameChoice) -
 
 
 @recursion(frame_jacobian=ArraySpec((BODY_FREEDOMS, "n"), "m, 1 or 1, 0"))
-def frame_jacobian(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> Scalars:
+def frame_jacobian(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> Scalars:
     """J (6, n): per joint up to the frame, p × (from O_k to the point) over p; of a slide, p over 0."""
     path = _path(links, frame.body)
     if not path:
@@ -67,17 +66,13 @@ def frame_jacobian(links: Sequence[Link], root: Root, q: Sequence[Any], frame: F
 
 
 @recursion(frame_jacobian_derivative=ArraySpec((BODY_FREEDOMS, "n"), "m/s, 1/s"))
-def frame_jacobian_derivative(
-    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
-) -> list[Any]:
+def frame_jacobian_derivative(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: FixedFrame) -> list[Any]:
     """dJ/dt (6 n) of a robot on a base at rest."""
     return directional(list(frame_jacobian(links, root, q, frame).ravel()), q, v)
 
 
 @recursion(frame_velocity=ArraySpec((BODY_FREEDOMS,), "m/s, rad/s"))
-def frame_velocity(
-    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], frame: FixedFrame
-) -> list[Any]:
+def frame_velocity(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: FixedFrame) -> list[Any]:
     """Of the point, then ω (6)."""
     to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
@@ -86,9 +81,7 @@ def frame_velocity(
 
 
 @recursion(frame_acceleration=ArraySpec((BODY_FREEDOMS,), "m/s², rad/s²"))
-def frame_acceleration(
-    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any], frame: FixedFrame
-) -> list[Any]:
+def frame_acceleration(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, frame: FixedFrame) -> list[Any]:
     """Of the point, classical or spatial, then ω̇ (6)."""
     to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
@@ -102,12 +95,12 @@ def frame_acceleration(
     return [*(to_reference @ linear), *(to_reference @ here.alpha)]
 
 
-def _path(links: Sequence[Link], body: int) -> list[int]:
+def _path(links: Links, body: int) -> list[int]:
     """Bodies from the ground to this one, itself included."""
     return [] if body < 0 else [*_path(links, links[body].inside), body]
 
 
-def _view(links: Sequence[Link], root: Root, q: Sequence[Any], frame: FixedFrame) -> tuple[Scalars, Scalars]:
+def _view(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> tuple[Scalars, Scalars]:
     """From joint axes of the body to the axes of the reference; from O_j to the point that is spoken of, joint axes."""
     rotation, origin = root.rotation, root.position
     if frame.body >= 0:

@@ -26,10 +26,10 @@ from typing import Any
 import numpy as np
 
 from graphdyn.recursions.declarations import ArraySpec, recursion
-from graphdyn.recursions.inverse import Wrench, inverse_dynamics, inwards
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.inverse import Loads, Wrench, inverse_dynamics, inwards
+from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import JointPlacement, Root, places
-from graphdyn.scalars.vectors import E_Z, Scalars, cross, symmetric, zeros
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Composite:
         return Composite(self.mass + other.mass, self.first_moment + other.first_moment, self.tensor + other.tensor)
 
 
-def composites(links: Sequence[Link], at: Sequence[JointPlacement]) -> list[Composite]:
+def composites(links: Links, at: Sequence[JointPlacement]) -> list[Composite]:
     """Body j with all bodies outside, for every j."""
     done = [Composite(link.mass, link.first_moment, link.tensor) for link in links]
     for j in reversed(range(len(links))):
@@ -62,7 +62,7 @@ def composites(links: Sequence[Link], at: Sequence[JointPlacement]) -> list[Comp
 
 
 @recursion(mass_matrix=ArraySpec(("n", "n"), "kg m², kg m, kg"))
-def mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> Scalars:
+def mass_matrix(links: Links, q: PerJoint) -> Scalars:
     """M (n, n)."""
     at = places(links, q)
     matrix = zeros(len(links), len(links))
@@ -88,18 +88,18 @@ def _along_axis(prismatic: bool, wrench: Wrench) -> Any:
 
 
 @recursion(mass_matrix_inverse=ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"))
-def mass_matrix_inverse(links: Sequence[Link], q: Sequence[Any]) -> dict[str, list[Any]]:
+def mass_matrix_inverse(links: Links, q: PerJoint) -> dict[str, list[Any]]:
     """mass_matrix_inverse (n n); pivots."""
     inverse, pivots = inverted_mass_matrix(links, q)
     return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
 
 
-def inverted_mass_matrix(links: Sequence[Link], q: Sequence[Any]) -> tuple[Scalars, list[Any]]:
+def inverted_mass_matrix(links: Links, q: PerJoint) -> tuple[Scalars, list[Any]]:
     """M⁻¹ (n, n), and the pivots D (n)."""
     return inverted(mass_matrix(links, q), [list(_inside(links, j)) for j in range(len(links))])
 
 
-def solved(links: Sequence[Link], q: Sequence[Any], right: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+def solved(links: Links, q: PerJoint, right: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """x of M x = right (n), and the pivots D (n)."""
     inside = [list(_inside(links, j)) for j in range(len(links))]
     lower, pivots = _factors(mass_matrix(links, q), inside)
@@ -152,7 +152,7 @@ def _inverted(lower: Scalars, inside: Sequence[Sequence[int]]) -> Scalars:
     return inverse
 
 
-def _inside(links: Sequence[Link], j: int) -> Iterator[int]:
+def _inside(links: Links, j: int) -> Iterator[int]:
     """The joints between joint j and the ground, outermost first."""
     while links[j].inside >= 0:
         j = links[j].inside
@@ -163,7 +163,7 @@ MAX_SHORT_CHAIN = 6
 """Joints between a body and the ground. Measured: a fifth faster with six, equally fast with seven."""
 
 
-def is_short(links: Sequence[Link]) -> bool:
+def is_short(links: Links) -> bool:
     depths: list[int] = []
     for link in links:
         depths.append(1 + (depths[link.inside] if link.inside >= 0 else 0))
@@ -171,12 +171,7 @@ def is_short(links: Sequence[Link]) -> bool:
 
 
 def joint_accelerations(
-    links: Sequence[Link],
-    root: Root,
-    q: Sequence[Any],
-    v: Sequence[Any],
-    tau: Sequence[Any],
-    external: Sequence[Wrench] | None = None,
+    links: Links, root: Root, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """a, and pivots: the inertia about each joint with all joints outside free to move."""
     bias = inverse_dynamics(links, root, q, v, [0.0] * len(links), external)["tau"]

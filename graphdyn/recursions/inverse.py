@@ -12,7 +12,7 @@ import numpy as np
 
 from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
 from graphdyn.recursions.declarations import TORQUES, ArraySpec, recursion, recursion_of_torques
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import (
     BodyMotion,
     JointPlacement,
@@ -23,15 +23,16 @@ from graphdyn.recursions.motion import (
     rotations,
     stacked,
 )
-from graphdyn.scalars.vectors import Scalars, cross, turn
+from graphdyn.scalars.vectors import PerJoint, Scalars, cross, turn
 
 Wrench = tuple[Scalars, Scalars]
 """Force, and moment about O_j, in joint axes of body j."""
 
+Loads = Sequence[Wrench] | None
+"""External wrenches on the bodies."""
 
-def transmitted(
-    links: Sequence[Link], at: Sequence[JointPlacement], needed: Sequence[Wrench], external: Sequence[Wrench] | None
-) -> list[Wrench]:
+
+def transmitted(links: Links, at: Sequence[JointPlacement], needed: Sequence[Wrench], external: Loads) -> list[Wrench]:
     """Wrench of the inside body on body j: needed by body j and all bodies outside, less the external wrenches."""
     wrenches = unloaded(needed, external)
     for j in reversed(range(len(links))):
@@ -51,7 +52,7 @@ def added(x: Wrench, y: Wrench) -> Wrench:
     return x[0] + y[0], x[1] + y[1]
 
 
-def unloaded(needed: Sequence[Wrench], external: Sequence[Wrench] | None) -> list[Wrench]:
+def unloaded(needed: Sequence[Wrench], external: Loads) -> list[Wrench]:
     """What the joints must supply when external wrenches act on the bodies."""
     if external is None:
         return list(needed)
@@ -59,11 +60,7 @@ def unloaded(needed: Sequence[Wrench], external: Sequence[Wrench] | None) -> lis
 
 
 def answers(
-    links: Sequence[Link],
-    at: Sequence[JointPlacement],
-    root: Root,
-    moving: Sequence[BodyMotion],
-    wrenches: Sequence[Wrench],
+    links: Links, at: Sequence[JointPlacement], root: Root, moving: Sequence[BodyMotion], wrenches: Sequence[Wrench]
 ) -> dict[str, list[Any]]:
     """body_accelerations, multipliers and joint_wrenches as graphdyn states them, from joint axes."""
     to_world = rotations(links, at, root)
@@ -82,11 +79,7 @@ def answers(
 
 
 def along_pins(
-    links: Sequence[Link],
-    at: Sequence[JointPlacement],
-    root: Root,
-    moving: Sequence[BodyMotion],
-    wrenches: Sequence[Wrench],
+    links: Links, at: Sequence[JointPlacement], root: Root, moving: Sequence[BodyMotion], wrenches: Sequence[Wrench]
 ) -> dict[str, list[Any]]:
     """The same of robots with loops: forces and moments along t_1, t_2, p, which turn with the inside body."""
     multipliers, along = [], []
@@ -102,7 +95,7 @@ def along_pins(
 
 
 def _body_accelerations(
-    links: Sequence[Link], root: Root, moving: Sequence[BodyMotion], to_world: Sequence[Scalars]
+    links: Links, root: Root, moving: Sequence[BodyMotion], to_world: Sequence[Scalars]
 ) -> list[Any]:
     """r̈ of the centers of mass in world axes, ω̇ in link axes."""
     accelerations = []
@@ -112,7 +105,7 @@ def _body_accelerations(
     return stacked(accelerations)
 
 
-def in_joint_axes(links: Sequence[Link], external: Scalars) -> list[Wrench]:
+def in_joint_axes(links: Links, external: Scalars) -> list[Wrench]:
     """External wrenches (n, 6) from link axes, where they are about the link origin."""
     wrenches = []
     for link, wrench in zip(links, np.asarray(external), strict=True):
@@ -134,12 +127,7 @@ REACTIONS = {
 
 @recursion(tau=TORQUES, **REACTIONS)
 def inverse_dynamics(
-    links: Sequence[Link],
-    root: Root,
-    q: Sequence[Any],
-    v: Sequence[Any],
-    a: Sequence[Any],
-    external: Sequence[Wrench] | None = None,
+    links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """tau, body_accelerations, multipliers and joint_wrenches of graphdyn.inverse_dynamics."""
     at = places(links, q)
@@ -150,35 +138,26 @@ def inverse_dynamics(
 
 
 @recursion_of_torques(bias_torque=TORQUES)
-def bias_torque(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
+def bias_torque(links: Links, root: Root, q: PerJoint, v: PerJoint) -> list[Any]:
     """tau at a = 0 (n)."""
     return inverse_dynamics(links, root, q, v, [0.0] * len(links))["tau"]
 
 
 @recursion_of_torques(gravity_torque=TORQUES)
-def gravity_torque(links: Sequence[Link], root: Root, q: Sequence[Any]) -> list[Any]:
+def gravity_torque(links: Links, root: Root, q: PerJoint) -> list[Any]:
     """tau at v = a = 0 (n)."""
     return bias_torque(links, root, q, [0.0] * len(links))
 
 
 @recursion_of_torques(static_torque=TORQUES)
-def static_torque(
-    links: Sequence[Link], root: Root, q: Sequence[Any], external: Sequence[Wrench] | None = None
-) -> list[Any]:
+def static_torque(links: Links, root: Root, q: PerJoint, external: Loads = None) -> list[Any]:
     """tau at v = a = 0 against external wrenches (n)."""
     zeros = [0.0] * len(links)
     return inverse_dynamics(links, root, q, zeros, zeros, external)["tau"]
 
 
 @recursion(power=ArraySpec(("n",), "W"))
-def power(
-    links: Sequence[Link],
-    root: Root,
-    q: Sequence[Any],
-    v: Sequence[Any],
-    a: Sequence[Any],
-    external: Sequence[Wrench] | None = None,
-) -> list[Any]:
+def power(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None) -> list[Any]:
     """τ_j v_j (n)."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
     return [torque * rate for torque, rate in zip(tau, v, strict=True)]

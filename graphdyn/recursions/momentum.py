@@ -18,14 +18,14 @@ from graphdyn.layout import BODY_FREEDOMS
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inertia import composites, per_rate
 from graphdyn.recursions.inverse import Wrench, added, inwards, transmitted
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.recursions.motion import JointPlacement, Root, origins, places, rooted, rotations, twists
 from graphdyn.scalars.differentiation import directional, jacobian
-from graphdyn.scalars.vectors import Scalars, cross, zeros
+from graphdyn.scalars.vectors import PerJoint, Scalars, cross, zeros
 
 
 @recursion(kinetic_energy=ArraySpec((), "J"))
-def kinetic_energy(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> list[Any]:
+def kinetic_energy(links: Links, root: Root, q: PerJoint, v: PerJoint) -> list[Any]:
     """Σ ½ m u² + u·(ω × m c) + ½ ωᵀ I ω, u the velocity of O_j and I the tensor about it."""
     total: Any = 0.0
     for link, (u, omega) in zip(links, twists(links, places(links, q), root, v), strict=True):
@@ -35,7 +35,7 @@ def kinetic_energy(links: Sequence[Link], root: Root, q: Sequence[Any], v: Seque
 
 
 @recursion(potential_energy=ArraySpec((), "J"))
-def potential_energy(links: Sequence[Link], root: Root, q: Sequence[Any]) -> list[Any]:
+def potential_energy(links: Links, root: Root, q: PerJoint) -> list[Any]:
     """-Σ g·m r, from the world's origin to each center of mass."""
     at = places(links, q)
     axes = rotations(links, at, root)
@@ -46,7 +46,7 @@ def potential_energy(links: Sequence[Link], root: Root, q: Sequence[Any]) -> lis
 
 
 @recursion(kinetic=ArraySpec(("10 bodies",), "J per parameter"), potential=ArraySpec(("10 bodies",), "J per parameter"))
-def energy_regressor(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> dict[str, list[Any]]:
+def energy_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint) -> dict[str, list[Any]]:
     """kinetic and potential (10 n each): the energies are linear in m, m c and I, the tensor about O_j in link axes."""
     at = places(links, q)
     kinetic: list[Any] = []
@@ -64,16 +64,14 @@ def energy_regressor(links: Sequence[Link], root: Root, q: Sequence[Any], v: Seq
 
 
 @recursion(center_of_mass=ArraySpec((3,), "m"))
-def center_of_mass(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> list[Any]:
+def center_of_mass(links: Links, root: Root, mass: float, q: PerJoint) -> list[Any]:
     """In the world (3,)."""
     links, root = rooted(links, root)
     return list(root.position + root.rotation @ _center(links, places(links, q), mass))
 
 
 @recursion(center_of_mass_velocity=ArraySpec((3,), "m/s"))
-def center_of_mass_velocity(
-    links: Sequence[Link], root: Root, mass: float, q: Sequence[Any], v: Sequence[Any]
-) -> list[Any]:
+def center_of_mass_velocity(links: Links, root: Root, mass: float, q: PerJoint, v: PerJoint) -> list[Any]:
     """World axes (3,)."""
     links, root = rooted(links, root)
     center = _center(links, places(links, q), mass)
@@ -82,7 +80,7 @@ def center_of_mass_velocity(
 
 
 @recursion(center_of_mass_jacobian=ArraySpec((3, "n"), "m or 1"))
-def center_of_mass_jacobian(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> Scalars:
+def center_of_mass_jacobian(links: Links, root: Root, mass: float, q: PerJoint) -> Scalars:
     """World axes (3, n)."""
     links, root = rooted(links, root)
     columns: Scalars = root.rotation @ jacobian(list(_center(links, places(links, q), mass)), q)
@@ -93,9 +91,7 @@ def center_of_mass_jacobian(links: Sequence[Link], root: Root, mass: float, q: S
     about_center_of_mass=ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
     about_origin=ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
 )
-def momentum(
-    links: Sequence[Link], root: Root, mass: float, q: Sequence[Any], v: Sequence[Any]
-) -> dict[str, list[Any]]:
+def momentum(links: Links, root: Root, mass: float, q: PerJoint, v: PerJoint) -> dict[str, list[Any]]:
     """about_center_of_mass and about_origin (6 each): linear, then angular momentum, world axes."""
     links, root = rooted(links, root)
     at = places(links, q)
@@ -108,7 +104,7 @@ def momentum(
 
 
 @recursion(centroidal_map=ArraySpec((BODY_FREEDOMS, "n"), "kg m, kg m² or kg, kg m"))
-def centroidal_map(links: Sequence[Link], root: Root, mass: float, q: Sequence[Any]) -> Scalars:
+def centroidal_map(links: Links, root: Root, mass: float, q: PerJoint) -> Scalars:
     """(6, n): column j is the momentum that a unit velocity of joint j gives, about the center of mass, world axes."""
     links, root = rooted(links, root)
     root = replace(root, position=zeros(3))
@@ -129,7 +125,7 @@ def _momentum(link: Link, u: Scalars, omega: Scalars) -> Wrench:
     return u * link.mass + cross(omega, link.first_moment), cross(link.first_moment, u) + link.tensor @ omega
 
 
-def _center(links: Sequence[Link], at: Sequence[JointPlacement], mass: float) -> Scalars:
+def _center(links: Links, at: Sequence[JointPlacement], mass: float) -> Scalars:
     """Of all bodies, from the origin of the ground frame in its axes."""
     first_moment = zeros(3)
     for link, place, outside in zip(links, at, composites(links, at), strict=True):
@@ -139,7 +135,7 @@ def _center(links: Sequence[Link], at: Sequence[JointPlacement], mass: float) ->
     return center
 
 
-def _at_ground(links: Sequence[Link], at: Sequence[JointPlacement], of_joints: Sequence[Wrench]) -> Wrench:
+def _at_ground(links: Links, at: Sequence[JointPlacement], of_joints: Sequence[Wrench]) -> Wrench:
     """The sum of what the joints on the ground transmit, about the origin of the ground frame in its axes."""
     total = zeros(3), zeros(3)
     for link, place, wrench in zip(links, at, of_joints, strict=True):

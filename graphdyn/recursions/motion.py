@@ -18,9 +18,10 @@ import numpy as np
 
 from graphdyn.layout import BODY_FREEDOMS
 from graphdyn.recursions.declarations import ArraySpec, recursion
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.scalars.vectors import (
     E_Z,
+    PerJoint,
     Scalars,
     cross,
     scalars,
@@ -55,7 +56,7 @@ def resting_root() -> Root:
     return Root(scalars(np.eye(3)), *(zeros(3) for _ in range(7)))
 
 
-def rooted(links: Sequence[Link], root: Root) -> tuple[list[Link], Root]:
+def rooted(links: Links, root: Root) -> tuple[list[Link], Root]:
     """The same robot with the origin of its ground frame moved to joint 1 (where that is at q = 0, if it slides).
 
     Sums about this point lose no digits where joint 1 is far from the ground frame or the world's origin.
@@ -113,7 +114,7 @@ class BodyMotion:
         return spread
 
 
-def places(links: Sequence[Link], q: Sequence[Any]) -> list[JointPlacement]:
+def places(links: Links, q: PerJoint) -> list[JointPlacement]:
     return [
         JointPlacement(link.rotation, 1.0, 0.0, link.translation + link.rotation @ (E_Z * x))
         if link.prismatic
@@ -128,9 +129,7 @@ def _cosine_and_sine(angle: Any, quarters: int) -> tuple[Any, Any]:
     return ((c, s), (-s, c), (-c, -s), (s, -c))[quarters]
 
 
-def motions(
-    links: Sequence[Link], at: Sequence[JointPlacement], root: Root, v: Sequence[Any], a: Sequence[Any]
-) -> list[BodyMotion]:
+def motions(links: Links, at: Sequence[JointPlacement], root: Root, v: PerJoint, a: PerJoint) -> list[BodyMotion]:
     """Of all bodies, at joint velocities v and accelerations a."""
     done: list[BodyMotion] = []
     for link, place, rate, acceleration in zip(links, at, v, a, strict=True):
@@ -146,7 +145,7 @@ def motions(
     return done
 
 
-def rotations(links: Sequence[Link], at: Sequence[JointPlacement], root: Root) -> list[Scalars]:
+def rotations(links: Links, at: Sequence[JointPlacement], root: Root) -> list[Scalars]:
     """Joint axes of body j to world axes."""
     done: list[Scalars] = []
     for link, place in zip(links, at, strict=True):
@@ -155,7 +154,7 @@ def rotations(links: Sequence[Link], at: Sequence[JointPlacement], root: Root) -
     return done
 
 
-def origins(links: Sequence[Link], at: Sequence[JointPlacement], axes: Sequence[Scalars], root: Root) -> list[Scalars]:
+def origins(links: Links, at: Sequence[JointPlacement], axes: Sequence[Scalars], root: Root) -> list[Scalars]:
     """O_j of all bodies in the world; axes: their rotations."""
     done: list[Scalars] = []
     for link, place in zip(links, at, strict=True):
@@ -164,9 +163,7 @@ def origins(links: Sequence[Link], at: Sequence[JointPlacement], axes: Sequence[
     return done
 
 
-def twists(
-    links: Sequence[Link], at: Sequence[JointPlacement], root: Root, v: Sequence[Any]
-) -> list[tuple[Scalars, Scalars]]:
+def twists(links: Links, at: Sequence[JointPlacement], root: Root, v: PerJoint) -> list[tuple[Scalars, Scalars]]:
     """Velocity of O_j and ω of all bodies, in joint axes."""
     done: list[tuple[Scalars, Scalars]] = []
     for link, place, rate in zip(links, at, v, strict=True):
@@ -205,7 +202,7 @@ def stacked(vectors: Sequence[Scalars]) -> list[Any]:
     rotation=ArraySpec(("bodies", 3, 3), "1"),
     velocity=ArraySpec(("bodies", BODY_FREEDOMS), "m/s, rad/s"),
 )
-def maximal_state(links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any]) -> dict[str, list[Any]]:
+def maximal_state(links: Links, root: Root, q: PerJoint, v: PerJoint) -> dict[str, list[Any]]:
     """position (n 3) of the centers of mass, rotation (n 9) of the link axes, velocity (n 6)."""
     at = places(links, q)
     axes = rotations(links, at, root)

@@ -6,31 +6,24 @@ of Robotics Research 5(3), 1986. In link axes, because the parameters are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
 
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR
 from graphdyn.recursions.declarations import ArraySpec, recursion, recursion_of_torques
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, motions, places, resting_root
-from graphdyn.scalars.vectors import E_Z, Scalars, cross, skew, zeros
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, skew, zeros
 
 
 @recursion(body_regressor=ArraySpec(("bodies", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"))
-def body_regressor(
-    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
-) -> list[Scalars]:
+def body_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint) -> list[Scalars]:
     """Y (6, 10) of every body: Y π is the wrench that its motion takes, about O_j, in link axes."""
     moving = motions(links, places(links, q), root, v, a)
     return [_of_moving_body(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
 
 
 @recursion_of_torques(joint_torque_regressor=ArraySpec(("n", "10 bodies"), "N m or N per parameter"))
-def joint_torque_regressor(
-    links: Sequence[Link], root: Root, q: Sequence[Any], v: Sequence[Any], a: Sequence[Any]
-) -> Scalars:
+def joint_torque_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint) -> Scalars:
     """W (n, 10 n): row j, columns of body i: the wrench of body i along joint j, if j is between it and the root."""
     at = places(links, q)
     moving = motions(links, at, root, v, a)
@@ -49,7 +42,7 @@ def joint_torque_regressor(
 
 
 @recursion(momentum_regressor=ArraySpec(("n", "10 bodies"), "kg m²/s or kg m/s per parameter"))
-def momentum_regressor(links: Sequence[Link], q: Sequence[Any], v: Sequence[Any]) -> Scalars:
+def momentum_regressor(links: Links, q: PerJoint, v: PerJoint) -> Scalars:
     """Of M v (n, 10 n): the torque that accelerations v take at rest without gravity."""
     return joint_torque_regressor(links, resting_root(), q, [0.0] * len(links), v)
 

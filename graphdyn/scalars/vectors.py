@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Scalars = NDArray[np.object_]
+
+PerJoint = Sequence[Any]
+"""A scalar for each joint."""
 
 E_Z = np.array([0.0, 0.0, 1.0], dtype=object)
 

@@ -14,11 +14,9 @@ import numpy as np
 
 from graphdyn.model.chord import Chord
 from graphdyn.recursions.inverse import Wrench
-from graphdyn.recursions.mechanism.mechanism import Link, rounded
+from graphdyn.recursions.mechanism.mechanism import Link, Links, rounded
 from graphdyn.recursions.motion import JointPlacement
-from graphdyn.scalars.vectors import E_Z, Scalars, cross, scalars, turn_back, zeros
-
-Columns = Sequence[Any]
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, scalars, turn_back, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +48,7 @@ class ChordRows:
     agreeing: list[Any]
 
 
-def chord_rows(links: Sequence[Link], at: Sequence[JointPlacement], chord: Chord, v: Columns) -> ChordRows:
+def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJoint) -> ChordRows:
     """At q, v of all joints that no couplings drive; at: the places of their bodies."""
     paths = [_path(links, body - 1) for body in (chord.body_i, chord.body_j)]
     while paths[0] and paths[1] and paths[0][0] == paths[1][0]:
@@ -116,7 +114,7 @@ class _Ends:
     drift: Scalars
 
 
-def _ends(links: Sequence[Link], chord: Chord, body_i: _AncestorView, body_j: _AncestorView) -> _Ends:
+def _ends(links: Links, chord: Chord, body_i: _AncestorView, body_j: _AncestorView) -> _Ends:
     given = ((chord.body_i, chord.placement_i, body_i), (chord.body_j, chord.placement_j, body_j))
     (point_i, rate_i, drift_i), (point_j, rate_j, drift_j) = (
         _point(seen, seen.axes @ _in_joint_axes(links, body, placement.translation)) for body, placement, seen in given
@@ -156,7 +154,7 @@ def _turned(chord: Chord, ends: _Ends, axis: int) -> Any:
     return 0.5 * (on_j[:, a] @ on_i[:, b] - on_j[:, b] @ on_i[:, a])
 
 
-def _path(links: Sequence[Link], body: int) -> list[int]:
+def _path(links: Links, body: int) -> list[int]:
     """The joints from the ground to a body, outwards."""
     path: list[int] = []
     while body >= 0:
@@ -165,9 +163,7 @@ def _path(links: Sequence[Link], body: int) -> list[int]:
     return path
 
 
-def _outwards(
-    links: Sequence[Link], at: Sequence[JointPlacement], path: Sequence[int], v: Columns
-) -> list[_AncestorView]:
+def _outwards(links: Links, at: Sequence[JointPlacement], path: Sequence[int], v: PerJoint) -> list[_AncestorView]:
     """The ancestor itself, at rest, and the bodies of a path as it sees them."""
     done = [_AncestorView(scalars(np.eye(3)), *(zeros(3) for _ in range(5)))]
     for j in path:
@@ -194,7 +190,7 @@ def _point(seen: _AncestorView, arm: Scalars) -> tuple[Scalars, Scalars, Scalars
     return seen.origin + arm, seen.linear + spin, drift
 
 
-def _in_joint_axes(links: Sequence[Link], body: int, given: Any) -> Scalars:
+def _in_joint_axes(links: Links, body: int, given: Any) -> Scalars:
     """A vector or matrix of link axes."""
     return scalars(given) if body == 0 else links[body - 1].link_axes.T @ scalars(given)
 

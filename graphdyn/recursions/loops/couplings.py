@@ -16,12 +16,10 @@ from graphdyn.model.coupling import Freedoms
 from graphdyn.recursions.declarations import with_couplings
 from graphdyn.recursions.forward import Drives
 from graphdyn.recursions.inertia import inverted, inverted_mass_matrix, mass_matrix
-from graphdyn.recursions.inverse import Wrench, inverse_dynamics
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.inverse import Loads, inverse_dynamics
+from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import Root
-from graphdyn.scalars.vectors import Scalars, scalars
-
-Columns = Sequence[Any]
+from graphdyn.scalars.vectors import PerJoint, Scalars, scalars
 
 
 def projected(answer: Scalars, shape: Sequence[int | str], freedoms: Freedoms | None) -> Scalars:
@@ -34,13 +32,7 @@ def projected(answer: Scalars, shape: Sequence[int | str], freedoms: Freedoms | 
 
 @with_couplings
 def forward_dynamics(
-    links: Sequence[Link],
-    root: Root,
-    freedoms: Freedoms,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None = None,
+    links: Links, root: Root, freedoms: Freedoms, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """As graphdyn.recursions.forward answers, of q and v of all joints and the torques of the free ones."""
     _, a, pivots = solved(links, root, freedoms, q, v, tau, external)
@@ -49,13 +41,13 @@ def forward_dynamics(
 
 
 def driven(
-    links: Sequence[Link],
+    links: Links,
     root: Root,
     freedoms: Freedoms,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None,
+    q: PerJoint,
+    v: PerJoint,
+    tau: PerJoint,
+    external: Loads,
     drives: Drives,
 ) -> dict[str, list[Any]]:
     """a and required (n) of the free joints, with rotors, and with joints that friction holds (Drives).
@@ -74,7 +66,7 @@ def driven(
 
 
 @with_couplings
-def mass_matrix_inverse(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> dict[str, Any]:
+def mass_matrix_inverse(links: Links, freedoms: Freedoms, q: PerJoint) -> dict[str, Any]:
     """mass_matrix_inverse (n n) and pivots."""
     inverse, pivots = _inverted_mass_matrix(links, freedoms, q)
     return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
@@ -82,13 +74,7 @@ def mass_matrix_inverse(links: Sequence[Link], freedoms: Freedoms, q: Columns) -
 
 @with_couplings
 def power(
-    links: Sequence[Link],
-    root: Root,
-    freedoms: Freedoms,
-    q: Columns,
-    v: Columns,
-    a: Columns,
-    external: Sequence[Wrench] | None = None,
+    links: Links, root: Root, freedoms: Freedoms, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """τ_j v_j (n) of the free joints, whose torques move the driven ones too."""
     tau = torques(links, root, q, v, a, external)
@@ -97,13 +83,7 @@ def power(
 
 
 def solved(
-    links: Sequence[Link],
-    root: Root,
-    freedoms: Freedoms | None,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None,
+    links: Links, root: Root, freedoms: Freedoms | None, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads
 ) -> tuple[Scalars, Scalars, list[Any]]:
     """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n,), and the pivots (n); of all joints without freedoms, else of the free ones."""
     inverse, pivots = inverted_mass_matrix(links, q) if freedoms is None else _inverted_mass_matrix(links, freedoms, q)
@@ -116,14 +96,12 @@ def everywhere(a: Scalars, freedoms: Freedoms | None) -> list[Any]:
     return list(a if freedoms is None else scalars(freedoms.matrix) @ a)
 
 
-def torques(
-    links: Sequence[Link], root: Root, q: Columns, v: Columns, a: Columns, external: Sequence[Wrench] | None
-) -> Scalars:
+def torques(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads) -> Scalars:
     """That all joints need (n,)."""
     return np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
 
 
-def _inverted_mass_matrix(links: Sequence[Link], freedoms: Freedoms, q: Columns) -> tuple[Scalars, list[Any]]:
+def _inverted_mass_matrix(links: Links, freedoms: Freedoms, q: PerJoint) -> tuple[Scalars, list[Any]]:
     """(Kᵀ M K)⁻¹ (n, n), and its pivots (n)."""
     mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
     return inverted(mass, [range(j)[::-1] for j in range(len(mass))])

@@ -17,12 +17,12 @@ from graphdyn.model.loops import CLOSED_TOLERANCE
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import Recursion, with_chords
 from graphdyn.recursions.inertia import inverted, mass_matrix
-from graphdyn.recursions.inverse import Wrench, along_pins, transmitted
-from graphdyn.recursions.loops.chords import ChordRows, Columns, chord_rows, is_zero
+from graphdyn.recursions.inverse import Loads, along_pins, transmitted
+from graphdyn.recursions.loops.chords import ChordRows, chord_rows, is_zero
 from graphdyn.recursions.loops.couplings import torques
-from graphdyn.recursions.mechanism.mechanism import Link
+from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
-from graphdyn.scalars.vectors import Scalars, zeros
+from graphdyn.scalars.vectors import PerJoint, Scalars, zeros
 
 DEPENDENT_PIVOT_FACTOR = 2e-6
 """Pivots of J_dᵀJ_d count this much: one of 5e-4 of the squares of all entries in its rows is as suspicious as one of
@@ -43,7 +43,7 @@ class Closing:
     rows: list[ChordRows]
     watched: list[Any]
 
-    def opened_by(self, a: Columns) -> list[Any]:
+    def opened_by(self, a: PerJoint) -> list[Any]:
         """Negative where accelerations (n) of all joints open a loop."""
         return [
             _opening(line, a, bias) for rows in self.rows for line, bias in zip(rows.jacobian, rows.bias, strict=True)
@@ -57,14 +57,14 @@ class Closing:
             a[j] = x
         return a
 
-    def multipliers(self, torques: Columns) -> Scalars:
+    def multipliers(self, torques: Sequence[Any]) -> Scalars:
         """Of the rows that can move, smallest first, whose Jᵀ λ are these torques (n)."""
         wanted = np.array([torques[j] for j in self.dependent], dtype=object)
         found: Scalars = self.dependent_columns @ (self.inverse @ wanted)
         return found
 
 
-def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) -> Closing:
+def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closing:
     """Of q, v of all joints that no couplings drive."""
     at = places(links, q)
     rows = [chord_rows(links, at, chord, v) for chord in model.chords]
@@ -88,13 +88,7 @@ def closing(model: RobotModel, links: Sequence[Link], q: Columns, v: Columns) ->
 
 @with_chords
 def forward_dynamics(
-    model: RobotModel,
-    links: Sequence[Link],
-    root: Root,
-    q: Columns,
-    v: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None = None,
+    model: RobotModel, links: Links, root: Root, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """As graphdyn.recursions.forward answers, with chord_multipliers, and forces along the pins."""
     held = closing(model, links, q, v)
@@ -111,13 +105,7 @@ def forward_dynamics(
 
 @with_chords
 def inverse_dynamics(
-    model: RobotModel,
-    links: Sequence[Link],
-    root: Root,
-    q: Columns,
-    v: Columns,
-    a: Columns,
-    external: Sequence[Wrench] | None = None,
+    model: RobotModel, links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
     """As graphdyn.recursions.inverse answers, with torques at the actuated joints alone, the smallest that do."""
     held = closing(model, links, q, v)
@@ -135,7 +123,7 @@ def at_motors(recursion: Recursion) -> Callable[..., dict[str, list[Any]]]:
     some, must keep the loops closed.
     """
 
-    def at_actuated(x: Any, q: Columns, v: Columns | None = None, *a: Columns) -> dict[str, list[Any]]:
+    def at_actuated(x: Any, q: PerJoint, v: PerJoint | None = None, *a: PerJoint) -> dict[str, list[Any]]:
         ((name,), arrays) = recursion.outputs, (q, *([] if v is None else [v]), *a)
         of_tree = np.asarray(recursion.compute(x, *arrays), dtype=object)
         held = closing(x.model, x.links, q, x.zeros if v is None else v)
@@ -163,14 +151,14 @@ def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
 
 def _reactions(
     model: RobotModel,
-    links: Sequence[Link],
+    links: Links,
     root: Root,
     held: Closing,
-    q: Columns,
-    v: Columns,
-    a: Columns,
-    tau: Columns,
-    external: Sequence[Wrench] | None,
+    q: PerJoint,
+    v: PerJoint,
+    a: PerJoint,
+    tau: PerJoint,
+    external: Loads,
 ) -> dict[str, list[Any]]:
     """body_accelerations, multipliers, joint_wrenches and chord_multipliers; zero in rows that hold nothing."""
     at = places(links, q)
@@ -196,7 +184,7 @@ def _reactions(
     return {"chord_multipliers": of_chords, **along_pins(links, at, root, moving, wrenches)}
 
 
-def _opening(line: Scalars, rates: Columns, wanted: Any) -> Any:
+def _opening(line: Scalars, rates: Sequence[Any], wanted: Any) -> Any:
     """Negative where a row times rates is not as wanted, to CLOSED of its terms."""
     terms = [x * rate for x, rate in zip(line, rates, strict=True)]
     error, size = sum(terms) - wanted, sum(x * x for x in terms) + wanted * wanted

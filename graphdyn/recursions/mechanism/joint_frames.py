@@ -8,13 +8,12 @@ and of several joints on one body the first one decides.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.recursions.mechanism.mechanism import ROTATION_ROUNDING, Link, rounded, without_rounding
+from graphdyn.recursions.mechanism.mechanism import ROTATION_ROUNDING, Link, Links, rounded, without_rounding
 from graphdyn.recursions.mechanism.regrouping import moved_tensor
 from graphdyn.scalars.vectors import scalars
 
@@ -26,7 +25,7 @@ far away, and parameters about it would lose digits."""
 # Origins
 
 
-def slid(links: Sequence[Link]) -> tuple[Link, ...]:
+def slid(links: Links) -> tuple[Link, ...]:
     """Origins slid along their axes to the feet of common normals, so that translations have fewer entries.
 
     On a revolute axis the origin moves to the foot towards the first joint outside; beside the origin of that joint if
@@ -50,7 +49,7 @@ def slid(links: Sequence[Link]) -> tuple[Link, ...]:
     return tuple(moved)
 
 
-def _slides(links: Sequence[Link]) -> list[float]:
+def _slides(links: Links) -> list[float]:
     """Of every origin along its axis. None until a joint that is not parallel has decided."""
     slides: list[float | None] = [None] * len(links)
     for j in reversed(range(len(links))):
@@ -70,7 +69,7 @@ def _slides(links: Sequence[Link]) -> list[float]:
     return done
 
 
-def _first_outside(links: Sequence[Link], j: int) -> int | None:
+def _first_outside(links: Links, j: int) -> int | None:
     """The first revolute joint on body j."""
     return next((k for k, link in enumerate(links) if link.inside == j and not link.prismatic), None)
 
@@ -98,7 +97,7 @@ def _towards_inside(link: Link, inside: float) -> float:
 # Axes
 
 
-def turned(links: Sequence[Link]) -> tuple[Link, ...]:
+def turned(links: Links) -> tuple[Link, ...]:
     """Joint axes turned about p_j, so that most joints are Rx(α) Rz(q + offset).
 
     x_j points along the common normal with the first joint outside. What a file rounds in a turn about the axis,
@@ -136,7 +135,7 @@ def turned(links: Sequence[Link]) -> tuple[Link, ...]:
     return tuple(done)
 
 
-def _own_axes(links: Sequence[Link], j: int) -> Array | None:
+def _own_axes(links: Links, j: int) -> Array | None:
     """Rz with x along the common normal of joint j and the first joint outside; None where any direction is as good."""
     outside = None if links[j].prismatic else next((link for link in links if link.inside == j), None)
     if outside is None:

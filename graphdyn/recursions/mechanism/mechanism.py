@@ -7,6 +7,7 @@ coordinate axis the change of frame is a signed permutation and costs nothing.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,6 +47,9 @@ class Link:
     slide: float = 0.0
     quarters: int = 0
     offset: float = 0.0
+
+
+Links = Sequence[Link]
 
 
 def links(model: RobotModel) -> tuple[Link, ...]:

@@ -9,17 +9,16 @@ dropped.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.recursions.mechanism.mechanism import ROTATION_ROUNDING, Link, without_rounding
+from graphdyn.recursions.mechanism.mechanism import ROTATION_ROUNDING, Link, Links, without_rounding
 from graphdyn.scalars.vectors import scalars
 
 
-def regrouped(links: Sequence[Link]) -> tuple[Link, ...]:
+def regrouped(links: Links) -> tuple[Link, ...]:
     """The bodies with the parameters of graphdyn.recursions.mechanism.regrouping moved inwards."""
     masses = [link.mass for link in links]
     moments = [link.first_moment.astype(float) for link in links]
