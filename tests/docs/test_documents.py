@@ -20,6 +20,8 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 EQUATIONS = 118
 """The paper numbers its equations from 1 to 118."""
 MADE_BY_THE_SITE = {"gallery/index", "reference/index"}
+PATTERNS = {"docs/peers/peer_NAME.py", "urdf/arms"}
+"""What looks like a place of the repository and is none."""
 CONTINUED = "tutorial.md"
 """Its blocks build on one another."""
 
@@ -167,3 +169,14 @@ def test_the_places_that_recipes_name_exist():
 
 def test_the_changelog_names_this_version():
     assert f"## {graphdyn.__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_the_places_that_documents_name_exist(document):
+    text = document.read_text(encoding="utf-8")
+    places = {
+        *re.findall(r"`(?:graphdyn|urdf|crosscheck|tests|docs)/[^`: ]+", text),
+        *re.findall(r"\btests/[\w/]+\.py", text),
+    }
+    missing = [place for place in places if not (ROOT / place.strip("`")).exists()]
+    assert [place for place in missing if place.strip("`") not in PATTERNS] == []
