@@ -1,4 +1,4 @@
-"""Recordings: read from files of many formats, checked, filtered, differentiated and split."""
+"""Recordings: reading files of many formats, checks, filters, derivatives and splits."""
 
 from crosscheck.recordings.errors import (
     DROPPABLE,

@@ -1,7 +1,4 @@
-"""Findings about a recording: what is wrong or odd, and in which rows.
-
-Errors of reading recordings.
-"""
+"""Findings about a recording, with their rows, and errors of reading recordings."""
 
 from __future__ import annotations
 
@@ -18,7 +15,7 @@ MAX_LISTED_SPANS = 5
 """Largest number of runs of rows that a message lists; RecordingFinding.rows has them all."""
 
 DROPPED_UNASKED = ("truncated-last-line", "blank-line")
-"""Codes of rows that are always dropped: they hold no measurement, or the last one cut off."""
+"""Codes of rows that are always dropped: they hold no measurement, or are the cut-off last line."""
 
 DROPPABLE = (
     *DROPPED_UNASKED,
@@ -37,7 +34,7 @@ MAX_QUOTED_CHARACTERS = 80
 
 
 def quoted(value: object) -> str:
-    """A name or cell of a file in a message: as Python writes it, a long one without its middle."""
+    """A name or cell of a file for a message: as Python writes it, a long one without its middle."""
     shortened = Repr()
     shortened.maxstring = shortened.maxother = MAX_QUOTED_CHARACTERS
     return shortened.repr(value)
@@ -91,7 +88,7 @@ def noted(file: str, code: str, message: str, remedy: str) -> RecordingFinding:
 
 
 def spans(rows: Iterable[int]) -> str:
-    """ "3, 7–9, 12" of increasing rows, the first few runs of them."""
+    """Increasing rows as text, such as "3, 7–9, 12", limited to the first few runs."""
     rows = np.fromiter(rows, dtype=int)
     runs = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1)
     texts = [str(run[0]) if len(run) == 1 else f"{run[0]}–{run[-1]}" for run in runs[:MAX_LISTED_SPANS]]
@@ -109,7 +106,7 @@ class AmbiguousColumns(BadRecordingFile):
 class DirtyRecording(BadRecordingFile):
     """A file with faulty rows.
 
-    findings: all findings, the harmless ones too
+    findings: all findings, including the harmless ones
     """
 
     def __init__(self, findings: tuple[RecordingFinding, ...]):

@@ -1,4 +1,4 @@
-"""From files to a recording: read, map, convert, check, drop what may be dropped."""
+"""Loading of recordings from files: read, map, convert, check, drop the rows that may be dropped."""
 
 from __future__ import annotations
 
@@ -63,11 +63,11 @@ def load_recording(
     rate: float | None = None,
     drop: Collection[str] = (),
 ) -> Recording:
-    """Read a recording: one file, or several files with the same rows that a mapping puts together.
+    """Read a recording: one file, or several files with the same rows that a mapping joins.
 
     mapping: a ColumnMapping or its TOML file; None finds the columns by their names
     joints: names in the order of the robot; the recording's joints are these, in this order
-    rate: samples per second, where no column holds the time
+    rate: samples per second, if no column holds the time
     drop: codes of findings whose rows are dropped ("repeated-stamp", …; all of them: DROPPABLE)
 
     t is that of the file; stamps since 1970 are counted from the first row, which the provenance states.
@@ -165,7 +165,7 @@ def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: in
 
 
 def check_rate(rate: float | None) -> None:
-    """Raises InvalidInput for samples per second that are none."""
+    """Check samples per second. Raises InvalidInput for an impossible rate."""
     if rate is not None and not 0 < rate < np.inf:
         raise InvalidInput(f"rate is {rate!r}; give samples per second")
 

@@ -1,4 +1,4 @@
-"""A recording for identification: arrays of the joints over time, and where they come from."""
+"""A recording for identification: arrays of the joints over time, and their provenance."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ NOISE_CHANNELS = ("q_noise", "v_noise")
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where a recording comes from.
+    """Origin of a recording.
 
     files: as given
-    mapping: how its columns were found: a mapping file, or "by name"
+    mapping: source of its columns: a mapping file, or "by name"
     steps: the operations on the numbers since, in order
-    columns: the mapping itself; None for a recording that was made otherwise
+    columns: the mapping itself; None for a recording from another source
     """
 
     files: tuple[str, ...] = ()
@@ -40,20 +40,20 @@ class Provenance:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """N rows of a robot with n joints, at the joints (behind the gears), SI units.
+    """N rows of a robot with n joints, at the joints (after the gears), SI units.
 
     joint_names, prismatic: names, and which joints slide         (n,)
     t: time, increasing inside a block                            (N,)       [s]
-    q, v, a, tau: of the joints, None where not recorded          (N, n)     [rad or m, …/s, …/s², N m or N]
+    q, v, a, tau: of the joints, None if not recorded             (N, n)     [rad or m, …/s, …/s², N m or N]
     temperature: of their drives, likewise                        (N, n)     [°C]
     joint_wrenches: force, then moment, of the inside body on body j, at O_j, link axes of j   (N, n, 6) [N, N m]
     body_accelerations: r̈ of the center of mass in world axes, then ω̇ in body axes            (N, n, 6)
-    block: number of the uninterrupted piece of time, not decreasing   (N,); nothing is filtered across two of them
+    block: number of the uninterrupted piece of time, not decreasing   (N,); no filter crosses its borders
     rows: row in its file, from 0; after resampling, the nearest       (N,)
     file: number of the file in provenance.files                       (N,)
-    torque_cutoff: of the low-pass through which tau is still to go, together with every column of the regressor
-        (crosscheck.samples_of); infinite where it stays as it is      (N,)       [Hz]
-    q_noise, v_noise: standard deviations of what was measured, before any low-pass; None where that is not known
+    torque_cutoff: of the low-pass still to be applied to tau, together with every column of the regressor
+        (crosscheck.samples_of); infinite if it stays as it is         (N,)       [Hz]
+    q_noise, v_noise: standard deviations of the measurements, before any low-pass; None if unknown
                                                              (N, n)     [rad or m, …/s]
 
     Arrays are copied and read-only. Raises InvalidInput, with channel and row, for wrong shapes, NaN or infinity, and
@@ -112,12 +112,12 @@ class Recording:
 
     @property
     def n_joints(self) -> int:
-        """n."""
+        """Number of joints n."""
         return len(self.joint_names)
 
     @property
     def units(self) -> dict[str, tuple[str, ...]]:
-        """Per channel, the unit of each joint."""
+        """Unit of each joint, per channel."""
         return {name: tuple(units[slides] for slides in self.prismatic) for name, units in JOINT_UNITS.items()}
 
     @property
@@ -127,7 +127,7 @@ class Recording:
         return [slice(int(a), int(b)) for a, b in zip([0, *borders], [*borders, len(self.t)], strict=True)]
 
     def channel(self, name: str) -> Array:
-        """A channel that must be there. Raises InvalidInput, saying how to obtain it."""
+        """A required channel. Raises InvalidInput, with the way to obtain it, if it is missing."""
         values = getattr(self, name)
         if values is None:
             remedy = (

@@ -1,6 +1,6 @@
-"""Cells of a column as doubles that lose no digits: large integers and calendar times as differences from a start.
+"""The numbers of one file, before a mapping gives them a meaning.
 
-The numbers of one file, before a mapping gives them a meaning.
+Cells of a column become doubles that lose no digits: large integers and calendar times are differences from a start.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MAX_EXACT_INTEGER = 2**53
 """Size beyond which doubles do not hold every integer."""
 
 UNIT_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "D": 86400.0, "h": 3600.0, "m": 60.0}
-"""Units of time as Arrow and NumPy write them."""
+"""Units of time in Arrow's and NumPy's notation [s]."""
 
 NO_NUMBERS, TRUTH_VALUES = "it holds no numbers", "it holds truth values, no numbers"
 COMPLEX_NUMBERS_MESSAGE = "it holds complex numbers; save their real parts"
@@ -53,7 +53,7 @@ class Cells(NamedTuple):
 
 
 def cells_of_column(column: Any) -> Cells | str:
-    """An Arrow column of numbers, texts or times; or why it is not one."""
+    """An Arrow column of numbers, texts or times; or the reason why it is not one."""
     import pyarrow as pa
     from pyarrow import compute
 
@@ -89,7 +89,7 @@ def cells_of_column(column: Any) -> Cells | str:
 
 
 def cells_of_array(array: NDArray[Any]) -> Cells | str:
-    """A NumPy array of numbers or times; or why it is not a column."""
+    """A NumPy array of numbers or times; or the reason why it is not a column."""
     if array.dtype.kind in "mM":
         unit, count = np.datetime_data(array.dtype)
         if unit not in UNIT_SECONDS:
@@ -131,14 +131,14 @@ MAX_LISTED_NAMES = 40
 class RecordedTable:
     """N rows of k named columns; every line of the file is a row, even one that holds no measurement.
 
-    values: NaN where a cell is not a number     (N, k)
-    starts: per column number, an integer to be added, where doubles do not hold the digits of the column
-    seconds: per column number, seconds per number, where the column holds times of a calendar or a clock
-    names: as in the file; "" where it has none
+    values: NaN for a cell that is not a number  (N, k)
+    starts: per column number, an integer to be added, if doubles do not hold the digits of the column
+    seconds: per column number, seconds per number, if the column holds times of a calendar or a clock
+    names: as in the file; "" if it has none
     texts: per column number, the text of cells that are not numbers
-    lines: line of row 0 in the file; None where the file has no lines
-    left_out: names in the file that are not columns, and why
-    in_si: the format says that all numbers are in SI units, as ROS messages do
+    lines: line of row 0 in the file; None if the file has no lines
+    left_out: names in the file that are not columns, with the reasons
+    in_si: whether the format guarantees SI units, as ROS messages do
     """
 
     path: Path

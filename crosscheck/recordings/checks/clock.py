@@ -29,7 +29,7 @@ class Origin(NamedTuple):
 
 
 def times(columns: Sequence[RecordedColumn], factor: float, origin: Origin | None = None) -> tuple[Array, Origin]:
-    """Time of the rows since the origin (N,) [s], and the origin: found unless given.
+    """Time of the rows since the origin (N,) [s], and the origin, which is searched unless given.
 
     columns: the stamps; or seconds, and nanoseconds to be added. factor: seconds per number of the first one
     """
@@ -51,7 +51,7 @@ def _origin(values: Array, start: int, factor: float) -> Origin:
 
 
 MIN_JITTER = 0.05
-"""Difference of a step from the sampling period, as a part of it, from which it is reported."""
+"""Relative difference of a step from the sampling period from which it is reported as jitter."""
 
 MIN_MISSING_PERIODS = 1.5
 """Number of periods from which a step has lost samples in between."""
@@ -63,7 +63,7 @@ RATE_MISMATCH = 0.01
 """Relative difference between a given rate and that of the stamps from which it is reported."""
 
 PLAUSIBLE_TIMES = (946_684_800.0, 4_102_444_800.0)
-"""The years 2000 and 2100, since 1970 [s]."""
+"""Stamps of the years 2000 and 2100, since 1970 [s]."""
 
 
 def increasing(t: Array) -> NDArray[np.bool_]:
@@ -94,7 +94,7 @@ def increasing(t: Array) -> NDArray[np.bool_]:
 def stamp_findings(
     file: str, t: Array, sound: NDArray[np.bool_], lines: int | None, origin: float = 0.0
 ) -> list[RecordingFinding]:
-    """Stamps that do not increase, or are too large for any clock, among the sound rows (N,).
+    """Findings on stamps that do not increase, or are too large for any clock, among the sound rows (N,).
 
     origin: the stamp at t = 0 [s]
     """
@@ -133,7 +133,7 @@ def _recent(seconds: Array) -> bool:
 def step_findings(
     file: str, t: Array, rows: NDArray[np.intp], rate: float | None, lines: int | None
 ) -> list[RecordingFinding]:
-    """Gaps, missing samples and jitter of increasing stamps (N,); rows: their rows in the file."""
+    """Findings on gaps, missing samples and jitter of increasing stamps (N,); rows: their rows in the file."""
     if len(t) < 3:
         return []
     steps = np.diff(t)

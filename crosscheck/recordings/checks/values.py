@@ -1,8 +1,7 @@
-"""Limits beyond which a number comes from a corrupted line, not from a joint.
+"""Checks of the numbers: cells, values, channels. Each check returns its findings and changes nothing.
 
-Generous on purpose, by a factor of ten or more: they separate 1e157 from a measurement, not good robots from bad.
-
-Checks of the numbers: cells, values, channels. Each check returns its findings and changes nothing.
+A number beyond the limits of values comes from a corrupted line, not from a joint. The limits are generous on purpose,
+by a factor of ten or more: they separate 1e157 from a measurement, not good robots from bad ones.
 """
 
 from __future__ import annotations
@@ -45,8 +44,7 @@ MAX_RADIANS = 40.0
 
 
 MIN_SATURATED_ROWS = 5
-"""Number of consecutive rows at exactly the largest or smallest torque that count as saturation: noise would change
-them."""
+"""Consecutive rows at exactly the largest or smallest torque that count as saturation: noise would change them."""
 
 TRAVEL_TOLERANCE = 0.1
 """Allowed relative error of the distance traveled by v against that by q; wrong units or joints give far more."""
@@ -55,7 +53,9 @@ MIN_TRAVEL, N_WINDOWS = 0.05, 20
 
 
 def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
-    """Cells that are not finite numbers, in sound rows (N,): those whose line is not malformed as a whole."""
+    """Findings on cells that are not finite numbers, in sound rows (N,): those whose line is not malformed as a
+    whole.
+    """
     findings = []
     for column in columns:
         rows = tuple(np.flatnonzero(sound & ~np.isfinite(column.values)).tolist())
@@ -72,7 +72,7 @@ def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -
 def value_findings(
     file: str, joints: Iterable[str], slides: Iterable[bool], channels: Mapping[str, Array], lines: int | None
 ) -> list[RecordingFinding]:
-    """Joint coordinates beyond what a robot can reach, and positions that look like degrees."""
+    """Findings on joint coordinates beyond a robot's reach, and on positions that look like degrees."""
     findings = []
     for j, (joint, sliding) in enumerate(zip(joints, slides, strict=True)):
         for name, values in channels.items():
@@ -96,7 +96,7 @@ def value_findings(
 
 
 def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
-    """Constant channels, and torques held at their limits, among the sound rows."""
+    """Findings on constant channels, and on torques held at their limits, among the sound rows."""
     findings = []
     rows = np.flatnonzero(sound)
     for column in columns:
@@ -123,7 +123,10 @@ def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]
 def motion_findings(
     file: str, joints: Iterable[str], t: Array, block: NDArray[np.intp], q: Array, v: Array
 ) -> list[RecordingFinding]:
-    """Velocities that do not fit the positions: other units, signs or joints. block: block number of each row (N,)."""
+    """Findings on velocities that do not fit the positions: other units, signs or joints.
+
+    block: block number of each row (N,)
+    """
     inside = np.diff(block) == 0
     steps = np.diff(t)[inside, None]
     edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), N_WINDOWS, dtype=int))

@@ -105,7 +105,7 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
 
 
 def _in_order(message: Any, field: str, joints: tuple[str, ...]) -> Any:
-    """The numbers of these joints; None where the message leaves the field empty."""
+    """The numbers of these joints; None if the message leaves the field empty."""
     values, names = getattr(message, field), list(message.name)
     return values[[names.index(joint) for joint in joints]] if len(values) == len(names) else None
 

@@ -1,7 +1,4 @@
-"""Named arrays of a file as columns: one per array, or one per column of it.
-
-Parquet and NumPy .npz files.
-"""
+"""Named arrays of a file as columns: one column per array, or one per column of the array."""
 
 from __future__ import annotations
 
@@ -17,9 +14,9 @@ from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, ce
 
 
 def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
-    """One row per time: (N,) becomes a column, (N, k) and (k, N) the columns name_1 … name_k.
+    """Table with one row per time: (N,) becomes a column, (N, k) and (k, N) the columns name_1 … name_k.
 
-    N is the length that most arrays have along their longest axis. Raises BadRecordingFile where no array has rows.
+    N is the length that most arrays have along their longest axis. Raises BadRecordingFile if no array has rows.
     """
     found: dict[str, tuple[tuple[int, ...], Cells]] = {}
     left_out = {}
@@ -67,7 +64,7 @@ def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
 
 
 def left_out_findings(path: Path, left_out: Mapping[str, str]) -> tuple[RecordingFinding, ...]:
-    """What is in the file and is not read."""
+    """Findings on parts of the file that are not read."""
     if not left_out:
         return ()
     message = f"not read: {in_words(f'{name} ({reason})' for name, reason in left_out.items())}"
@@ -75,7 +72,7 @@ def left_out_findings(path: Path, left_out: Mapping[str, str]) -> tuple[Recordin
 
 
 def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) -> RecordedTable:
-    """The table of Arrow columns. Raises BadRecordingFile where none holds numbers."""
+    """The table of Arrow columns. Raises BadRecordingFile if none holds numbers."""
     import pyarrow as pa
 
     names: list[str] = []
@@ -106,7 +103,7 @@ def table_of_columns(path: Path, headers: Sequence[str], arrays: Sequence[Any]) 
 
 
 def _elements(column: Any) -> list[Cells] | str:
-    """One column per element of lists of the same length; or why there are none."""
+    """One column per element of lists of the same length; or the reason why there are none."""
     from pyarrow import compute
 
     widths = compute.unique(compute.list_value_length(column)).to_pylist()

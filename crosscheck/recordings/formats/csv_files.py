@@ -1,6 +1,6 @@
-"""Delimited text as other programs write it: usual delimiters, decimal commas, comments, with or without a header.
+"""Delimited text from other programs: usual delimiters, decimal commas, comments, with or without a header.
 
-Joint states as `ros2 topic echo --csv` prints them: no header; names of the joints in every line.
+This includes joint states as `ros2 topic echo --csv` prints them, without a header and with the names in every line.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def read_text(path: Path, mapping: ColumnMapping | None, _joints: tuple[str, ...
 
 
 def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
-    """Read delimited text. Raises BadRecordingFile where it is not a table of numbers, and OSError."""
+    """Read delimited text. Raises BadRecordingFile if it is not a table of numbers, and OSError."""
     content = content_of(path)
     head = content[:HEAD_BYTES].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)
@@ -87,7 +87,7 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
 
 
 def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
-    """The Arrow table of the lines with n cells; and for the other lines, by row, how many cells they have."""
+    """The Arrow table of the lines with n cells; for the other lines, by row, their number of cells."""
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
@@ -130,7 +130,7 @@ def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, 
 
 
 def _beyond_doubles(column: Any) -> bool:
-    """Whether a column that Arrow reads as doubles may have integers with more digits, as unsigned ones of 64 bits."""
+    """Whether a column that Arrow reads as doubles may have integers with more digits, such as unsigned 64-bit ones."""
     import pyarrow as pa
     from pyarrow import compute
 
@@ -141,7 +141,7 @@ def _beyond_doubles(column: Any) -> bool:
 
 
 def _cells(column: Any, comma: bool) -> Cells:
-    """A column of numbers, texts or times, as they are inferred from a text file."""
+    """A column of numbers, texts or times, as inferred from a text file."""
     import pyarrow as pa
     from pyarrow import compute
 
@@ -179,7 +179,9 @@ def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines:
 
 
 def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
-    """The finding for a last line without line end: its last cell may be cut off, and surely is if not a number."""
+    """The finding on a last line without line end: its last cell may be cut off, and certainly is if it is not a
+    number.
+    """
     if cut:
         message, remedy = "the file is cut off inside a number", "the line is left out"
         return RecordingFinding("truncated-last-line", "warning", str(path), None, (row,), message, remedy, lines)
@@ -188,7 +190,7 @@ def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
 
 
 BATCH_BYTES = 1 << 20
-"""Part of a CSV file that is parsed at once [bytes]."""
+"""Size of the part of a CSV file that is parsed at once [bytes]."""
 
 
 def batches_of_csv(path: Path, delimiter: str | None, _rows: int) -> tuple[tuple[str, ...], Any]:
@@ -237,9 +239,9 @@ FIELDS = ("position", "velocity", "effort")
 
 
 def named(table: RecordedTable) -> RecordedTable:
-    """The table with names where its lines are seconds, nanoseconds, frame, n joints, and one or three fields of n.
+    """The table with names if its lines are seconds, nanoseconds, frame, n joints, and one or three fields of n.
 
-    Two fields would be position and velocity or position and effort, so they stay without names.
+    Two fields could be position and velocity or position and effort, so they stay without names.
     """
     words = [k for k in range(len(table.names)) if np.isnan(table.values[:, k]).all()]
     n = len(words) - 1

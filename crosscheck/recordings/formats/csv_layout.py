@@ -1,4 +1,4 @@
-"""The layout of a table in a text file: delimiter, decimal sign, comments above, header; found from its beginning."""
+"""Layout of a table in a text file, found from its beginning: delimiter, decimal sign, comments above, header."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
 class Layout(NamedTuple):
-    """Layout of a table. names: "" where there are none; above: lines before the first row, length characters long."""
+    """Layout of a table. names: "" if there are none; above: lines before the first row, length characters long."""
 
     delimiter: str
     decimal_comma: bool
@@ -88,7 +88,7 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 
 def _is_number(cell: str, comma: bool = False) -> bool:
-    """Whether the cell is a number, a calendar time, or empty, as no cell of a header is."""
+    """Whether the cell is a number, a calendar time, or empty; a cell of a header is none of these."""
     for reads in (float, datetime.fromisoformat):
         try:
             reads(cell.replace(",", ".") if comma else cell)
@@ -113,6 +113,6 @@ def _has_decimal_comma(sample: list[str], delimiter: str) -> bool:
 
 
 def _commented_names(comments: list[str], delimiter: str, count: int) -> list[str]:
-    """Names from the comment directly above the numbers, as numpy.savetxt writes them; else empty names."""
+    """Names from the comment directly above the numbers, as numpy.savetxt writes them; otherwise empty names."""
     names = _cells(COMMENT.sub("", comments[-1], count=1), delimiter) if comments else []
     return names if len(names) == count and not all(map(_is_number, names)) else [""] * count

@@ -1,7 +1,4 @@
-"""The largest file that is expanded in memory: compressed files may be a thousand times larger than they look.
-
-Text files as bytes, plain or compressed with gzip.
-"""
+"""Text files as bytes, plain or compressed with gzip, and the largest file that is expanded in memory."""
 
 from __future__ import annotations
 
@@ -14,11 +11,12 @@ from pathlib import Path
 from crosscheck.recordings.errors import BadRecordingFile
 
 MAX_EXPANDED_BYTES = 1 << 30
-"""[bytes] An hour at 1 kHz of six joints with q, v and tau, as doubles, is half of it."""
+"""Largest size of a file in memory after expansion [bytes]: a compressed file may expand a thousandfold. An hour at 1
+kHz of six joints with q, v and tau, as doubles, takes half of it."""
 
 
 def check_expanded(path: Path, size: int) -> None:
-    """Raise BadRecordingFile for more bytes than are expanded in memory."""
+    """Raise BadRecordingFile for more bytes than may be expanded in memory."""
     if size > MAX_EXPANDED_BYTES:
         raise BadRecordingFile(
             f"{path}: its content is larger than {MAX_EXPANDED_BYTES} bytes when expanded; divide the file, or stream "
@@ -27,7 +25,7 @@ def check_expanded(path: Path, size: int) -> None:
 
 
 def content_of(path: Path) -> bytes:
-    """The file with line feeds at line ends, without byte order mark. Raises BadRecordingFile if it is not text."""
+    """The content with line feeds at line ends, without byte order mark. Raises BadRecordingFile if it is not text."""
     content = _expanded(path) if path.suffix.lower() == ".gz" else path.read_bytes()
     try:
         content.decode()

@@ -1,4 +1,4 @@
-"""What the program knows of a file format of recordings: a Format in the file that reads it."""
+"""Description of a file format of recordings: a Format in the file that reads it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from crosscheck.recordings.virtual.files import RecordedMotion
 
 @dataclass(frozen=True)
 class Format:
-    """A file format of recordings; those in FORMATS of a module of this room are found by formats().
+    """A file format of recordings; formats() collects those in FORMATS of the modules of this room.
 
     suffixes: endings of its files in lower case; a motion is written with the first
-    read: the table of a file, given the mapping and the joints wanted, where they are known
+    read: the table of a file, given the mapping and the joints wanted, if they are known
     batches: column names and Arrow batches of at most this number of rows, given the delimiter of a mapping; None
-        for a format that is read as a whole only
+        for a format that is only read as a whole
     write: the content of a file with this motion and metadata; None for a format that is only read
     """
 

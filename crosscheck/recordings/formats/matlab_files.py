@@ -18,7 +18,7 @@ from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.table import RecordedTable
 
 HEADER_BYTES, COMPRESSED_TYPE = 128, 15
-"""Of version 5: bytes before the first element; type of an element that is compressed with zlib."""
+"""Layout of version 5 files: bytes before the first element; type of an element that is compressed with zlib."""
 
 
 def read_mat(path: Path) -> RecordedTable:
@@ -39,7 +39,7 @@ def read_mat(path: Path) -> RecordedTable:
 
 
 def _expanded_size(content: bytes) -> int:
-    """Size of the elements of a file of version 5 when expanded [bytes]; counted no further than is allowed."""
+    """Size of the elements of a file of version 5 after expansion [bytes]; the count stops at the limit."""
     order = {b"IM": "<", b"MI": ">"}.get(content[HEADER_BYTES - 2 : HEADER_BYTES])
     if order is None:  # version 4, which is not compressed
         return len(content)

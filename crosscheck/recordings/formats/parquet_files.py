@@ -56,7 +56,7 @@ FORMATS = (
 
 
 BATCH_ROWS = 65_536
-"""Rows of a Parquet file that are decoded at once."""
+"""Number of rows of a Parquet file that are decoded at once."""
 
 
 def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:

@@ -19,12 +19,12 @@ from crosscheck.recordings.virtual.files import RecordedMotion
 from graphdyn import InvalidInput
 
 BAG = ".bag"
-"""The format that a folder has."""
+"""Suffix of the format that a folder has."""
 
 
 @cache
 def formats() -> Mapping[str, Format]:
-    """By suffix: those in FORMATS of the modules of this room."""
+    """Formats by suffix: those in FORMATS of the modules of this room."""
     folder = [str(Path(__file__).parent)]
     modules = (import_module(f"{__package__}.{found.name}") for found in pkgutil.iter_modules(folder))
     found = [each for module in modules for each in getattr(module, "FORMATS", ())]
@@ -32,7 +32,7 @@ def formats() -> Mapping[str, Format]:
 
 
 def suffix_of(path: Path) -> str:
-    """The ending of a name in lower case, .csv.gz as a whole."""
+    """The suffix of a name in lower case, .csv.gz as a whole."""
     return "".join(path.suffixes[-2:] if path.suffix.lower() == ".gz" else path.suffixes[-1:]).lower()
 
 
@@ -72,7 +72,7 @@ def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTab
 
 
 def written_suffixes() -> tuple[str, ...]:
-    """The endings with which a motion can be written."""
+    """Suffixes with which a motion can be written."""
     return tuple(suffix for suffix, each in formats().items() if each.write and suffix == each.suffixes[0])
 
 
@@ -80,8 +80,8 @@ def motion_document(recording: RecordedMotion, path: Path, metadata: Mapping[str
     """The content of a file of this name with a simulated motion; load_recording reads it.
 
     Parquet and CSV take a VirtualRecording, with every channel; .npz has the channels of the joints. An MCAP bag has
-    the messages that a robot publishes, sensor_msgs/JointState, which have no place for accelerations and constraint
-    forces. Parquet, .npz and MCAP carry the metadata, such as the URDF; CSV has no place for them.
+    the messages that a robot publishes, sensor_msgs/JointState, which cannot hold accelerations and constraint
+    forces. Parquet, .npz and MCAP carry the metadata, such as the URDF; CSV cannot.
 
     Raises InvalidInput for another suffix; BadRecordingFile without rosbags.
     """

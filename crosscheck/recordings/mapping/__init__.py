@@ -1,1 +1,1 @@
-"""Which columns of a file are which channels of which joints, by name or by a TOML file, and in which units."""
+"""Mapping of the columns of a file to channels of joints and units, by name or by a TOML file."""

@@ -1,4 +1,4 @@
-"""Columns that differ only in the joint, as their names say it."""
+"""Families of columns: columns whose names differ only in the joint."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from crosscheck.recordings.mapping.units import Unit, unit_of
 from crosscheck.recordings.table import RecordedTable, in_words
 
 NUMBERED_COLUMN = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})([\[(._/]?\d+[\])]?)")
-"""A column of a numbered joint, beside which a column may give its name: position[0] and name[0]."""
+"""Name of a column with a numbered joint, whose name may be in an adjacent column: position[0] and name[0]."""
 
 
 class Named(NamedTuple):
-    """A column: its number from 1, its name, its unit ("" where the name has none), the path of its message."""
+    """A column: its number from 1, its name, its unit ("" if the name has none), the path of its message."""
 
     number: int
     name: str
@@ -30,7 +30,7 @@ Family = dict[str, Named]
 
 
 def candidates(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, dict[str, Family]]:
-    """By quantity, the families of its columns. Raises AmbiguousColumns for two columns of the same joint."""
+    """Families of columns by quantity. Raises AmbiguousColumns for two columns of the same joint."""
     found: dict[str, dict[str, Family]] = {name: {} for name in QUANTITY_WORDS}
     for number, name in enumerate(table.names, start=1):
         said = meaning(name, joints)
@@ -49,7 +49,7 @@ def candidates(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, 
 
 
 def only(table: RecordedTable, found: dict[str, dict[str, Family]]) -> dict[str, Family]:
-    """The family of every quantity that has one. Raises AmbiguousColumns where a quantity has several."""
+    """The family of every quantity that has one. Raises AmbiguousColumns if a quantity has several."""
     for quantity, families in found.items():
         if len(families) > 1:
             names = "; ".join(listed(family) for family in families.values())
@@ -61,7 +61,7 @@ def only(table: RecordedTable, found: dict[str, dict[str, Family]]) -> dict[str,
 
 
 def _joint(table: RecordedTable, name: str, said: Meaning) -> str:
-    """The joint of a column; of position[0] the text in the column name[0], where there is one."""
+    """The joint of a column; for position[0] the text in the column name[0], if there is one."""
     element = NUMBERED_COLUMN.fullmatch(name)
     beside = f"{element[1]}name{element[3]}" if element else ""
     if not said.joint.isdigit() or beside not in table.names:
@@ -76,7 +76,7 @@ def _joint(table: RecordedTable, name: str, said: Meaning) -> str:
 
 
 def known_unit_of(where: str, quantity: str, column: Named) -> Unit:
-    """The unit in the name, else SI. A drive's current is refused as a torque."""
+    """The unit in the name, otherwise SI. A drive's current is refused as a torque."""
     unit = unit_of(quantity, column.unit or SI_UNITS.get(quantity, "s"))
     if unit is None or unit.needs_gain:
         raise BadMapping(

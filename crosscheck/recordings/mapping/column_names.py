@@ -1,8 +1,8 @@
-"""The meaning of columns by their names: q_1, position.elbow, joint2.tau [N m], /joint_states/elbow/effort, time_ms.
+"""Meaning of columns by their names: q_1, position.elbow, joint2.tau [N m], /joint_states/elbow/effort, time_ms.
 
 A name gives the quantity first (tau_motor_Nm_2) or, after a dot, last (joint2.tau). The rest, without the unit, is the
-joint. Columns that differ only in the joint are a family; two families of one quantity (motor and secondary encoder)
-are ambiguous, and refused.
+joint. Columns that differ only in the joint are a family. Two families of one quantity (motor and secondary encoder)
+are ambiguous and refused.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 RECEIVED_TIME_COLUMN = "__time"
-"""PlotJuggler's name of the time, which is that of receiving or of the stamps, as its user chose."""
+"""PlotJuggler's name of the time: the time of receipt or that of the stamps, by its user's choice."""
 
 QUANTITY_WORDS = {
     "time": (
@@ -32,7 +32,7 @@ QUANTITY_WORDS = {
     "a": ("a", "qdd", "ddq", "qddot", "acc", "acceleration", "accelerations", "joint_acceleration"),
     "tau": ("tau", "torque", "torques", "effort", "efforts", "joint_torque", "joint_torques", "joint_effort"),
 }
-"""Names of the quantities in files of many programs; upper and lower case are the same."""
+"""Names of the quantities in files of many programs, regardless of case."""
 
 CURRENT_COLUMNS = re.compile(r"(?i)(actual_|motor_|target_)?(current|currents|i|amps)[ _.]?\d+|.*\.(current|i)$")
 """Columns of currents, which are torques only with a gain: reported, never used."""
@@ -44,18 +44,18 @@ SUFFIX_UNITS = {
     "tau": {"nm": "N m", "n_m": "N m"},
     "time": {"s": "s", "sec": "s", "ms": "ms", "us": "us", "ns": "ns"},
 }
-"""Units by the part of a name that stands for them."""
+"""Units by the part of a name that denotes them."""
 
 
 TOPIC_PREFIX = re.compile(r"(?i)(.*/)?joint_states?[./]|.*/")
-"""What stands before the joint in a name with a path."""
+"""Part before the joint in a name with a path."""
 
 STAMP_PATTERN = re.compile(r"(?i)(|.*[/.])header[/.]stamp|(.*[/.])(t|time|timestamp)")
 """Stamp of a message, or the time of a structure."""
 
 SECONDS_PART = re.compile(r"(?i)(|.*[/._])secs?(onds)?")
 NANOSECONDS_PART = re.compile(r"(?i)n(ano)?secs?|nanoseconds")
-"""The two columns of a ROS stamp: header.stamp.sec and header.stamp.nanosec."""
+"""Name of the second column of a ROS stamp: header.stamp.nanosec beside header.stamp.sec."""
 
 ALL_WORDS = "|".join(sorted((word for words in QUANTITY_WORDS.values() for word in words), key=len, reverse=True))
 ARRAY_ELEMENT = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})(?:[\[(](\d+)[\])]|[._/]?(\d+))")
@@ -80,7 +80,7 @@ class Meaning(NamedTuple):
 
 
 def meaning(name: str, joints: Sequence[str] | None) -> Meaning | None:
-    """The meaning of a name; None where it is unknown."""
+    """The meaning of a name; None if it is unknown."""
     label, unit = name.strip(), ""
     bracket = re.fullmatch(r"(.*\S)\s*[\[(]([^\[\]()]*[^\[\]()\d][^\[\]()]*)[\])]", label)
     if bracket:
@@ -134,8 +134,7 @@ def _of_table(label: str, unit: str, joints: Sequence[str] | None) -> Meaning | 
 def _joint(quantity: str, word: str, rest: str, joints: Sequence[str] | None, unit: str, dot: bool) -> Meaning | None:
     """Split the rest of a name into unit and joint.
 
-    A rest that ends with a number ends with the number of a joint, unless all of it is a joint name: joint_1, or a
-    name with a dot.
+    A number at the end is that of a joint, unless the whole rest is a joint name: joint_1, or a name with a dot.
     """
     named = dot or re.match(r"(?i)(joint|axis)[ _]?\d", rest)
     for suffix, meant in sorted(SUFFIX_UNITS[quantity].items(), key=lambda pair: -len(pair[0])):

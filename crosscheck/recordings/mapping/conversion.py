@@ -1,4 +1,4 @@
-"""From columns to joint coordinates: unit, sign, gain, then the transmission, then the offset."""
+"""Conversion of columns to joint coordinates: unit, sign, gain, then the transmission, then the offset."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class RecordedColumn:
 
 
 def mapped_columns(tables: Sequence[RecordedTable], mapping: ColumnMapping) -> dict[str, list[RecordedColumn]]:
-    """The columns of q, v, a, tau, temperature, and of time where there is one. Raises BadMapping, BadRecordingFile."""
+    """The columns of q, v, a, tau, temperature, and of time if there is one. Raises BadMapping, BadRecordingFile."""
     wanted = {name: (channel.file, channel.columns) for name, channel in mapping.channels.items()}
     if mapping.time is not None:
         wanted["time"] = (mapping.time.file, mapping.time.columns)
@@ -77,7 +77,7 @@ def _behind(transmission: Transmission, name: str, values: Array) -> Array:
 
 
 def sliding_joints(mapping: ColumnMapping) -> tuple[bool, ...]:
-    """Which joints slide: by the mapping, else by the units. Raises BadMapping where they disagree."""
+    """Which joints are prismatic: by the mapping, otherwise by the units. Raises BadMapping if they disagree."""
     slides = mapping.prismatic or [
         any(channel.slides[j] is True for channel in mapping.channels.values()) for j in range(len(mapping.joints))
     ]

@@ -1,6 +1,6 @@
-"""Values of a mapping, as TOML has them, checked.
+"""The mapping of columns to joint coordinates, a small TOML file; docs/recordings.md describes its keys.
 
-The mapping of columns to joint coordinates, a small TOML file; docs/recordings.md describes its keys.
+The toml_ functions check values of a TOML document.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from graphdyn.layout import Array
 
 
 def toml_square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array:
-    """n rows of n finite numbers (n, n). Raises BadMapping."""
+    """A matrix of n rows of n finite numbers (n, n). Raises BadMapping."""
     rows = table[key]
     if not isinstance(rows, list) or len(rows) != n:
         raise BadMapping(f"{where}: {key} needs {n} rows of {n} numbers")
@@ -31,7 +31,7 @@ def toml_square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array
 
 
 def toml_numbers(table: Mapping[str, Any], key: str, n: int, default: float, where: str) -> Array:
-    """n finite numbers; a single number is used n times. Raises BadMapping."""
+    """A vector of n finite numbers; a single number is repeated n times. Raises BadMapping."""
     value = table.get(key, default)
     values = [value] * n if is_number(value) else value
     if not isinstance(values, list) or len(values) != n or not all(map(is_number, values)):
@@ -40,13 +40,13 @@ def toml_numbers(table: Mapping[str, Any], key: str, n: int, default: float, whe
 
 
 def is_number(value: Any) -> bool:
-    """Whether a double can hold it: integers of TOML have any number of digits."""
+    """Whether a double can hold the value: integers of TOML have any number of digits."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return number and abs(value) <= sys.float_info.max
 
 
 def toml_text(table: Mapping[str, Any], key: str, where: str) -> str | None:
-    """A text, or None where the key is missing. Raises BadMapping."""
+    """A text, or None if the key is missing. Raises BadMapping."""
     value = table.get(key)
     if value is not None and not isinstance(value, str):
         raise BadMapping(f"{where}: {key} is {value!r}; give a text in quotes")
@@ -93,12 +93,12 @@ _ONLY_IN = {
 class Channel:
     """The columns of q, v, a, tau or temperature, in the order of the joints: names, or numbers from 1.
 
-    file: pattern of the name of the file that has them; motor: in front of the transmission
+    file: pattern of the name of the file that has them; motor: on the motor's side of the transmission
     factor: SI value per number in the column: unit, sign and gain    (n,)
-    offset: added behind the transmission                             (n,)
-    slides: per joint, whether it slides according to the unit; None where the unit is one of either
-    sign: the part of the factor that is a sign             (n,), ones where there is none
-    delay: by how much the joint's values were recorded late  (n,) [s], zero where there is none
+    offset: added after the transmission                              (n,)
+    slides: per joint, whether it is prismatic according to the unit; None if the unit fits both types
+    sign: the part of the factor that is a sign             (n,), ones by default
+    delay: delay of the recorded joint values               (n,) [s], zero by default
     """
 
     columns: tuple[str | int, ...]
@@ -112,12 +112,12 @@ class Channel:
 
     @property
     def signs(self) -> Array:
-        """(n,)"""
+        """Signs of the joints (n,)."""
         return np.ones(len(self.columns)) if self.sign is None else self.sign
 
     @property
     def delays(self) -> Array:
-        """(n,) [s]"""
+        """Delays of the joints (n,) [s]."""
         return np.zeros(len(self.columns)) if self.delay is None else self.delay
 
 
@@ -126,7 +126,7 @@ class TimeColumn:
     """The column of the time.
 
     factor: seconds per number
-    nanoseconds: a second column, of ROS stamps: what has to be added to the seconds
+    nanoseconds: a second column, of ROS stamps, whose nanoseconds are added to the seconds
     """
 
     column: str | int
@@ -136,7 +136,7 @@ class TimeColumn:
 
     @property
     def columns(self) -> tuple[str | int, ...]:
-        """One or two."""
+        """The one or two columns of the time."""
         return (self.column,) if self.nanoseconds is None else (self.column, self.nanoseconds)
 
 
@@ -150,7 +150,7 @@ class Transmission:
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """A whole mapping; source: its file, or "by name"; rate [Hz], None where a column holds the time."""
+    """A whole mapping; source: its file, or "by name"; rate [Hz], None if a column holds the time."""
 
     source: str
     joints: tuple[str, ...]

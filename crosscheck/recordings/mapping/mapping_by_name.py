@@ -1,6 +1,5 @@
-"""The column of the time, or the two columns of a ROS stamp, by their names.
-
-The mapping that follows from the names of the columns, where they are unambiguous.
+"""The mapping by the names of the columns, if they are unambiguous: time, or the two parts of a ROS stamp, and
+channels.
 """
 
 from __future__ import annotations
@@ -25,9 +24,10 @@ from crosscheck.recordings.table import RecordedTable, in_words
 def clocks(
     table: RecordedTable, found: dict[str, dict[str, Family]], findings: list[RecordingFinding]
 ) -> dict[str, Family]:
-    """The candidates for the time, without those of other messages than the positions, and without stamps never set.
+    """Candidates for the time column, without the stamps of other messages than the positions, and without all-zero
+    stamps.
 
-    Beside the stamps of the positions' message, PlotJuggler's own time is not one.
+    If the positions' message has stamps, PlotJuggler's own time is not a candidate.
     """
     candidates = {family: columns[""] for family, columns in found["time"].items()}
     paths = [column.path for family in found["q"].values() for column in family.values()]
@@ -49,7 +49,7 @@ def clocks(
 def time_column(
     table: RecordedTable, families: dict[str, Family], rate: float | None, findings: list[RecordingFinding]
 ) -> TimeColumn | None:
-    """The column of the time; None where the rate is given instead. Raises BadMapping, AmbiguousColumns."""
+    """The column of the time; None if the rate is given instead. Raises BadMapping, AmbiguousColumns."""
     where = str(table.path)
     if "time" not in families:
         parts = _two_parts(table)
@@ -67,7 +67,7 @@ def time_column(
 
 
 def _two_parts(table: RecordedTable) -> tuple[Named, Named] | None:
-    """The columns of seconds and of nanoseconds, where there is one pair. Raises AmbiguousColumns for several."""
+    """The columns of seconds and of nanoseconds, if there is one pair. Raises AmbiguousColumns for several."""
     found = []
     for number, name in enumerate(table.names, start=1):
         part = SECONDS_PART.fullmatch(name)
@@ -85,7 +85,7 @@ def _two_parts(table: RecordedTable) -> tuple[Named, Named] | None:
 def mapping_by_name(
     table: RecordedTable, joints: Sequence[str] | None, rate: float | None
 ) -> tuple[ColumnMapping, list[RecordingFinding]]:
-    """The mapping, and what had to be assumed for it. Raises AmbiguousColumns, BadMapping."""
+    """The mapping, and its assumptions. Raises AmbiguousColumns, BadMapping."""
     where = str(table.path)
     if not table.has_names:
         raise BadMapping(f"{where}: the columns have no names; give a mapping with their numbers")
@@ -125,7 +125,7 @@ def mapping_by_name(
 
 
 def _refuse_left_out(table: RecordedTable, families: dict[str, Family]) -> None:
-    """Raise BadMapping for an array that is a quantity by its name, but holds no columns of numbers."""
+    """Raise BadMapping for an array that is a quantity by its name, but does not contain columns of numbers."""
     for name, reason in table.left_out.items():
         said = meaning(name, None) or meaning(f"{name}_1", None)
         if said and said.quantity not in families:
@@ -135,7 +135,9 @@ def _refuse_left_out(table: RecordedTable, families: dict[str, Family]) -> None:
 
 
 def _order(where: str, found: list[str], joints: Sequence[str] | None) -> list[str]:
-    """The joints in the order of the robot, if known; else numbers ascending, names in the order of the columns."""
+    """The joints in the order of the robot, if known; otherwise numbers ascending, names in the order of the
+    columns.
+    """
     if all(joint.isdigit() for joint in found):
         if joints and len(joints) != len(found):
             raise BadMapping(f"{where}: positions of {len(found)} joints, the robot has {len(joints)}; give a mapping")

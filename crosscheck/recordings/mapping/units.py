@@ -14,7 +14,7 @@ _DEGREE = np.pi / 180
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0}
 
 JOINTLESS_UNITS = {"time": TIME_UNITS, "temperature": {"degC": 1.0}}
-"""Of what is the same for joints that turn and joints that slide."""
+"""Units of quantities that are the same for revolute and prismatic joints."""
 
 TURNING_UNITS = {
     "q": {"rad": 1.0, "mrad": 1e-3, "deg": _DEGREE, "rev": _TURN},
@@ -33,7 +33,9 @@ DRIVE_UNITS = {"A": 1.0, "mA": 1e-3, "%": 1.0}
 
 
 class Unit(NamedTuple):
-    """Factor to SI; whether the unit is for sliding joints (None: for both); whether it needs a gain to be a torque."""
+    """Factor to SI; whether the unit is for prismatic joints (None: for both types); whether it needs a gain to be a
+    torque.
+    """
 
     factor: float
     slides: bool | None
@@ -48,7 +50,7 @@ def _spelling(unit: str) -> str:
 
 
 def unit_of(quantity: str, name: str) -> Unit | None:
-    """The unit of this name, or None where the quantity (q, v, a, tau, temperature, time) has no such unit."""
+    """The unit of this name, or None if the quantity (q, v, a, tau, temperature, time) has no such unit."""
     tables: list[tuple[dict[str, float], bool | None, bool]]
     if quantity in JOINTLESS_UNITS:
         tables = [(JOINTLESS_UNITS[quantity], None, False)]

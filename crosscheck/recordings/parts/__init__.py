@@ -1,1 +1,1 @@
-"""Recordings that are larger than memory: read in windows and in parts."""
+"""Recordings larger than memory, read in windows and in parts."""

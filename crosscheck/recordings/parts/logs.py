@@ -1,7 +1,7 @@
-"""Long logs: one Parquet file each, or a folder of Parquet files that follow each other, as Dask and Spark write.
+"""Long logs: one Parquet file each, or a folder of consecutive Parquet files, as Dask and Spark write.
 
-The parts of one log are in one folder, and nothing else says that they are: every file that is named itself is a log of
-its own, whose filters begin and end with it.
+The parts of one log are in one folder. A file that is named individually is a log of its own, whose filters begin and
+end with it.
 """
 
 from __future__ import annotations
@@ -21,14 +21,16 @@ PARQUET_SUFFIXES = FORMATS[0].suffixes
 
 @dataclass(frozen=True)
 class Log:
-    """path: as given; files: in the order of time."""
+    """A long log. path: as given; files: in the order of time."""
 
     path: Path
     files: tuple[Path, ...]
 
     @cached_property
     def rows(self) -> tuple[int, ...]:
-        """Of every file. Raises BadRecordingFile for one that is not Parquet, or has other columns than the first."""
+        """Number of rows of every file. Raises BadRecordingFile for one that is not Parquet, or has other columns than
+        the first.
+        """
         counts, first = [], None
         for file in self.files:
             rows, names = _told(file)
@@ -60,7 +62,7 @@ def log_of(path: str | PathLike[str]) -> Log:
 
 
 def _number_order(file: Path) -> list[tuple[int, str]]:
-    """part.2 before part.10."""
+    """Sort key by the numbers in a name: part.2 before part.10."""
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", file.name)]
 
 

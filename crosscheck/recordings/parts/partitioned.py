@@ -21,25 +21,25 @@ from graphdyn.identification import Problem, Samples, TorqueModel
 T = TypeVar("T")
 
 PROBLEM_SETTINGS = ("min_speed", "compression", "rank_tolerance")
-"""Fields of a problem that its parts have too."""
+"""Fields of a problem that its parts share."""
 
 ROWS_PER_PART = 250_000
-"""Rows of a part unless told otherwise: a second of work, some 50 MB of memory for a six-axis arm."""
+"""Default number of rows of a part: a second of work, some 50 MB of memory for a six-axis arm."""
 
 
 @dataclass(frozen=True)
 class PartitionedRecording:
-    """Long logs in Parquet files for graphdyn.identification.Problem(data=…), worked on part by part.
+    """Long logs in Parquet files for graphdyn.identification.Problem(data=…), processed part by part.
 
-    paths: files, each a log of its own, or folders, each one log in parts that follow each other in the order of the
+    paths: files, each a log of its own, or folders, each one log in consecutive parts, in the order of the
         numbers in their names. Parts of one log overlap by the borders of the filter; different logs do not
     mapping, joints, rate: as in load_recording, for all logs; joints in the order of the robot
     cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
-    between: which part of every log, from 0 to 1; a quarter of a second is left out before an end that is not its own
-    rows: of a part, at most
+    between: part of every log, from 0 to 1; a quarter of a second is left out before an end within the log
+    rows: largest number of rows of a part
     workers: of crosscheck.distributing: processes, or those of a Dask scheduler; None: this process
 
-    The parts follow from the files, `rows`, the filter and the number of time blocks alone, and what comes of them is
+    The files, `rows`, the filter and the number of time blocks alone determine the parts, and their results are
     merged in a fixed order: the result is the same to the last bit for any number and kind of workers, on processors of
     one type. There is no list of findings: rows that load_recording would drop or resample raise InvalidInput, with
     the row. Raises BadRecordingFile, BadMapping, OSError likewise; NoWorkers.
@@ -56,7 +56,7 @@ class PartitionedRecording:
 
     @cached_property
     def logs(self) -> list[ReadableLog]:
-        """In the order given. Raises InvalidInput for none, or for one given twice."""
+        """The logs in the order given. Raises InvalidInput if there is none, or if one is given twice."""
         check_rate(self.rate)
         logs = [log_of(path) for path in self.paths]
         files = [file.resolve() for log in logs for file in log.files]
@@ -76,11 +76,11 @@ class PartitionedRecording:
 
     @property
     def n_rows(self) -> int:
-        """Of all logs, as recorded."""
+        """Number of rows of all logs, as recorded."""
         return sum(source.n_rows for source in self.logs)
 
     def parts(self, blocks: int) -> list[Partition]:
-        """For so many time blocks."""
+        """The parts for this number of time blocks."""
         return partitions(self.logs, self.rows, blocks)
 
     def __iter__(self) -> Iterator[Samples]:
@@ -90,7 +90,7 @@ class PartitionedRecording:
             yield samples[own]
 
     def each_part(self, problem: Problem, function: Callable[[Problem, slice], T]) -> list[tuple[int, T]]:
-        """As in graphdyn.identification.data.partitions.Partitioned."""
+        """Results of every part, as in graphdyn.identification.data.partitions.Partitioned."""
         in_block = problem.block_samples
         parts = self.parts(problem.n_blocks if in_block is None else -(-self.n_rows // in_block))
         torque_model = problem.torque_model
@@ -112,7 +112,10 @@ class PartitionedRecording:
 
 @lru_cache(maxsize=8)
 def _pickled(torque_model: TorqueModel) -> bytes:
-    """The same for every reading, by which a worker knows a model that it has compiled already. Raises InvalidInput."""
+    """The pickled model, the same for every reading, by which a worker recognizes a model that it has compiled already.
+
+    Raises InvalidInput.
+    """
     try:
         return pickle.dumps(torque_model)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
@@ -129,7 +132,7 @@ def _unpickled(torque_model: bytes) -> TorqueModel:
 
 
 def _work(torque_model: bytes, base: bytes, settings: Mapping[str, Any], function: bytes, part: Partition) -> object:
-    """The answer for one part, or the error. base: numbers of the base parameters; settings: of the problem"""
+    """The result for one part, or the error. base: numbers of the base parameters; settings: of the problem."""
     try:
         samples, own = part.samples(part.source.memory)
         problem = Problem(_unpickled(torque_model), samples, block_samples=len(samples) or 1, **settings)

@@ -1,4 +1,4 @@
-"""Parts of long logs, each read with the rows around it that filters need, so that it can be worked on alone."""
+"""Parts of long logs, each read with the rows around it that filters need, so that it is independent of the others."""
 
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ from graphdyn import InvalidInput
 from graphdyn.identification import Samples
 
 HEAD_ROWS = 1000
-"""Rows from which the sampling rate of a log is taken."""
+"""Number of rows from which the sampling rate of a log is estimated."""
 
 
 @dataclass(frozen=True, eq=False)
 class ReadableLog:
-    """The rows begin … end - 1 of a log, and how they are read.
+    """The rows begin … end - 1 of a log, and the settings for reading them.
 
     origin: of its times; cutoff: as in differentiated
-    cut: rows that differentiation costs at each end, at most; memory: rows that the filter of the torque remembers
-    findings: what was assumed of the columns, if they were taken by name
+    cut: largest number of rows that differentiation cuts at each end; memory: of the filter of the torque, in rows
+    findings: assumptions on the columns, if they were found by name
     """
 
     log: Log
@@ -59,7 +59,7 @@ class ReadableLog:
         cutoff: float | Mapping[str, float] | None,
         between: tuple[float, float],
     ) -> ReadableLog:
-        """Looks at the first rows. between: parts of the rows. Raises as PartitionedRecording."""
+        """Settings from the first rows. between: parts of the rows. Raises as PartitionedRecording."""
         if not log.n_rows:
             raise InvalidInput(f"{log.path}: no rows; leave it out")
         file, count = next(found for found in zip(log.files, log.rows, strict=True) if found[1])
@@ -90,11 +90,11 @@ class ReadableLog:
 
     @property
     def shortest(self) -> int:
-        """Rows of a part that is longer than what has to be read around it."""
+        """Number of rows of a part that exceeds the rows to be read around it."""
         return 2 * (FORGETTING_BORDERS * self.cut + self.memory)
 
     def read(self, first: int, last: int) -> Recording:
-        """These rows of the log. Raises InvalidInput and BadRecordingFile."""
+        """Read these rows of the log. Raises InvalidInput and BadRecordingFile."""
         whole: Recording | None = None
         start = 0
         for file, count in zip(self.log.files, self.log.rows, strict=True):
@@ -120,7 +120,7 @@ class Partition:
 
     @property
     def name(self) -> str:
-        """For messages."""
+        """Name of the part for messages."""
         return f"{self.source.log.path}, rows {self.first} to {self.last}"
 
     def samples(self, memory: int) -> tuple[Samples, slice]:
@@ -151,9 +151,9 @@ class Partition:
 
 
 def partitions(logs: list[ReadableLog], rows: int, blocks: int) -> list[Partition]:
-    """Parts of at most this number of rows, so that every time block has at least one where the data allow.
+    """Parts of at most this number of rows, at least one for every time block if the data allow.
 
-    The same for the same files. Raises InvalidInput for a log or parts too short for the filter.
+    The same files give the same parts. Raises InvalidInput for a log or parts too short for the filter.
     """
     total = sum(source.n_rows for source in logs)
     block_rows = -(-total // blocks)

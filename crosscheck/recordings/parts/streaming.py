@@ -52,7 +52,7 @@ class StreamedRecording:
     window: int = ROWS_IN_MEMORY
 
     def __iter__(self) -> Iterator[Samples]:
-        """Pieces in order. Raises BadRecordingFile, BadMapping, InvalidInput, OSError."""
+        """The pieces in order. Raises BadRecordingFile, BadMapping, InvalidInput, OSError."""
         whole: Recording | None = None
         row_filter: RowFilter | None = None
         first = 0
@@ -78,13 +78,13 @@ class StreamedRecording:
         yield _samples(done, row_filter, (FORGETTING_BORDERS - 1) * border if first else 0, 0)
 
     def _differentiated(self, recording: Recording, first: int) -> tuple[Recording, int]:
-        """The window with v and a, and the rows that were cut at both of its ends. first: row of the file."""
+        """The window with v and a, and the numbers of rows cut at both of its ends. first: row of the file."""
         refuse_uneven(recording, self.path, first)
         done = differentiated(recording, self.cutoff)
         return done, int(np.searchsorted(recording.t, done.t[0]))
 
     def _parts(self) -> Iterator[Recording]:
-        """Consecutive rows as they are read, at the joints in SI units."""
+        """Consecutive rows as read, at the joints in SI units."""
         check_rate(self.rate)
         path, count = Path(self.path), 0
         mapping = None if self.mapping is None else self._mapping()
@@ -103,7 +103,7 @@ class StreamedRecording:
 
 
 def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: int) -> Samples:
-    """The recording without these numbers of rows at its beginning and end; one without rows before is the first."""
+    """The recording without these numbers of rows at its beginning and end; if no rows precede it, it is the first."""
     own = slice(before, len(done.t) - after)
     q, v, a, tau = (done.channel(name)[own] for name in ("q", "v", "a", "tau"))
     temperature = None if done.temperature is None else done.temperature[own]

@@ -1,4 +1,6 @@
-"""Consecutive rows of a long log as a recording; what load_recording would drop or resample is refused, by row."""
+"""Consecutive rows of a long log as a recording; rows that load_recording would drop or resample are refused by
+number.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ from graphdyn import InvalidInput
 
 
 class RowPosition(NamedTuple):
-    """Of the first row of a table: its number in the log, and in its file, from 0."""
+    """Position of the first row of a table: its number in the log, and in its file, from 0."""
 
     in_log: int
     in_file: int
@@ -25,9 +27,9 @@ class RowPosition(NamedTuple):
 def window_of(
     table: RecordedTable, mapping: ColumnMapping, place: RowPosition, origin: Origin | None
 ) -> tuple[Recording, Origin | None]:
-    """The rows at the joints in SI units, and the origin of their times, found unless given.
+    """The rows at the joints in SI units, and the origin of their times, searched unless given.
 
-    Raises InvalidInput for a row that is not a number, or whose time is not after that of the row before.
+    Raises InvalidInput for a row that is not a number, or whose time is not after that of the previous row.
     """
     columns = mapped_columns([table], mapping)
     if mapping.time:
@@ -54,7 +56,7 @@ def window_of(
 
 
 def appended(recording: Recording, part: Recording) -> Recording:
-    """Both, one after the other, in one block. Raises InvalidInput where the time goes back."""
+    """Both windows in one block. Raises InvalidInput if the time goes back."""
     if not part.t[0] > recording.t[-1]:
         raise InvalidInput(f"{part.provenance.files[0]}: the time goes back to {part.t[0]:g} s; repair the file")
     names = [name for name in ("t", *RECORDED_JOINT_CHANNELS) if getattr(recording, name) is not None]

@@ -1,4 +1,4 @@
-"""Velocities and accelerations from noisy positions, block by block, and what becomes of the noise."""
+"""Velocities and accelerations from noisy positions, block by block, and the resulting noise."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ Cutoff = float | Mapping[str, float] | Literal["residual"] | None
 
 
 def derivative(values: Array, rate: float) -> Array:
-    """d/dt of rows (N, …) at the rate [Hz], N ≥ 5, without phase shift: central difference of fourth order.
+    """Time derivative of rows (N, …) at the rate [Hz], N ≥ 5, without phase shift: central difference of fourth order.
 
     That is the slope of the quartic through five rows; at the first and last two rows the formula is one-sided.
     """
@@ -45,9 +45,9 @@ def chosen_cutoff(recording: Recording) -> float:
 
 @dataclass(frozen=True)
 class Differentiation:
-    """What `differentiated` does to the q and v of a block, to be done to others.
+    """The operation of `differentiated` on q and v of a block, for use on other motions.
 
-    cutoffs: of the low-passes of q and v, where there are any [Hz]; velocity: whether v is measured, not derived
+    cutoffs: of the low-passes of q and v, if there are any [Hz]; velocity: whether v is measured, not derived
     """
 
     cutoffs: Mapping[str, float]
@@ -75,14 +75,14 @@ def differentiated(
 
     cutoff: [Hz] of all channels, or per channel ({"q": 100.0}; the others stay as they are), or "residual": chosen from
         the positions by residual analysis, or None: no filter
-    velocity: "recorded" takes v where the recording has it; "derived" differentiates q in any case
+    velocity: "recorded" takes v if the recording has it; "derived" differentiates q in any case
 
-    v is the derivative of the filtered q unless recorded, a that of v unless recorded. tau stays as it is, because what
-    is filtered alone no longer fits its regressor: its cutoff is kept in `torque_cutoff`, and the identification
+    v is the derivative of the filtered q unless recorded, a that of v unless recorded. tau stays as it is, because a
+    torque that is filtered alone no longer fits its regressor. `torque_cutoff` keeps its cutoff, and the identification
     filters tau and every column of the regressor alike (crosscheck.samples_of). A recording with uneven steps is
     resampled first. Blocks shorter than their borders are left out. The provenance lists these steps.
 
-    Raises InvalidInput for other channels, cutoffs from half the sampling rate on, and where no block is left.
+    Raises InvalidInput for other channels, cutoffs from half the sampling rate on, and if no block is left.
     """
     if velocity not in ("recorded", "derived"):
         raise InvalidInput(f"velocity is '{velocity}'; use 'recorded' or 'derived'")
@@ -158,10 +158,10 @@ def motion_covariance(
     """Covariance of the errors of q, v and a of each joint in a row of the equations (n, 3, 3).
 
     rate: of the samples [Hz]; q_noise: standard deviations of the measured positions (n,), v_noise: of measured
-    velocities, where v is measured
+    velocities, if v is measured
 
-    White noise through a filter has the covariance Σ_t h_t h_tᵀ, h the answers of q, v and a to one impulse. Where the
-    rows are decimated every factor-th term of the sum is known; they stand for all, because h is slower than the rows.
+    White noise through a filter has the covariance Σ_t h_t h_tᵀ, h the impulse responses of q, v and a. If the
+    rows are decimated, every factor-th term of the sum is known; they represent all, because h is slower than the rows.
     """
     factor, memory = (1, 0) if row_filter is None else (row_filter.factor, row_filter.memory)
     lows = (LowPass(cutoff, rate).memory for cutoff in differentiation.cutoffs.values())

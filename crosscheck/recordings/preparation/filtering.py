@@ -13,10 +13,10 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 FILTER_ORDER = 4
-"""Of the Butterworth filter unless told otherwise, one pass."""
+"""Default order of the Butterworth filter, in one pass."""
 
 BORDER_DECAY = 1e-3
-"""Part of its initial value to which the slowest mode of the filter has decayed at the end of the border."""
+"""Fraction of its initial value to which the slowest mode of the filter has decayed at the end of the border."""
 
 
 def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER) -> Array:
@@ -41,7 +41,7 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER
 
 
 def check_cutoff(rate: float, cutoff: float) -> None:
-    """Raises InvalidInput for a cutoff outside 0 … rate/2."""
+    """Check a cutoff. Raises InvalidInput outside 0 … rate/2."""
     if not 0 < cutoff < rate / 2:
         raise InvalidInput(
             f"cutoff is {cutoff:g} Hz at {rate:g} samples per second; choose one between zero and {rate / 2:g} Hz"
@@ -54,12 +54,12 @@ def padding(order: int = FILTER_ORDER) -> int:
 
 
 def border(rate: float, cutoff: float, order: int = FILTER_ORDER) -> int:
-    """Number of rows at each end that still depend on how the data were extended beyond it."""
+    """Number of rows at each end that still depend on the extension of the data beyond it."""
     return int(np.ceil(settling_time(cutoff, BORDER_DECAY, order) * rate))
 
 
 def settling_time(cutoff: float, left: float, order: int = FILTER_ORDER) -> float:
-    """Time [s] in which the slowest mode of the filter decays to this part; the cutoff [Hz] may be infinite.
+    """Time [s] in which the slowest mode of the filter decays to this fraction; the cutoff [Hz] may be infinite.
 
     The slowest pair of poles of a Butterworth filter decays at 2π cutoff sin(π / 2 order).
     """
@@ -77,7 +77,8 @@ def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
     """Columns (N, …) of one uninterrupted block, decimated to (K, …): per stage, every f-th row from the first on.
 
     factors: f of each stage, 2 … 13: (10, 10) for a hundredth
-    Before each stage scipy.signal.decimate's zero-phase low-pass: Chebyshev, order 8, 0.8 of the new Nyquist frequency.
+    Each stage applies scipy.signal.decimate's zero-phase low-pass: Chebyshev, order 8, 0.8 of the new Nyquist
+    frequency.
 
     Raises InvalidInput for other factors and for too few rows.
     """

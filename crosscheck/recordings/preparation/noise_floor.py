@@ -1,12 +1,12 @@
-"""A cutoff from the data: residual analysis, section 3.4.4.3 of Winter, Biomechanics and Motor Control (2009).
+"""Cutoff from the data by residual analysis: section 3.4.4.3 of Winter, Biomechanics and Motor Control (2009).
 
-R(f) is the root mean square of what a filter with the cutoff f removes. At high f it removes noise only. Winter extends
-that part of the curve as a straight line to f = 0, where it gives the size of all the noise, and takes the cutoff where
-R(f) has this size: the signal removed there is as large as the noise let through. For white noise the square of R(f) is
-known from the response of the filter, so this curve is fitted instead of a line.
+R(f) is the root mean square of the part that a filter with the cutoff f removes. At high f it is noise only. Winter
+extends that part of the curve as a straight line to f = 0, where it gives the size of all the noise, and takes the
+cutoff at which R(f) has this size: the signal removed there is as large as the noise let through. For white noise the
+response of the filter determines the square of R(f), so this curve is fitted instead of a line.
 
-This balances the errors of the filtered quantity itself, so for identification the cutoff is an upper bound:
-derivatives amplify noise by the frequency, and above the commanded motion lie vibrations of the arm, which the encoder
+The cutoff balances the errors of the filtered quantity itself, so for identification it is an upper bound:
+derivatives amplify noise by the frequency. Above the commanded motion lie vibrations of the arm, which the encoder
 measures but which are not rigid-body motion. Blocked cross-validation shows whether a lower cutoff predicts better.
 """
 
@@ -32,7 +32,7 @@ MIN_CUTOFF, NOISE_FROM, MAX_CUTOFF = 0.002, 0.5, 0.9
 removed; from NOISE_FROM on, only noise is expected."""
 
 NOISE_DIFFERENCE_ORDER = 6
-"""Order of the differences that show white noise alone: of a motion a tenth as fast as the sampling they leave 6 %."""
+"""Order of the differences that show white noise alone: a motion a tenth as fast as the sampling leaves 6 % in them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAna
     """Choose the cutoff [Hz] for a column (N,) sampled evenly at the rate [Hz].
 
     A constant column gets the lowest trial; one whose noise floor is hidden by signal at all trials gets the highest.
-    Raises InvalidInput where the column is too short for a trial.
+    Raises InvalidInput if the column is too short for a trial.
     """
     values = np.asarray(values, dtype=float)
     nyquist = rate / 2
@@ -82,7 +82,7 @@ def _removed(cutoff: float, rate: float, order: int) -> float:
 
 
 def white_noise(values: Array) -> Array:
-    """Standard deviation of the white noise of columns (N, n) sampled evenly → (n,): that of their sixth differences.
+    """Standard deviation of the white noise of columns (N, n) sampled evenly (n,): that of their sixth differences.
 
     A difference of order k of white noise has the variance binom(2 k, k) times that of the noise.
     """

@@ -1,4 +1,4 @@
-"""Resampling to even steps inside each block, and late torques moved back to the instant of the motion."""
+"""Resampling to even steps inside each block, and correction of delayed torques."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 PERIOD_TOLERANCE = 1e-3
-"""Part of the period by which steps may differ without resampling: the relative error of a difference quotient."""
+"""Relative difference of steps up to which there is no resampling: the relative error of a difference quotient."""
 
 MIN_SPLINE_ROWS = 4
 """Smallest number of rows for a cubic spline."""
@@ -35,7 +35,7 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
     """The recording at even steps, by a cubic spline inside each block; rate [Hz]: the recording's own unless given.
 
     Blocks of fewer than 4 rows are left out, which its provenance states. Raises InvalidInput for a lower rate, which
-    would alias high frequencies, and where no block is left.
+    would alias high frequencies, and if no block is left.
     """
     from scipy.interpolate import CubicSpline
 
@@ -73,9 +73,9 @@ MIN_DELAYED_SAMPLES = 4
 
 
 def with_delays_undone(recording: Recording, mapping: ColumnMapping) -> Recording:
-    """The recording with τ(t + delay) at t, by cubic splines inside each block; rows without a torque then are cut.
+    """The recording with τ(t + delay) at t, by cubic splines inside each block; rows without a torque are then cut.
 
-    The joints are in the order of the mapping. Raises BadMapping where no row is left.
+    The joints are in the order of the mapping. Raises BadMapping if no row is left.
     """
     channel = mapping.channels.get("tau")
     if channel is None or not channel.delays.any() or recording.tau is None:
@@ -102,7 +102,7 @@ def _shifted(t: Array, tau: Array, delays: Array) -> Array:
 
 
 def refuse_delays(mapping: ColumnMapping) -> None:
-    """Raise BadMapping for a mapping with delays, where a recording is read window by window."""
+    """Raise BadMapping for a mapping with delays, for a recording that is read window by window."""
     channel = mapping.channels.get("tau")
     if channel is not None and channel.delays.any():
         raise BadMapping(

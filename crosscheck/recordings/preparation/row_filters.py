@@ -1,4 +1,4 @@
-"""The filters of a recording as those of an identification: for the torque and every column of the regressor alike."""
+"""Filters of a recording for the identification: applied to the torque and every column of the regressor alike."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ from graphdyn.identification import RowFilter, Samples
 from graphdyn.layout import Array
 
 FORGETTING_BORDERS = 2
-"""Number of filter borders after which a row counts as forgotten: BORDER_DECAY squared is left."""
+"""Number of filter borders after which a row is forgotten: BORDER_DECAY squared is left."""
 
 FORGOTTEN_SHARE = 1e-6
-"""The same for the filter of a decimation."""
+"""Remaining response after which a row is forgotten, for the filter of a decimation."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Decimation:
 
 @dataclass(frozen=True)
 class LowPassAndDecimation:
-    """One after the other."""
+    """Low-pass, then decimation."""
 
     lowpass: LowPass
     decimation: Decimation
@@ -91,7 +91,7 @@ def samples_of(recording: Recording, decimate: tuple[int, ...] = ()) -> list[Sam
     """A recording with v and a for graphdyn.identification.Problem, block by block, with the filter of its torque.
 
     decimate: factors of the stages, 2 … 13, after the low-pass
-    Blocks too short to be filtered are left out. Raises InvalidInput for a missing channel, and where none is left.
+    Blocks too short to be filtered are left out. Raises InvalidInput for a missing channel, and if none is left.
     """
     for name in ("v", "a", "tau"):
         recording.channel(name)
@@ -122,7 +122,7 @@ def _samples(block: Recording, decimate: tuple[int, ...]) -> Samples:
 
 
 def torque_filter(block: Recording, decimate: tuple[int, ...] = ()) -> RowFilter | None:
-    """What the torque of one block still has to go through, and every column of the regressor with it."""
+    """The filter still to be applied to the torque of one block, and to every column of the regressor."""
     cutoff = float(block.torque_cutoff[0])
     decimation = Decimation(decimate) if decimate else None
     if not np.isfinite(cutoff):

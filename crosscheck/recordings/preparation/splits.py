@@ -14,7 +14,7 @@ from graphdyn import InvalidInput
 Interval = tuple[float, float]
 
 GUARD_TIME = 0.25
-"""Time left out between fit and prediction where the program chooses the border [s]: noise and filter correlate
+"""Time left out between fit and prediction if the program chooses the border [s]: noise and filter correlate
 neighboring rows."""
 
 
@@ -40,7 +40,7 @@ def split_by_rows(recording: Recording, train: Interval, test: Interval) -> Spli
 
 
 def split_by_file(recording: Recording, test: Sequence[str]) -> Split:
-    """A recording of several files (crosscheck.concatenated): these are predicted, the others fitted."""
+    """Split of a recording of several files (crosscheck.concatenated): these are predicted, the others fitted."""
     files = recording.provenance.files
     unknown = [name for name in test if name not in files]
     if unknown or not test:
@@ -66,7 +66,7 @@ def time_folds(recording: Recording, folds: int, guard: float = 0.0) -> list[Spl
     """Blocked cross-validation: each fold is predicted once from the others.
 
     guard: time [s] before and after the test that is not fitted either; longer than noise and filter are correlated
-    Raises InvalidInput where the guard leaves nothing to fit.
+    Raises InvalidInput if the guard leaves nothing to fit.
     """
     splits = []
     for fold, (train, test) in enumerate(fold_rows(recording, folds, guard), start=1):
@@ -76,7 +76,7 @@ def time_folds(recording: Recording, folds: int, guard: float = 0.0) -> list[Spl
 
 
 def fold_rows(recording: Recording, folds: int, guard: float) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]]:
-    """Of every fold of time_folds, which rows are fitted and which predicted (N,). Raises as time_folds."""
+    """Rows (N,) that are fitted and rows that are predicted in every fold of time_folds. Raises as time_folds."""
     if not guard >= 0:
         raise InvalidInput(f"guard is {guard!r}; give a time in s, zero or more")
     numbers = fold_numbers(recording, folds)
@@ -117,7 +117,7 @@ def _split(recording: Recording, values: NDArray[Any], train: Interval, test: In
 
 
 def _pieces(recording: Recording, mask: NDArray[np.bool_], step: str) -> Recording:
-    """The rows of the mask; rows left out in between divide a block."""
+    """The rows of the mask; gaps between them divide a block."""
     rows = np.flatnonzero(mask)
     divides = (np.diff(rows) > 1) | (np.diff(recording.block[rows]) > 0)
     return recording.take(rows, step, block=np.concatenate([[0], np.cumsum(divides)]))

@@ -1,4 +1,4 @@
-"""The columns of a recording: one per number, named after joint or body, with the unit in the header.
+"""Columns of a virtual recording: one per number, named after joint or body, with the unit in the header.
 
 For joint O1 and body B1: robot (its name, in every row); time [s]; O1.q [rad], O1.v [rad/s], O1.a [rad/s^2],
 O1.tau [N m] (in m, m/s, m/s^2, N for a prismatic joint); and in world axes B1.alpha [rad], B1.r_x [m],
@@ -15,7 +15,7 @@ from typing import NamedTuple
 from crosscheck.recordings.errors import BadRecordingFile
 
 JOINT_UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s^2", "m/s^2"), "tau": ("N m", "N")}
-"""Units of a joint's channels, for a turning and a sliding joint; the channel is its own symbol."""
+"""Units of a joint's channels, for a revolute and a prismatic joint; the channel is its own symbol."""
 
 BODY_CHANNEL_COLUMNS = {
     "cardano": ("rad", ("alpha", "beta", "gamma")),
@@ -47,7 +47,7 @@ class VirtualColumn(NamedTuple):
 
 
 class Elements(NamedTuple):
-    """Joint names, which of the joints slide, body names (n,): joint j carries body j."""
+    """Joint names, which of the joints are prismatic, body names (n,): joint j carries body j."""
 
     joint_names: tuple[str, ...]
     prismatic: tuple[bool, ...]

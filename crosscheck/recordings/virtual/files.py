@@ -29,7 +29,7 @@ from graphdyn.layout import Array
 from urdf.document import write_whole
 
 FIRST_ROW = {".csv": ("line", 2), ".parquet": ("row", 1)}
-"""Per kind of file: what a row is called in messages, and the number of the first."""
+"""Name of a row in messages, and number of the first, per kind of file."""
 
 
 class RecordedMotion(Protocol):
@@ -53,14 +53,14 @@ def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str
     """Write the recording as CSV or Parquet, by the suffix; load_virtual_recording reads it back bit for bit.
 
     The file appears complete or not at all. Raises InvalidInput for another suffix, and for names that begin or end
-    with a space or contain unprintable characters; OSError where the file cannot be written.
+    with a space or contain unprintable characters; OSError if the file cannot be written.
     """
     path = Path(path)
     write_whole(path, virtual_recording_document(recording, path, {}))
 
 
 def virtual_recording_document(recording: RecordedMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
-    """What save_virtual_recording writes there; the metadata of the table goes into Parquet.
+    """Content of the file that save_virtual_recording writes; the metadata of the table goes into Parquet.
 
     Raises InvalidInput, also for a motion that is no VirtualRecording.
     """
