@@ -32,5 +32,5 @@ def on(back_end):
             for module in (native, gram):
                 stack.enter_context(mock.patch.object(module, "host_lanes", return_value=int(back_end[0])))
         if back_end == LONG_ROBOTS:
-            stack.enter_context(mock.patch.object(body_by_body, "UNROLLED", 0))
+            stack.enter_context(mock.patch.object(body_by_body, "MAX_UNROLLED_BODIES", 0))
         yield

@@ -33,7 +33,7 @@ LARGEST = 10_000
 def small_bound(monkeypatch):
     """The bound on expanded files, at a size that a test can exceed."""
     for module in ("files", "matlab_files"):
-        monkeypatch.setattr(f"crosscheck.recordings.formats.{module}.LARGEST_EXPANDED", LARGEST)
+        monkeypatch.setattr(f"crosscheck.recordings.formats.{module}.MAX_EXPANDED_BYTES", LARGEST)
 
 
 def test_the_bound_that_is_documented():
