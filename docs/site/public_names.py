@@ -9,31 +9,37 @@ from typing import get_origin
 
 import rooms
 
-MODULES = {
+FOR_USERS = {
     "graphdyn": "Models, dynamics, recordings",
     "graphdyn.motion_laws": "Prescribed motions",
     "graphdyn.layout": "Rows and columns of stacked vectors",
     "graphdyn.excitation": "Exciting motions",
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
-    "graphdyn.identification.data_quality": "Health of recordings",
+    "graphdyn.identification.data_quality": "Data quality of recordings",
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
     "crosscheck.identifying": "Options of an identification from files",
-    "graphdyn.model": "To extend: parts of a model, rotations, inertias",
-    "graphdyn.arguments": "To extend: arguments of the verbs",
-    "graphdyn.equations": "To extend: the equations",
-    "graphdyn.verbs": "To extend: the table of verbs",
-    "graphdyn.recursions": "To extend: the table of recursions",
-    "graphdyn.scalars": "To extend: recorded scalars",
-    "graphdyn.compiler": "To extend: from programs to machine code",
-    "graphdyn.experiments": "To extend: virtual experiments",
-    "graphdyn.identification.closed_loop": "To extend: simulated control loops",
-    "urdf.document": "To extend: URDF documents",
-    "urdf.reading": "To extend: stages of reading",
-    "urdf.writing": "To extend: stages of writing",
 }
-"""The public modules, and a title for the page of each; last those for people who extend the program."""
+"""The modules with public names, and a title for the page of each."""
+
+TO_EXTEND = {
+    "graphdyn.model": "Parts of a model, rotations, inertias",
+    "graphdyn.arguments": "Arguments of the verbs",
+    "graphdyn.equations": "The equations",
+    "graphdyn.verbs": "How verbs are declared",
+    "graphdyn.recursions": "How recursions are declared",
+    "graphdyn.scalars": "Recorded scalars",
+    "graphdyn.compiler": "From programs to machine code",
+    "graphdyn.experiments": "Virtual experiments",
+    "graphdyn.identification.closed_loop": "Simulated control loops",
+    "urdf.document": "URDF documents",
+    "urdf.reading": "Stages of reading",
+    "urdf.writing": "Stages of writing",
+}
+"""The rooms whose names other packages use, for people who extend the program."""
+
+MODULES = FOR_USERS | TO_EXTEND
 
 
 def public_names(module: str) -> list[str]:

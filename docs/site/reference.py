@@ -7,7 +7,7 @@ from pathlib import Path
 
 import docstrings
 import rooms
-from public_names import MODULES, home, kind_of, public_names, room_of, value_of
+from public_names import FOR_USERS, MODULES, TO_EXTEND, home, kind_of, public_names, room_of, value_of
 
 KINDS = ("function", "class", "data", "exception")
 """In this order within a room."""
@@ -47,7 +47,10 @@ def index() -> str:
     """The page over all modules."""
     lines = ["Reference", "=========", "", "Every public name of the three packages, from its docstring. Shapes are in"]
     lines += ["round brackets, units in square ones; … stands for any leading dimensions, which broadcast.", ""]
-    return "\n".join([*lines, ".. toctree::", "   :maxdepth: 1", "", *(f"   {module}" for module in MODULES), ""])
+    for caption, modules in (("For users", FOR_USERS), ("For those who extend the program", TO_EXTEND)):
+        lines += [caption, "-" * len(caption), "", ".. toctree::", "   :maxdepth: 1", ""]
+        lines += [*(f"   {module}" for module in modules), ""]
+    return "\n".join(lines)
 
 
 def write(folder: Path) -> None:
