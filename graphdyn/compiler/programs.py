@@ -24,9 +24,8 @@ from graphdyn.recursions.declarations import ArraySpec
 from graphdyn.recursions.frames import fixed_frame
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.loops.couplings import projected
-from graphdyn.recursions.mechanism.joint_frames import slid, turned
 from graphdyn.recursions.mechanism.mechanism import Link, links
-from graphdyn.recursions.mechanism.regrouping import regrouped
+from graphdyn.recursions.mechanism.reductions import regrouped, slid, turned
 from graphdyn.recursions.motion import Root
 from graphdyn.recursions.regressors import joint_torque_regressor
 from graphdyn.scalars.differentiation import gradient, substituted

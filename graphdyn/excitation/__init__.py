@@ -4,8 +4,8 @@ The public names are those in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
-from graphdyn.excitation.clearances import smallest_distances
-from graphdyn.excitation.criteria import ConditionNumber, Criterion, log_det, mean_sigma
+from graphdyn.excitation.constraints import smallest_distances
+from graphdyn.excitation.information import ConditionNumber, Criterion, log_det, mean_sigma
 from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane
 from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimizedMotion, optimized
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread

@@ -16,10 +16,8 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.clearances import DISTANCE_SCALE
-from graphdyn.excitation.constraints import signals
-from graphdyn.excitation.criteria import Criterion, log_det
-from graphdyn.excitation.information import Information
+from graphdyn.excitation.constraints import DISTANCE_SCALE, signals
+from graphdyn.excitation.information import Criterion, Information, log_det
 from graphdyn.excitation.limits import MotionLimits
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import (

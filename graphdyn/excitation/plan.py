@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from graphdyn.errors import InvalidInput
-from graphdyn.excitation.criteria import covariance
+from graphdyn.excitation.information import covariance
 from graphdyn.identification.algebra.base_parameters import BaseParameters
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.structure import STATES_PER_PARAMETER, random_samples, structure

@@ -5,7 +5,7 @@ Public are the names in `__all__` here, which graphdyn exports too. Other module
 
 from graphdyn.simulation.controllers import ComputedTorqueControl, PDControl
 from graphdyn.simulation.drives import Friction, JointStops
-from graphdyn.simulation.integration.course import Event, Occurrence
+from graphdyn.simulation.integration.events import Event, Occurrence
 from graphdyn.simulation.many_robots import Rollout, rollout
 from graphdyn.simulation.one_robot import simulate
 from graphdyn.simulation.result import EnergyBalance, Simulation

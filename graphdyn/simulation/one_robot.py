@@ -18,9 +18,9 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller
 from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
-from graphdyn.simulation.equations.loop_equations import LoopEquations, equations_of, refuse_dry_friction
+from graphdyn.simulation.equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
-from graphdyn.simulation.integration.course import Event, SimulatedCourse
+from graphdyn.simulation.integration.events import Event, SimulatedCourse
 from graphdyn.simulation.integration.fixed import fixed
 from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
 from graphdyn.simulation.integration.maximal import Stabilization, maximal

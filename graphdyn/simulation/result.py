@@ -15,7 +15,7 @@ from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.drives import refuse_loops
-from graphdyn.simulation.integration.course import Occurrence
+from graphdyn.simulation.integration.events import Occurrence
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.answers import InverseDynamics
 from graphdyn.verbs.dynamics import forward_dynamics, inverse_dynamics

@@ -13,7 +13,7 @@ from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
 from graphdyn.layout import Array
 from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.drives import finite, per_joint
-from graphdyn.simulation.equations.equations import Equations
+from graphdyn.simulation.equations import Equations
 from graphdyn.simulation.integration.compiled import (
     compiled_steps,
     constants_of,
@@ -22,7 +22,7 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.course import COURSE_COLUMNS
+from graphdyn.simulation.integration.events import COURSE_COLUMNS
 from graphdyn.simulation.integration.steps import python_steps, tableau
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import GAIN_NAMES, Torques

@@ -15,7 +15,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller, PDControl, reference
 from graphdyn.simulation.drives import finite, per_joint, refuse_loops
-from graphdyn.simulation.equations.equations import answer
+from graphdyn.simulation.equations import answer
 from graphdyn.verbs.compiled import compile as compiled
 from graphdyn.verbs.single_state import OfMotion, SingleState
 

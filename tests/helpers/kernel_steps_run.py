@@ -28,8 +28,7 @@ from graphdyn.compiler.programs import Request, record
 from graphdyn.compiler.rolled import rolled_code as body_by_body_code
 from graphdyn.compiler.rolled import rolling as body_by_body
 from graphdyn.recursions import forward
-from graphdyn.recursions.mechanism.joint_frames import slid, turned
-from graphdyn.recursions.mechanism.regrouping import regrouped
+from graphdyn.recursions.mechanism.reductions import regrouped, slid, turned
 
 SAMPLES, PAIRS, BUILDS, CHAIN = 100_000, 31, 4, 60
 

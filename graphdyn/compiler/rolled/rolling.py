@@ -22,7 +22,7 @@ from graphdyn.compiler.programs import (
     reduced_links,
 )
 from graphdyn.compiler.rolled.body_steps import RECURSION_PASSES, STEP_MEMORY, SUMMED_NAMES, Pass
-from graphdyn.compiler.rolled.long_program import CONSTANTS, INSIDE, OWN, BodyProgram, Kind, LongProgram
+from graphdyn.compiler.rolled.rolled_code import CONSTANTS, INSIDE, OWN, BodyProgram, Kind, LongProgram
 from graphdyn.layout import BODY_FREEDOMS, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS

@@ -18,8 +18,8 @@ from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.drives import position_limits
-from graphdyn.simulation.equations.equations import Contact, Equations
-from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
+from graphdyn.simulation.equations import Contact, Equations
+from graphdyn.simulation.integration.events import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.integration.steps import Torque
 
 MAX_SLIDING_PASSES = 20

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
-from graphdyn.simulation.equations.equations import Equations
-from graphdyn.simulation.equations.loop_equations import LoopEquations
+from graphdyn.simulation.equations import Equations, LoopEquations
 from graphdyn.simulation.integration.compiled import (
     can_compile,
     compiled_steps,
@@ -22,8 +21,7 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, SimulatedCourse
-from graphdyn.simulation.integration.events import Scan
+from graphdyn.simulation.integration.events import COURSE_COLUMNS, Event, Scan, SimulatedCourse
 from graphdyn.simulation.integration.loop_steps import LoopSteps
 from graphdyn.simulation.integration.steps import python_steps, tableau
 from graphdyn.simulation.plant import PlantConstants

@@ -13,10 +13,16 @@ import numpy as np
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
-from graphdyn.simulation.equations.loop_equations import LoopEquations
+from graphdyn.simulation.equations import LoopEquations
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances
-from graphdyn.simulation.integration.course import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
-from graphdyn.simulation.integration.events import changes, limit_events
+from graphdyn.simulation.integration.events import (
+    COURSE_COLUMNS,
+    Event,
+    Occurrence,
+    SimulatedCourse,
+    changes,
+    limit_events,
+)
 from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
 from graphdyn.simulation.integration.steps import Torque, tableau
 

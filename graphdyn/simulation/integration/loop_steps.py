@@ -14,8 +14,7 @@ import numpy as np
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
-from graphdyn.simulation.equations.equations import Contact
-from graphdyn.simulation.equations.loop_equations import LoopEquations
+from graphdyn.simulation.equations import Contact, LoopEquations
 from graphdyn.simulation.integration.steps import Tableau, Torque
 from graphdyn.simulation.torques import SMALLER_STEPS_REMEDY
 

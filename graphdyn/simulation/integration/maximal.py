@@ -24,8 +24,8 @@ from graphdyn.equations.system.unconstrained import mass_terms
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
 from graphdyn.model.spatial import apply
-from graphdyn.simulation.equations.equations import Equations
-from graphdyn.simulation.integration.course import COURSE_COLUMNS, SimulatedCourse
+from graphdyn.simulation.equations import Equations
+from graphdyn.simulation.integration.events import COURSE_COLUMNS, SimulatedCourse
 from graphdyn.simulation.integration.steps import Tableau, tableau
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import Torques, whole_steps

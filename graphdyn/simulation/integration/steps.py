@@ -17,7 +17,7 @@ import numpy as np
 
 from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.layout import Array
-from graphdyn.simulation.equations.equations import Contact, Equations
+from graphdyn.simulation.equations import Contact, Equations
 
 FIXED_STEPS = ("rk8", "rk4", "euler")
 

@@ -29,7 +29,7 @@ from graphdyn.excitation import (
     Poses,
     TabulatedCourse,
 )
-from graphdyn.excitation.clearances import clearance_signal, smallest_distances
+from graphdyn.excitation.constraints import clearance_signal, smallest_distances
 from graphdyn.excitation.trajectory import smooth_maximum, smooth_slope
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies

@@ -26,7 +26,7 @@ from graphdyn.compiler.native import CompiledProgram
 from graphdyn.compiler.programs import Request, record
 from graphdyn.compiler.rolled import rolling as body_by_body
 from graphdyn.compiler.rolled.body_steps import Pass
-from graphdyn.compiler.rolled.long_program import LongProgram
+from graphdyn.compiler.rolled.rolled_code import LongProgram
 
 MODEL = NAMED["one_revolute"]
 X = np.zeros((3, 1))

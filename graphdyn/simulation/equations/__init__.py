@@ -1,1 +1,0 @@
-"""The equations of motion that a simulation integrates: trees with friction, robots with loops."""
