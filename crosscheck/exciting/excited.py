@@ -33,10 +33,10 @@ REGRESSOR_ROWS_AT_ONCE = 1000
 class PlannedMotion:
     """A motion and what it needs, at CHECK_RATE.
 
-    usages: of every limit
+    usages: of every limit, over all its times
     hits: links that collide
     poses: of the robot that were looked at
-    seed: that found the motion, None for one that was given
+    seed: from which it was found; None for a motion that was given
     """
 
     course: FiniteMotion
@@ -50,14 +50,17 @@ class PlannedMotion:
 class Excited(OfReading):
     """Motions and what they promise.
 
+    robot: name or path, as given
+    criterion: what was minimized
     problem: of the first motion; the others know those before them
     motions: in the order in which they are to be made
     plan: of recordings of all of them
+    random: number of random motions that were compared
     best_random, median_random: plans of as many random motions, each the best of `random` or their median; None
         without
-    recorded: plan of a recording, for as many samples as the motions have; None without
-    failures: why seeds found nothing
-    collisions: what is known of those of the robot with itself; None where they are not looked at
+    recorded: plan of recordings of --against, for as many samples as the motions have; None without
+    failures: why seeds found no motion
+    collisions: what is known of the robot's collisions with itself; None where they were not looked at
     """
 
     robot: str

@@ -37,7 +37,11 @@ CLEARANCE_STEP = 0.002
 
 @dataclass(frozen=True)
 class Hit:
-    """Two links that collide: in how many poses of a motion, and at which first."""
+    """Two links that collide.
+
+    name: of both
+    poses: in which they do, of those at 1 kHz; first: number of the first
+    """
 
     name: str
     poses: int
@@ -51,8 +55,9 @@ class SelfCollision:
     pairs: of meshes, that are checked
     margins: by which the meshes of each pair stay apart: margin, or 0 where they are always nearer [m]
     clearances: of the pairs that the search watches, by the name of the pair
-    disabled, touching: names of the pairs that are left out because an SRDF says so, because they always collide
-    missing: why the shapes of a link cannot be read, by link
+    disabled: names of the pairs that are left out because the SRDF file disables them
+    touching: names of the pairs that are left out because they collide in all of many random poses
+    missing: why the shapes of a link cannot be read, by link; it passes unchecked
     margin: by which meshes are to stay apart [m]
     """
 
@@ -69,14 +74,14 @@ class SelfCollision:
 
     @property
     def without_shapes(self) -> tuple[str, ...]:
-        """Bodies to which the file gives no shapes, which nothing is checked of."""
+        """Bodies to which the file gives no shapes; they pass unchecked."""
         seen = {mesh.body for mesh in self.meshes}
         names = enumerate(self.model.body_names, start=1)
         return tuple(name for body, name in names if body not in seen and name not in self.missing)
 
     @property
     def near(self) -> tuple[str, ...]:
-        """Names of the pairs that are always nearer than the margin, and checked for contact alone."""
+        """Pairs that are nearer than the margin in all of many random poses: they must not touch."""
         both = zip(self.pairs, self.margins, strict=True)
         return tuple(self.name(pair) for pair, margin in both if margin < self.margin)
 

@@ -2,212 +2,204 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from collections.abc import Sequence
+from typing import Any, Literal
 
-from crosscheck.report.record_fields import FORMAT, Command, Count, Index, Number, Versions
+from crosscheck.exciting.excited import Excited, PlannedMotion
+from crosscheck.exciting.self_collision import Hit, SelfCollision
+from crosscheck.report.record import Record, attribute, written
+from crosscheck.report.record_fields import Command, Count, Index, Number, Versions
 from crosscheck.report.versions import versions
+from graphdyn import RobotModel
+from graphdyn.excitation import CHECK_RATE, ExcitationPlan, FourierBasis, Trajectory, Usage
 
 
-@dataclass(frozen=True, kw_only=True)
-class LimitUseRecord:
-    """A limit of a motion, over all its times."""
+class LimitUseRecord(Record, of=Usage):
+    """A limit of a motion, over all its times, looked at at 1 kHz."""
 
     kind: Literal["position", "velocity", "acceleration", "jerk", "torque", "plane"]
-    """What is limited."""
-
-    name: str
-    """Of the joint, or of the plane."""
-
-    used: float
-    """Largest part of the limit that the motion uses, at 1 kHz; above 1 it is violated."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class FourierRecord:
-    """A joint's motion: offset + Σ_l (a_l sin(l ω t) - b_l cos(l ω t)) / (l ω), ω = 2π / duration."""
+class FourierRecord(Record):
+    """A joint's motion: offset + Σ_l (a_l sin(l ω t) - b_l cos(l ω t)) / (l ω), ω = 2π / duration.
+
+    joint: name, as in the file
+    offset: mean position [rad or m]
+    a: a_1 … a_L [rad/s or m/s]
+    b: b_1 … b_L [rad/s or m/s]
+    """
 
     joint: str
-    """Name, as in the file."""
-
     offset: float
-    """Mean position [rad or m]."""
-
     a: Sequence[float]
-    """a_1 … a_L [rad/s or m/s]."""
-
     b: Sequence[float]
-    """b_1 … b_L [rad/s or m/s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CollisionRecord:
-    """Two links whose meshes collide."""
+class CollisionRecord(Record, of=Hit, only=("poses",)):
+    """Two links whose meshes collide.
 
-    links: str
-    """Both names."""
+    links: names of both
+    first: time of the first pose [s]
+    """
 
+    links: str = attribute("name")
     poses: Count
-    """In which they do, of those at 1 kHz."""
-
     first: float
-    """Time of the first [s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class CheckedCollisionsRecord:
+class CheckedCollisionsRecord(Record, of=SelfCollision, only=("margin", "disabled", "missing")):
     """Which pairs of links were looked at. Links that a joint connects are in none of these, nor
-    those that are fixed to the inner one with the outer one."""
+    those that are fixed to the inner one with the outer one.
 
-    margin: float
-    """By which meshes must stay apart [m]."""
+    checked: pairs that were checked
+    """
 
     checked: Sequence[str]
-    """Pairs that were checked."""
-
-    near: Sequence[str]
-    """Those of them that are nearer than the margin in all of many random poses: they must not touch."""
-
-    always: Sequence[str]
-    """Pairs that were left out because they collide in all of many random poses."""
-
-    disabled: Sequence[str]
-    """Pairs that were left out because the SRDF file disables them."""
-
-    missing: Mapping[str, str]
-    """Links whose shapes cannot be read, with the reason. They pass unchecked."""
-
-    without_shapes: Sequence[str]
-    """Bodies to which the file gives no shapes. They pass unchecked."""
+    near = attribute()
+    always = attribute("touching")
+    without_shapes = attribute()
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlannedMotionRecord:
-    """A motion."""
+class PlannedMotionRecord(Record, of=PlannedMotion, only=("seed",)):
+    """A motion.
+
+    number: 1 … K
+    duration: of the motion [s]
+    fourier: in the order of the robot; null for motions that are no Fourier series
+    collisions: of links with each other
+    """
 
     number: Index
-    """1 … K."""
-
-    seed: int | None
-    """From which it was found; null for a motion that was given."""
-
-    duration: float
-    """[s]"""
-
-    limits: Sequence[LimitUseRecord]
-    """All of them."""
-
+    duration: float = attribute("course.duration")
+    limits: Sequence[LimitUseRecord] = attribute("usages")
     fourier: Sequence[FourierRecord] | None
-    """In the order of the robot; null for motions that are no Fourier series."""
-
     collisions: Sequence[CollisionRecord]
-    """Of links with each other."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlannedParameterRecord:
-    """A base parameter, as recordings of all motions will determine it."""
+class PlannedParameterRecord(Record):
+    """A base parameter, as recordings of all motions will determine it.
+
+    name: such as "XX_2 - YY_2 + 0.18 M_3"
+    unit: of the parameter
+    prior: value in the robot's file; 0 for friction and drives
+    spread: how far from it the parameter may be before the experiment
+    sigma: standard deviation after it; null where the motions do not determine it
+    relative: sigma divided by the larger of |prior| and spread
+    verdict: determined: relative up to 0.1, up to 0.5, or beyond
+    best_random: sigma of the best random motions; null without
+    median_random: sigma of the median random motions; null without
+    recorded: sigma of the recordings of --against, for as many samples; null without
+    """
 
     name: str
-    """Such as "XX_2 - YY_2 + 0.18 M_3"."""
-
     unit: str
-    """Of the parameter."""
-
     prior: float
-    """Value in the robot's file; 0 for friction and drives."""
-
     spread: float
-    """How far from it the parameter may be before the experiment."""
-
     sigma: Number
-    """Standard deviation after it; null where the motions do not determine it."""
-
     relative: Number
-    """sigma divided by the larger of |prior| and spread."""
-
     verdict: Literal["well", "roughly", "not"]
-    """Determined: relative up to 0.1, up to 0.5, or beyond."""
-
     best_random: Number
-    """sigma of the best random motions; null without."""
-
     median_random: Number
-    """sigma of the median random motions; null without."""
-
     recorded: Number
-    """sigma of the recordings of --against, for as many samples; null without."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlanSummaryRecord:
+class PlanSummaryRecord(Record, of=ExcitationPlan, only=()):
     """All base parameters together."""
 
-    geometric_mean: Number
-    """Of the standard deviations, each divided by the spread of its parameter."""
-
-    condition_number: Number
-    """Of the regressor, equations divided by their noise and columns multiplied by the spreads."""
+    geometric_mean: Number = attribute()
+    condition_number: Number = attribute()
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExciteRecord:
-    """Motions, the limits they use, and what they promise."""
+class ExciteRecord(
+    Record,
+    of=Excited,
+    only=("robot", "motions", "plan", "random", "best_random", "median_random", "recorded", "failures", "collisions"),
+    format="graphdyn excite 1",
+):
+    """Motions, the limits they use, and what they promise.
 
-    format: Annotated[Literal["graphdyn excite 1"], FORMAT] = "graphdyn excite 1"
+    noise: standard deviation of the torques, of each joint that no others drive [N m or N]
+    rate: samples per second of the measurement
+    parameters: the base parameters
+    out: files of the motions
+    """
 
-    versions: Versions = field(default_factory=versions)
-
+    versions: Versions
     command: Command
-
-    robot: str
-    """Name or path, as given."""
-
-    locked: Mapping[str, float]
-    """Joints held still, with their positions [rad or m]."""
-
+    locked = attribute()
     criterion: Literal["log-det", "sigma", "condition"]
-    """What was minimized."""
-
-    noise: Sequence[float]
-    """Standard deviation of the torques, of each joint that no others drive [N m or N]."""
-
-    rate: float
-    """Samples per second of the measurement."""
-
+    noise: Sequence[float] = attribute("problem.noise")
+    rate: float = attribute("problem.rate")
     motions: Sequence[PlannedMotionRecord]
-    """In the order in which they are to be made."""
-
     plan: PlanSummaryRecord
-    """Of recordings of all motions."""
-
     random: Count
-    """Random motions that were compared."""
-
     best_random: PlanSummaryRecord | None
-    """Of as many random motions, each the best of them; null without."""
-
     median_random: PlanSummaryRecord | None
-    """Of as many random motions, each their median; null without."""
-
     recorded: PlanSummaryRecord | None
-    """Of the recordings of --against, for as many samples."""
-
     parameters: Sequence[PlannedParameterRecord]
-    """The base parameters."""
-
-    only_in_sums: Sequence[str]
-    """Standard parameters that no motion determines by themselves."""
-
-    without_effect: Sequence[str]
-    """Standard parameters on which no torque depends."""
-
-    failures: Sequence[str]
-    """Why seeds found no motion."""
-
+    only_in_sums = attribute("plan.only_in_sums")
+    without_effect = attribute("plan.without_effect")
     collisions: CheckedCollisionsRecord | None
-    """What is known of the robot's collisions with itself; null where they were not looked at."""
-
     out: Sequence[str]
-    """Files of the motions."""
+
+
+def excite_record(found: Excited, out: Sequence[str], command: Sequence[str]) -> dict[str, Any]:
+    """out: names of the files of the motions"""
+    model = found.problem.torque_model.model
+    return written(
+        ExciteRecord,
+        found,
+        versions=versions(),
+        command=command,
+        motions=[_motion(number, motion, model) for number, motion in enumerate(found.motions, start=1)],
+        parameters=[_parameter(found, k) for k in range(len(found.plan.sigma))],
+        collisions=_collisions(found.collisions),
+        out=out,
+    )
+
+
+def _motion(number: int, motion: PlannedMotion, model: RobotModel) -> dict[str, Any]:
+    return written(
+        PlannedMotionRecord,
+        motion,
+        number=number,
+        fourier=_fourier(motion, model),
+        collisions=[written(CollisionRecord, hit, first=hit.first / CHECK_RATE) for hit in motion.hits],
+    )
+
+
+def _collisions(known: SelfCollision | None) -> dict[str, Any] | None:
+    if known is None:
+        return None
+    return written(CheckedCollisionsRecord, known, checked=[known.name(pair) for pair in known.pairs])
+
+
+def _fourier(motion: PlannedMotion, model: RobotModel) -> list[dict[str, Any]] | None:
+    course = motion.course
+    if not isinstance(course, Trajectory) or not isinstance(course.basis, FourierBasis):
+        return None
+    records = []
+    for joint, coefficients in zip(model.independent_joints, course.coefficients, strict=True):
+        a, b, offset = course.basis.series(coefficients)
+        records.append(written(FourierRecord, joint=joint, offset=offset, a=a, b=b))
+    return records
+
+
+def _parameter(found: Excited, k: int) -> dict[str, Any]:
+    def sigma(plan: ExcitationPlan | None) -> float | None:
+        return None if plan is None else float(plan.sigma[k])
+
+    plan = found.plan
+    return written(
+        PlannedParameterRecord,
+        name=plan.names[k],
+        unit=plan.units[k],
+        prior=plan.prior[k],
+        spread=plan.spread[k],
+        sigma=sigma(plan),
+        relative=plan.relative[k],
+        verdict=plan.verdicts[k],
+        best_random=sigma(found.best_random),
+        median_random=sigma(found.median_random),
+        recorded=sigma(found.recorded),
+    )

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.commands.excite.recorded import excite_record
+from crosscheck.commands.excite.record import excite_record
 from crosscheck.commands.excite.sigma_bars import sigma_bars
 from crosscheck.exciting.excited import Excited, PlannedMotion
 from crosscheck.report.report import (

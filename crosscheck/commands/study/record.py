@@ -3,196 +3,173 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, Any
 
-from crosscheck.report.record_fields import FORMAT, Command, Count, Number, Versions
+from crosscheck.report.record import Record, attribute, written
+from crosscheck.report.record_fields import Command, Count, Keywords, Number, Versions
 from crosscheck.report.versions import versions
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
+from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method
+from crosscheck.study.statistics.ranking import Ranking
+from crosscheck.study.statistics.summary import MethodSummary, ScenarioSummary, StudySummary
+
+Numbers = Sequence[Number]
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyIntervalRecord:
-    """An estimate and its confidence interval."""
+class StudyRankRecord(Record):
+    """A method in a ranking.
 
-    value: Number
-    """The estimate; null where there is none, or where it is not finite because runs failed."""
-
-    low: Number
-    """Lower end; null where there is none."""
-
-    high: Number
-    """Upper end; null where there is none, or where it is not finite because runs failed."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StudyMethodRecord:
-    """A method."""
-
-    name: str
-    """As in the configuration."""
-
-    measures: Literal["torques", "wrenches"]
-    """What it needs of every joint: its torque, or all six components of its wrench. The two are never compared."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StudyRankRecord:
-    """A method in a ranking."""
+    method: its name
+    rank: mean rank, 1 is best; interval by bootstrap over runs
+    ratio: geometric mean of its error over that of the first, where both have an answer; interval by bootstrap
+    failures: records on which it failed, which rank last
+    better_than: methods that it is better than: beyond the critical distance
+    """
 
     method: str
-    """Its name."""
-
-    rank: StudyIntervalRecord
-    """Mean rank, 1 is best; interval by bootstrap over runs."""
-
-    ratio: StudyIntervalRecord
-    """Geometric mean of its error over that of the first, where both have an answer; interval by bootstrap."""
-
+    rank: Interval
+    ratio: Interval
     failures: Count
-    """Records on which it failed, which rank last."""
-
     better_than: Sequence[str]
-    """Methods that it is better than: beyond the critical distance."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyRankingRecord:
-    """Methods of one class ranked by one error."""
+class StudyRankingRecord(Record, of=Ranking, only=("records", "methods")):
+    """Methods of one class ranked by one error.
 
-    measures: Literal["torques", "wrenches"]
-    """The class of the methods."""
+    measures: the class of the methods
+    error: by which they are ranked
+    """
 
-    error: Literal["parameter_error", "torque_error", "trajectory_error"]
-    """By which they are ranked."""
-
+    measures: Measures
+    error: Annotated[str, Keywords(enum=list(ERRORS))]
     records: Count
-    """Common records on which they were ranked: those for which some method has an answer."""
-
-    friedman: Number
-    """Probability of ranks as different as these if all methods were alike; null where nothing can be compared."""
-
-    critical_distance: Number
-    """Nemenyi's, of mean ranks."""
-
-    leaders: Sequence[str]
-    """The first, and those that it is not better than."""
-
+    friedman: Number = attribute("probability")
+    critical_distance: Number = attribute("distance")
+    leaders = attribute()
     methods: Sequence[StudyRankRecord]
-    """Best first."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyResultRecord:
-    """A method in a scenario."""
+class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reasons", "consistent", "seconds")):
+    """A method in a scenario.
 
-    method: str
-    """Its name."""
+    parameter_error: median relative distance of the base parameters from the true ones; failures count as infinite
+    torque_error: the same of the torque of another motion
+    trajectory_error: the same of the simulated motion of the closed loop
+    iterations: median
+    most_iterations: largest number of iterations
+    simulations: median number of simulated motions
+    """
 
+    method: str = attribute("method.name")
     found: Count
-    """Runs in which it has an answer."""
-
-    failed: StudyIntervalRecord
-    """Share of the runs in which it has none; Wilson's interval."""
-
     reasons: Mapping[str, Count]
-    """Why it failed, and how often."""
-
-    consistent: StudyIntervalRecord
-    """Share of the answers with real bodies in all links; Wilson's interval."""
-
-    parameter_error: StudyIntervalRecord
-    """Median relative distance of the base parameters from the true ones; failures count as infinite."""
-
-    torque_error: StudyIntervalRecord
-    """The same of the torque of another motion."""
-
-    trajectory_error: StudyIntervalRecord
-    """The same of the simulated motion of the closed loop."""
-
+    parameter_error: Interval
+    torque_error: Interval
+    trajectory_error: Interval
     iterations: Number
-    """Median."""
-
     most_iterations: Number
-    """Largest number of iterations."""
-
     simulations: Number
-    """Median number of simulated motions."""
-
-    seconds: StudyIntervalRecord
-    """Median processor time [s]."""
-
-    bias: Sequence[Number]
-    """Mean of found minus true, of every base parameter, over the runs that did not fail."""
-
-    bias_low: Sequence[Number]
-    """Lower ends of the intervals of the bias."""
-
-    bias_high: Sequence[Number]
-    """Upper ends."""
-
-    spread: Sequence[Number]
-    """Standard deviation of every base parameter over the same runs."""
-
-    spread_low: Sequence[Number]
-    """Lower ends of the intervals of the spread."""
-
-    spread_high: Sequence[Number]
-    """Upper ends."""
-
-    stated: Sequence[Number]
-    """Root mean square of the standard deviations that the method states itself."""
+    bias: Numbers = attribute("parameters.bias")
+    bias_low: Numbers = attribute("parameters.bias_low")
+    bias_high: Numbers = attribute("parameters.bias_high")
+    spread: Numbers = attribute("parameters.spread")
+    spread_low: Numbers = attribute("parameters.spread_low")
+    spread_high: Numbers = attribute("parameters.spread_high")
+    stated: Numbers = attribute("parameters.stated")
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyScenarioRecord:
-    """A point of the grid."""
+class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
+    """A point of the grid.
 
-    name: str
-    """As in the tables."""
+    name: as in the tables
+    runs: records that were simulated
+    results: of all methods that take part: those that need wrenches do where they are measured
+    rankings: of every class that has two methods or more, by every error
+    """
 
-    axes: Mapping[str, float | str | None]
-    """Its values on the axes of the grid."""
-
+    name: str = attribute("outcomes.name")
+    axes: Mapping[str, float | str | None] = attribute("outcomes.axes")
     runs: Count
-    """Records that were simulated."""
-
-    base_names: Sequence[str]
-    """Of the base parameters, such as "XX_2 - YY_2 + 0.18 M_3"."""
-
-    base_units: Sequence[str]
-    """Their units."""
-
-    truth: Sequence[Number]
-    """Their true values."""
-
+    base_names = attribute("outcomes.base_names")
+    base_units = attribute("outcomes.base_units")
+    truth: Numbers = attribute("outcomes.truth")
     results: Sequence[StudyResultRecord]
-    """Of all methods that take part: those that need wrenches do where they are measured."""
-
     rankings: Sequence[StudyRankingRecord]
-    """Of every class that has two methods or more, by every error."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyRecord:
-    """A study of identification methods, summarized; every run is in results.parquet."""
+class StudyRecord(Record, format="graphdyn study 1"):
+    """A study of identification methods, summarized; every run is in results.parquet.
 
-    format: Annotated[Literal["graphdyn study 1"], FORMAT] = "graphdyn study 1"
+    confidence: of all intervals and tests
+    facts: what all scenarios share, in words
+    methods: all of them
+    rankings: over all scenarios
+    scenarios: all of them
+    """
 
-    versions: Versions = field(default_factory=versions)
-
+    versions: Versions
     command: Command
-
     confidence: float
-    """Of all intervals and tests."""
-
     facts: Mapping[str, str]
-    """What all scenarios share, in words."""
-
-    methods: Sequence[StudyMethodRecord]
-    """All of them."""
-
+    methods: Sequence[Method]
     rankings: Sequence[StudyRankingRecord]
-    """Over all scenarios."""
-
     scenarios: Sequence[StudyScenarioRecord]
-    """All of them."""
+
+
+def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command: Sequence[str]) -> dict[str, Any]:
+    return written(
+        StudyRecord,
+        versions=versions(),
+        command=command,
+        confidence=CONFIDENCE_LEVEL,
+        facts=dict(facts),
+        methods=found.outcomes.methods,
+        rankings=_rankings(found.rankings),
+        scenarios=[_scenario(scenario) for scenario in found.scenarios],
+    )
+
+
+def _rankings(found: Mapping[tuple[Measures, str], Ranking]) -> list[dict[str, Any]]:
+    return [
+        written(
+            StudyRankingRecord,
+            ranking,
+            measures=measures,
+            error=error,
+            methods=[_rank(ranking, k) for k in range(len(ranking.methods))],
+        )
+        for (measures, error), ranking in found.items()
+    ]
+
+
+def _rank(ranking: Ranking, k: int) -> dict[str, Any]:
+    return written(
+        StudyRankRecord,
+        method=ranking.methods[k],
+        rank=Interval(ranking.mean[k], ranking.low[k], ranking.high[k]),
+        ratio=Interval(ranking.ratio[k], ranking.ratio_low[k], ranking.ratio_high[k]),
+        failures=ranking.failures[k],
+        better_than=[name for other, name in enumerate(ranking.methods) if ranking.better(k, other)],
+    )
+
+
+def _scenario(found: ScenarioSummary) -> dict[str, Any]:
+    return written(
+        StudyScenarioRecord,
+        found,
+        runs=len(found.outcomes.runs),
+        results=[_result(method) for method in found.methods if method.runs],
+        rankings=_rankings(found.rankings),
+    )
+
+
+def _result(found: MethodSummary) -> dict[str, Any]:
+    iterations, most_iterations = found.iterations
+    return written(
+        StudyResultRecord,
+        found,
+        iterations=iterations,
+        most_iterations=most_iterations,
+        simulations=found.simulations[0],
+        **found.errors,
+    )

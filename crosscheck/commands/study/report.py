@@ -12,7 +12,7 @@ import numpy as np
 
 from crosscheck.commands.study.errors_report import errors_section
 from crosscheck.commands.study.ranking_report import ranks, trades
-from crosscheck.commands.study.recorded import study_record
+from crosscheck.commands.study.record import study_record
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
 from crosscheck.report.plain_text import time_text

@@ -28,7 +28,12 @@ CONFIDENCE_LEVEL = 0.95
 
 @dataclass(frozen=True)
 class Interval:
-    """An estimate and the ends of its interval; NaN where there is none."""
+    """An estimate and its confidence interval.
+
+    value: the estimate; NaN where there is none, and not finite where too many runs failed
+    low: lower end; NaN where there is none
+    high: upper end; NaN where there is none, and not finite where too many runs failed
+    """
 
     value: float
     low: float

@@ -26,7 +26,11 @@ ERRORS = ("parameter_error", "torque_error", "trajectory_error")
 
 @dataclass(frozen=True)
 class Method:
-    """measures: what it needs of every joint: its torque, or all six components of its wrench"""
+    """A method that takes part.
+
+    name: as in the configuration
+    measures: what it needs of every joint: its torque, or all six components of its wrench; the two are never compared
+    """
 
     name: str
     measures: Measures
@@ -36,7 +40,9 @@ class Method:
 class ScenarioOutcomes:
     """R runs of one scenario by M methods, with b base parameters; NaN for methods that take no part.
 
+    name: as in the tables
     axes: the values of the study's grid, by the name of the axis
+    base_names, base_units: of the base parameters, such as "XX_2 - YY_2 + 0.18 M_3"
     truth: the true base parameters                                             (b,)
     runs: their numbers                                                         (R,)
     taken: whether the method takes part: where no wrenches are measured, those that need them do not      (M,)

@@ -95,9 +95,9 @@ class Ranking:
     mean: mean ranks, rising; low, high: ends of their intervals        (k,)
     ratio: geometric mean of error / error of the first, over records that both have             (k,)
     ratio_low, ratio_high: its ends; NaN where both have one record alone of a scenario                  (k,)
-    records: N, those for which some method has an answer
-    probability: Friedman's; None where there is nothing to compare
-    distance: Nemenyi's critical one
+    records: common ones on which they were ranked: those for which some method has an answer, N
+    probability: of ranks as different as these if all methods were alike, by Friedman; None where nothing is compared
+    distance: Nemenyi's critical distance of mean ranks
     failures: records on which each failed, ranked last                 (k,)
     """
 

@@ -18,7 +18,10 @@ from graphdyn.layout import Array
 class ParameterSpread:
     """What the runs of one scenario that a method did not fail say of every base parameter, each (b,).
 
-    bias: mean of found minus true; spread: standard deviation; with the ends of their intervals
+    bias: mean of found minus true
+    bias_low, bias_high: ends of the intervals of the bias
+    spread: standard deviation
+    spread_low, spread_high: ends of the intervals of the spread
     stated: root mean square of the standard deviations that the method states; NaN where it states none
     """
 
@@ -40,9 +43,11 @@ class ParameterSpread:
 class MethodSummary:
     """One method in one scenario; no runs where it takes no part.
 
-    runs, found: how many there were, and how many gave an answer
+    method: which one
+    runs: how many there were; found: runs in which it has an answer
     errors: median by the names of ERRORS, with failures as infinite
-    failed, consistent: share of the runs, and of the answers
+    failed: share of the runs in which it has no answer; Wilson's interval
+    consistent: share of the answers with real bodies in all links; Wilson's interval
     iterations, simulations: median and largest over the answers; NaN where unknown
     seconds: median of the processor time of all runs                          [s]
     reasons: why it failed, and how often
