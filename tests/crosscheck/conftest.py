@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from faults.textbook import TextbookArm
 from planting import PLANTED, Plant, compared, mixed_tree, remember_our_answers, with_body
-from textbook import TextbookArm
 from urdf_text import joint, link, robot_text
 
 import crosscheck

@@ -3,6 +3,8 @@
 import importlib
 import inspect
 import re
+import subprocess
+import sys
 import tomllib
 
 import pytest
@@ -165,6 +167,16 @@ def test_the_places_that_recipes_name_exist():
     for place, test in places:
         assert (ROOT / place).exists(), place
         assert not test or f"def {test}(" in (ROOT / place).read_text(encoding="utf-8"), (place, test)
+
+
+def test_contributing_lists_every_program_of_the_tests():
+    found = subprocess.run(
+        [sys.executable, ROOT / "tests" / "tools"], capture_output=True, text=True, check=True
+    ).stdout
+    listed = re.findall(r"^\| `(\w+)[^`]*` \|", (ROOT / "docs/contributing.md").read_text("utf-8"), re.MULTILINE)
+    programs = dict(line.split(maxsplit=1) for line in found.splitlines())
+    assert listed == [*programs]
+    assert all(len(line) <= 120 for line in programs.values())
 
 
 def test_the_changelog_names_this_version():

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from mesh_files import box, one_link, visual
+from robots.mesh_files import box, one_link, visual
 from shared_data import ARMS, existing
 from urdf_text import robot_text, with_changes
 

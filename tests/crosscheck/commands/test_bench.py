@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import small_benchmark
+from faults.planted_records import planted
 from jsonschema import Draft202012Validator
-from pages import parsed
-from planted_records import planted
 from rich.cells import cell_len
 from shared_data import REPOSITORY
+from shown.pages import parsed
 from small_benchmark import SAMPLES, WORKS, quiet
 from typer.testing import CliRunner
 

@@ -9,9 +9,9 @@ import subprocess
 
 import numpy as np
 import pytest
+from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
 from planting import mixed_tree
-from textbook import TextbookArm
 
 import graphdyn
 import urdf

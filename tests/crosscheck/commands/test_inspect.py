@@ -6,13 +6,13 @@ import shutil
 from pathlib import Path
 
 import pytest
-from browser import CHROMIUM, document
-from inspection_sample import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
-from inspection_workers import broken, fatal
+from inspected.sample import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
+from inspected.workers import broken, fatal
 from jsonschema import Draft202012Validator
-from mesh_files import box, mesh, one_link, stl, visual
-from pages import parsed
+from robots.mesh_files import box, mesh, one_link, stl, visual
 from shared_data import REPOSITORY
+from shown.browser import CHROMIUM, document
+from shown.pages import parsed
 from typer.testing import CliRunner
 
 import urdf

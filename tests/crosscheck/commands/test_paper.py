@@ -7,13 +7,13 @@ import re
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, too_wide
+from faults.planted_records import planted
 from jsonschema import Draft202012Validator
-from pages import complaints, parsed, table
-from planted_records import planted
 from reproduced_paper import reproduced
 from rich.cells import cell_len
 from shared_data import REPOSITORY
+from shown.browser import CHROMIUM, too_wide
+from shown.pages import complaints, parsed, table
 from typer.testing import CliRunner
 
 from crosscheck.commands import app

@@ -8,9 +8,9 @@ import sys
 
 import numpy as np
 import pytest
+from faults.planted_records import planted
 from jsonschema import Draft202012Validator, ValidationError
 from long_check import few
-from planted_records import planted
 from planting import PLANTED
 from shared_data import REPOSITORY
 from typer.testing import CliRunner

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pyarrow
 import pytest
-from browser import CHROMIUM, document
+from identified.study_tables import METHODS, NOISES, study_tables
 from jsonschema import Draft202012Validator
 from lxml import html
 from pyarrow.parquet import write_table
 from shared_data import REPOSITORY
-from study_tables import METHODS, NOISES, study_tables
+from shown.browser import CHROMIUM, document
 
 from crosscheck.commands.study.pareto_picture import Trade, efficient
 from crosscheck.commands.study.rank_picture import bar_columns

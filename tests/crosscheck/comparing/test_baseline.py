@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 import urdf
 from crosscheck.comparing.baseline import PinocchioBodies

@@ -4,8 +4,8 @@ import warnings
 from dataclasses import replace
 
 import pytest
-from inspection_cases import CASES
-from inspection_sample import changed
+from inspected.cases import CASES
+from inspected.sample import changed
 from shared_data import ARMS, existing
 
 import crosscheck

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from mechanisms import bricard, four_bar, palletizer
+from robots.mechanisms import bricard, four_bar, palletizer
 from shared_data import DATA, existing
 
 import crosscheck

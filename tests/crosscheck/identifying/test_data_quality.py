@@ -7,10 +7,9 @@ import tomllib
 from dataclasses import replace
 from itertools import product
 
-import identified_arm
 import numpy as np
 import pytest
-import spoilt_recordings
+from identified import identified_arm, spoilt_recordings
 from long_check import few
 from shared_data import DATA, existing
 from typer.testing import CliRunner
@@ -307,7 +306,7 @@ class TestVerdict:
 
 
 class TestRealRecordings:
-    """A few of the variants of tests/helpers/spoilt_recordings.py, without any fit."""
+    """A few of the variants of tests/tools/corrupted_recordings.py, without any fit."""
 
     def judged(self, name, variant):
         existing(DATA / "data" / name)

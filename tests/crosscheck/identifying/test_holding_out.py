@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identified_arm import CUTOFF, NOISE_FLOOR, identified, identified_from, virtual
+from identified.identified_arm import CUTOFF, NOISE_FLOOR, identified, identified_from, virtual
 
 from crosscheck.identifying import ByRows, ByTime, Folds, FromWrenches, LastPart, OtherRecordings, Preparation
 from crosscheck.identifying.preparing.trials import pooled_sizes

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torque_data
-from identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
+from faults.planted_records import planted
+from identified import torque_data
+from identified.identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
 from jsonschema import Draft202012Validator
-from planted_records import planted
 from shared_data import REPOSITORY
 
 import graphdyn

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
+from identified.identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
 
 import crosscheck
 from crosscheck.identifying import Candidate, OtherRecordings, recommendation

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from coverage_run import correlated_noise, virtual_coverage
+from identified.coverage_trials import correlated_noise, virtual_coverage
 from long_check import LONG
 from planting import mixed_tree
 

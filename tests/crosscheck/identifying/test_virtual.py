@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identified_arm import NOISE_FLOOR, compared, virtual
+from identified.identified_arm import NOISE_FLOOR, compared, virtual
 from planting import mixed_tree
 
 import urdf

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from foreign_faults import WRIST_LOCKED
+from faults.textbook_faults import WRIST_LOCKED
 from shared_data import ARMS, existing
 
 import crosscheck

@@ -1,4 +1,4 @@
-"""Diagnoses that hold, and those that say that they do not: the cases of tests/helpers/diagnosis_run.py, spread out."""
+"""Diagnoses that hold, and those that say that they do not: the cases of tests/tools/named_faults.py, spread out."""
 
 import json
 import math
@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from diagnosis_case import ROBOTS
-from diagnosis_cases import CASES
-from diagnosis_plants import factors
-from diagnosis_run import in_single_precision, judged, verdict
-from foreign_faults import WRIST_LOCKED
+from faults.case import ROBOTS
+from faults.cases import CASES
+from faults.plants import factors
+from faults.textbook import TextbookArm
+from faults.textbook_faults import WRIST_LOCKED
+from faults.verdicts import in_single_precision, judged, verdict
 from long_check import few
 from planting import mixed_tree
 from shared_data import existing
-from textbook import TextbookArm
 
 import urdf
 from crosscheck.commands.judge.record import record

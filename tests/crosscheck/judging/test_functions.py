@@ -5,9 +5,9 @@ import re
 
 import numpy as np
 import pytest
-from foreign_faults import LOCKED
+from faults.pinocchio_code import PinocchioCode, own_functions
+from faults.textbook_faults import LOCKED
 from long_check import few
-from pinocchio_code import PinocchioCode, own_functions
 from shared_data import REPOSITORY
 from typer.testing import CliRunner
 

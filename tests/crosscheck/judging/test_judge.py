@@ -5,9 +5,9 @@ import sys
 import numpy as np
 import pinocchio
 import pytest
-from foreign_faults import WRIST_LOCKED
+from faults.textbook import TextbookArm
+from faults.textbook_faults import WRIST_LOCKED
 from planting import mixed_tree, with_body
-from textbook import TextbookArm
 
 import crosscheck
 import urdf

@@ -4,9 +4,9 @@ import functools
 
 import numpy as np
 import pytest
-from foreign_faults import FIRST, LOCKED, PLANTS, WRIST_LOCKED
+from faults.textbook import TextbookArm
+from faults.textbook_faults import FIRST, LOCKED, PLANTS, WRIST_LOCKED
 from long_check import few
-from textbook import TextbookArm
 from urdf_text import inertial
 
 import urdf

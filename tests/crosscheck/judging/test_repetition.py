@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from foreign_faults import WRIST_LOCKED
+from faults.single_precision import single_precision
+from faults.textbook_faults import WRIST_LOCKED
 from long_check import LONG
-from single_precision import single_precision
 
 import crosscheck
 import graphdyn

@@ -4,7 +4,7 @@ import contextlib
 import os
 
 import pytest
-from inspection_sample import CLEAN, changed
+from inspected.sample import CLEAN, changed
 
 import crosscheck
 from crosscheck.reference.standard_error import kept_standard_error

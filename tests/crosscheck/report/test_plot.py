@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, document
+from shown.browser import CHROMIUM, document
 
 from crosscheck.report.html import page
 from crosscheck.report.pictures.plot import (

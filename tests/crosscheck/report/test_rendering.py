@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pytest
 from markupsafe import Markup
-from pages import parsed
+from shown.pages import parsed
 
 from crosscheck.report.html import MAX_NOTE_LENGTH, page
 from crosscheck.report.pictures.plot import MAX_STATIC_POINTS, plot_data, plot_picture, thinned

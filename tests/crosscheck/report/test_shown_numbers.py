@@ -3,9 +3,9 @@
 import dataclasses
 import re
 
-import identified_arm
 import numpy as np
 import pytest
+from identified import identified_arm
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from planting import compared

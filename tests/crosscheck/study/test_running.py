@@ -10,8 +10,8 @@ from pathlib import Path
 import pyarrow.parquet as parquet
 import pytest
 import small_study as small
+from identified.small_study import ARM, InThisProcess, backwards, small_study, study_of
 from long_check import few
-from small_study import ARM, InThisProcess, backwards, small_study, study_of
 
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT

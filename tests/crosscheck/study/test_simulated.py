@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import small_study as small
-from small_study import ARM, study_of
+from identified.small_study import ARM, study_of
 
 from crosscheck.study.settings.robot_settings import ErrorSettings
 from crosscheck.study.settings.scenarios import Scenario

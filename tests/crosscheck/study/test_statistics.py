@@ -5,7 +5,7 @@ from itertools import permutations, product
 import numpy as np
 import pytest
 import scipy.stats
-from study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
+from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
 from crosscheck.study.statistics.intervals import deviations, drawn_means, ends, means, median, share
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes

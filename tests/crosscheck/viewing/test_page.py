@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from browser import CHROMIUM
-from driven_browser import DrivenBrowser
 from random_trees import random_tree
+from shown.browser import CHROMIUM
+from shown.driven_browser import DrivenBrowser
 
 from crosscheck.recordings import Recording
 from crosscheck.viewing.figures import Figure, ShownRobot

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletizer, rod
+from robots.mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletizer, rod
 from shared_data import DATA, existing
 from witnesses import relative_error
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from excited_robot import AT_REST, followed
-from mechanisms import four_bar
+from identified.excited_robot import AT_REST, followed
 from planting import mixed_tree
+from robots.mechanisms import four_bar
 
 from graphdyn import Coupling, InvalidInput, frame_placement
 from graphdyn.excitation import (

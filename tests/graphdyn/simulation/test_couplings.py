@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving_robots import G, slider
 from random_trees import NAMED
+from robots.moving_robots import G, slider
 from scipy.integrate import solve_ivp
 
 from graphdyn import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from moving_robots import G, pendulum, slider
+from robots.moving_robots import G, pendulum, slider
 
 from graphdyn import Event, Friction, InvalidInput, JointLimits, JointStops, kr500, simulate
 

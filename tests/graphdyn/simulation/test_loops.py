@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import four_bar, n_four_bar, palletizer
+from robots.loop_motions import four_bars, space_linkage, squeezed
+from robots.mechanisms import four_bar, n_four_bar, palletizer
 from scipy.integrate import solve_ivp
 from shared_data import DATA, existing
-from simulated_loops import four_bars, space_linkage, squeezed
 
 import graphdyn
 from graphdyn import ComputedTorqueControl, Event, Friction, InconsistentState, InvalidInput, PDControl, simulate
@@ -20,7 +20,7 @@ START = graphdyn.assemble(CRANK, [0.7, 0.0, 1.0], [1.0, 0, 0], hold=["a"])
 def test_published_mechanisms():
     existing(DATA / "loops")
     motion, error = squeezed(method="rk8", step=2e-4)
-    assert error < 2e-9  # measured 9e-10; with steps of 1e-4 s 1.6e-12: tests/helpers/simulated_loops.py
+    assert error < 2e-9  # measured 9e-10; with steps of 1e-4 s 1.6e-12: tests/tools/published_loops.py
     assert motion.closure_error().max() < 1e-14
     motion, error = space_linkage(method="rk8", step=0.05)
     assert error < 1e-11

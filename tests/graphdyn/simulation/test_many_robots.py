@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving_robots import slider
 from random_trees import NAMED, random_state, random_wrenches
+from robots.moving_robots import slider
 
 from graphdyn import (
     ComputedTorqueControl,

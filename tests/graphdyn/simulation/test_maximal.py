@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from moving_robots import slider
 from random_trees import NAMED, random_state
+from robots.moving_robots import slider
 
 from graphdyn import Event, Friction, InvalidInput, simulate
 

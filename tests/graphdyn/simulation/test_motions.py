@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from moving_robots import G, pendulum, slider, swing
 from random_trees import NAMED, random_state
+from robots.moving_robots import G, pendulum, slider, swing
 from scipy.special import ellipj, ellipk
 
 import graphdyn

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from moving_robots import pendulum, slider
+from robots.moving_robots import pendulum, slider
 
 from graphdyn import (
     ComputedTorqueControl,

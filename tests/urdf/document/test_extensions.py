@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import yourdfpy
-from inspection_sample import CLEAN, TOOL, changed
+from inspected.sample import CLEAN, TOOL, changed
 from urdf_text import joint, link, robot_text
 
 import urdf

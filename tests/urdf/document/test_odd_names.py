@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from inspection_sample import CLEAN, TOOL, changed
+from inspected.sample import CLEAN, TOOL, changed
 from urdf_text import joint, link, robot_text
 
 import urdf

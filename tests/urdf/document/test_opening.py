@@ -4,7 +4,7 @@ import io
 from pathlib import Path
 
 import pytest
-from inspection_sample import CLEAN, changed
+from inspected.sample import CLEAN, changed
 from numpy.testing import assert_array_equal
 
 import urdf

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inspection_sample import CLEAN
+from inspected.sample import CLEAN
 from long_check import few
 from numpy.testing import assert_array_equal
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import mesh_files as files
 import numpy as np
 import pytest
-from mesh_files import box, collada, mesh, one_link, only, visual
+from robots.mesh_files import box, collada, mesh, one_link, only, visual
 
 import urdf
 from urdf.geometry import reading

@@ -7,8 +7,8 @@ import mesh_files as files
 import numpy as np
 import pytest
 import trimesh
-from mesh_files import box, collada, mesh, one_link, only, solid, visual
 from numpy.testing import assert_allclose
+from robots.mesh_files import box, collada, mesh, one_link, only, solid, visual
 from urdf_text import joint, link, robot_text
 
 import graphdyn

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inspection_cases import CASES
-from inspection_sample import (
+from inspected.cases import CASES
+from inspected.sample import (
     AXIS,
     CLEAN,
     FORE,

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from inspection_sample import MESH_CODES
-from mesh_files import box, mesh, one_link, stl, torn, torus, visual
+from inspected.sample import MESH_CODES
+from robots.mesh_files import box, mesh, one_link, stl, torn, torus, visual
 from urdf_text import joint, link
 
 import graphdyn

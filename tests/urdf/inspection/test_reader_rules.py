@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from inspection_sample import CLEAN, LIMIT, TOOL, changed
+from inspected.sample import CLEAN, LIMIT, TOOL, changed
 
 import urdf
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import four_bar, palletizer
 from numpy.testing import assert_allclose, assert_array_equal
+from robots.mechanisms import four_bar, palletizer
 from shared_data import DATA, existing
 from urdf_text import joint, link, robot_text
 

@@ -6,8 +6,8 @@ import warnings
 import numpy as np
 import pytest
 import trimesh
-from mesh_files import box, mesh, one_link, stl, torn, torus, visual
 from numpy.testing import assert_allclose
+from robots.mesh_files import box, mesh, one_link, stl, torn, torus, visual
 from trimesh import creation
 from urdf_text import joint, link, robot_text
 

@@ -1,19 +1,18 @@
 """Mutants of robot files: nothing crashes, hangs, contradicts itself, or differs from Pinocchio without a finding.
 
 Some hundred mutants, or as many as GRAPHDYN_MUTANTS says, of the seed GRAPHDYN_MUTANTS_SEED. The table of a long run:
-`python tests/helpers/mutant_run.py 20000 --seed 1`.
+`python tests/helpers/processes.py 20000 --seed 1`.
 """
 
 import os
 
-import mutant_run
-import mutant_trial
 import numpy as np
 import pytest
-from inspection_sample import CLEAN, LIMIT, changed
-from mutant_run import Result, run, table, unexpected
-from mutant_trial import Trial, trial
-from mutants import mutant, original
+from inspected.sample import CLEAN, LIMIT, changed
+from mutants import processes
+from mutants.mutant import mutant, original
+from mutants.processes import Result, run, table, unexpected
+from mutants.trial import CLAIMS, Trial, trial
 
 import urdf
 from urdf.inspection import inspecting
@@ -99,7 +98,7 @@ class TestTheTrialCanFail:
         path = written(changed('value="2.5"', 'value="-2.5"'))
         report = urdf.inspect(path)
         finding = report.findings[0]
-        claims = type(finding)(finding.code, "error", finding.element, finding.line, mutant_trial.CLAIMS[0], "")
+        claims = type(finding)(finding.code, "error", finding.element, finding.line, CLAIMS[0], "")
         monkeypatch.setattr(urdf, "inspect", lambda path: type(report)("", "", (claims,)))
         self.expect(path, "Pinocchio loads the file, though")
 
@@ -140,7 +139,7 @@ class TestExplained:
 
 
 def test_a_process_that_ends_is_unexpected_and_the_rest_goes_on(monkeypatch):
-    monkeypatch.setattr(mutant_run, "_work", _ends_at_two)
+    monkeypatch.setattr(processes, "_work", _ends_at_two)
     results = run(0, range(4), 1)
     assert [result.number for result in results] == [0, 1, 2, 3]
     assert unexpected(results) == [

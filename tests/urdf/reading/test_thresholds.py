@@ -4,7 +4,7 @@ import warnings
 from collections import Counter
 
 import pytest
-from inspection_sample import AXIS, FORE, INERTIA, LIMIT, MASS, changed
+from inspected.sample import AXIS, FORE, INERTIA, LIMIT, MASS, changed
 from urdf_text import joint, link, robot_text
 
 import urdf

@@ -10,14 +10,14 @@ import sys
 from base64 import b64encode
 from pathlib import Path
 
-import identified_arm
 import numpy as np
 import pytest
-from browser import CHROMIUM, too_wide
-from judged_functions import DIAGNOSIS, judged, judgment, judgment_page
+from faults.judged_functions import DIAGNOSIS, judged, judgment, judgment_page
+from identified import identified_arm
 from lxml import etree
-from pages import COMMAND, balanced, comparison_page, complaints, parsed, rows
 from planting import compared
+from shown.browser import CHROMIUM, too_wide
+from shown.pages import COMMAND, balanced, comparison_page, complaints, parsed, rows
 
 import crosscheck
 import urdf

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
-from pages import COMMAND, comparison_page, executed, snippets
 from planting import PLANTED, SAMPLES, SEED, with_body
+from shown.pages import COMMAND, comparison_page, executed, snippets
 
 import urdf
 from crosscheck.comparing.comparison import WorstState

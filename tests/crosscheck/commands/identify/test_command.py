@@ -6,9 +6,9 @@ import re
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
-from pages import parsed
 from planting import mixed_tree
 from shared_data import REPOSITORY
+from shown.pages import parsed
 from typer.testing import CliRunner
 
 import urdf

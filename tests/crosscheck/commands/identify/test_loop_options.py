@@ -4,9 +4,9 @@ import json
 import re
 from dataclasses import replace
 
-import closed_loop_data
 import numpy as np
 import pytest
+from identified import closed_loop_data
 from typer.testing import CliRunner
 
 import urdf
@@ -16,7 +16,7 @@ from crosscheck.identifying.methods.loop_methods import with_exogeneity
 from graphdyn.identification import Problem, WeightedLeastSquares, compare_methods
 
 CONTROL = """
-import closed_loop_data
+from identified import closed_loop_data
 
 plant = closed_loop_data.two_axes()
 

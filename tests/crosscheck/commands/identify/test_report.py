@@ -2,9 +2,9 @@
 
 import dataclasses
 
-import identified_arm
 import numpy as np
 import pytest
+from identified import identified_arm
 
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import Folds

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from judged_functions import DIAGNOSIS, STATES, judged, judgment, judgment_page
-from pages import balanced, executed, parsed, rows, snippets
+from faults.judged_functions import DIAGNOSIS, STATES, judged, judgment, judgment_page
+from shown.pages import balanced, executed, parsed, rows, snippets
 
 import graphdyn
 from crosscheck.commands.judge.report import judge_report

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from mechanisms import at, four_bar, rod
+from robots.mechanisms import at, four_bar, rod
 from typer.testing import CliRunner
 
 import graphdyn

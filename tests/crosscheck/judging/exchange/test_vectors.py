@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
-from textbook import TextbookArm
 
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT

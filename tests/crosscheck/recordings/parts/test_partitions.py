@@ -5,11 +5,11 @@ import shutil
 import signal
 from dataclasses import replace
 
-import identified_arm
 import numpy as np
 import pyarrow as pa
 import pytest
-from identified_arm import virtual
+from identified import identified_arm
+from identified.identified_arm import virtual
 from planting import mixed_tree
 from pyarrow import parquet
 from typer.testing import CliRunner

@@ -1,10 +1,10 @@
 """Recordings read in windows: the same samples as those of the whole file, and the same estimate."""
 
-import identified_arm
 import numpy as np
 import pyarrow as pa
 import pytest
-from identified_arm import virtual
+from identified import identified_arm
+from identified.identified_arm import virtual
 from pyarrow import parquet
 
 from crosscheck.recordings import (

@@ -3,9 +3,9 @@
 import functools
 from dataclasses import replace
 
-import closed_loop_data
 import numpy as np
 import pytest
+from identified import closed_loop_data
 
 import graphdyn
 from crosscheck.identifying import Preparation

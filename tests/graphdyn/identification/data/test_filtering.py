@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, TorqueModel

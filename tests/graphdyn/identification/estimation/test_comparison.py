@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 import graphdyn
 from graphdyn import InvalidInput

@@ -8,7 +8,7 @@ import consistent_data as data
 import cvxpy
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
 from graphdyn.identification import (

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torque_data
-from replayed_problem import ReplayedProblem
+from identified import torque_data
+from identified.replayed_problem import ReplayedProblem
 from scipy.optimize import least_squares, minimize
 
 from graphdyn import EstimationFailed, InvalidInput

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel, Tunable, tuned

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import RecursiveLeastSquares, Samples, TorqueModel

@@ -2,10 +2,9 @@
 
 from dataclasses import replace
 
-import closed_loop_data
 import numpy as np
 import pytest
-import torque_data
+from identified import closed_loop_data, torque_data
 
 from graphdyn import InvalidInput
 from graphdyn.identification import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import graphdyn

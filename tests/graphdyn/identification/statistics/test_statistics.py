@@ -7,10 +7,10 @@ import dataclasses
 
 import numpy as np
 import pytest
-import torque_data
-from coverage_run import Case, correlated_noise, coverage
+from identified import torque_data
+from identified.coverage_trials import Case, correlated_noise, coverage
+from identified.replayed_problem import ReplayedProblem
 from long_check import LONG
-from replayed_problem import ReplayedProblem
 
 from graphdyn.identification import (
     GeneralizedLeastSquares,

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torque_data
+from identified import torque_data
 
 import graphdyn
 from graphdyn import BaseMotion, Body, Coupling, InvalidInput, Joint, Placement, RobotModel

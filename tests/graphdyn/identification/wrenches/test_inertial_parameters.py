@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from identified.wrench_data import PAPER_TIMES, random_recording
 from random_trees import NAMED, random_tree
 from witnesses import outside_of, relative_error
-from wrench_data import PAPER_TIMES, random_recording
 
 import urdf
 from graphdyn import BaseMotion, InvalidInput, body_regressor, inverse_dynamics, kr500, kr500_experiment

@@ -4,8 +4,8 @@ import dataclasses
 
 import numpy as np
 import pytest
+from identified.wrench_data import PAPER_TIMES, random_recording, recorded
 from random_trees import random_tree
-from wrench_data import PAPER_TIMES, random_recording, recorded
 
 from graphdyn import InvalidInput, kr500, kr500_experiment
 from graphdyn.identification import (

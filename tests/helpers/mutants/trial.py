@@ -1,0 +1,242 @@
+"""One file through inspect, load and Pinocchio: nothing may be raised, contradictory, or different without a word."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from inspected.mends import MENDS, NEW_NAME, mended
+
+import urdf
+from crosscheck.quantities.answers import passive_answers
+from crosscheck.quantities.errors import frame_errors, passive_errors, torque_errors
+from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities.scales import SHORTEST_LEVER, relative
+from crosscheck.quantities.states import Case
+from crosscheck.quantities.tolerances import AGREEMENT
+from crosscheck.reference.pinocchio_model import UNIVERSE, PinocchioModel, PinocchioRefuses
+from graphdyn import Placement, RobotModel, kr500
+from graphdyn.layout import Array
+
+OUTCOMES = ("refused", "agrees", "kinematics only", "explained", "unexpected")
+
+KR500 = kr500()
+
+LOSES_DIGITS = ("suspicious-lengths", "far-center-of-mass")
+"""Findings that explain a number other than Pinocchio's by rounding alone: the lengths are beyond reason."""
+
+SIZES = {"mass": 0.0, "center": SHORTEST_LEVER, "tensor": 0.0, "rotation": 0.0, "translation": SHORTEST_LEVER}
+"""Parts of a model of Pinocchio, and the size below which their errors are not relative."""
+
+STATES = 3
+"""Random states per file; one wrong number shows at any of them."""
+
+WARNINGS = {
+    urdf.MissingInertialWarning: ("missing-inertial",),
+    urdf.AxisNotNormalizedWarning: ("axis-not-normalized",),
+    urdf.UnreadWarning: ("unread-dynamics", "unknown-element", "unknown-attribute"),
+}
+"""What load warns of, and the findings of which one must say the same."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What became of a file. codes: of the refusal, or of the findings that explain; detail: of the unexpected."""
+
+    outcome: str
+    codes: tuple[str, ...] = ()
+    detail: str = ""
+
+
+class Unexpected(Exception):
+    """A fault of this project."""
+
+
+def trial(path: Path) -> Trial:
+    """Inspect, load and compare one file."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            return _trial(path)
+    except Unexpected as fault:
+        return Trial("unexpected", detail=str(fault))
+    except Exception as error:
+        return Trial("unexpected", detail=f"{type(error).__name__}: {error} {_place(error)}")
+
+
+def _trial(path: Path) -> Trial:
+    with _quiet("the inspection"):
+        report = urdf.inspect(path)
+    model, refusal, said = _loaded(path)
+    errors = [finding for finding in report.findings if finding.severity == "error"]
+    if refusal is not None:
+        if not any((e.code, e.line, e.element) == (refusal.code, refusal.line, refusal.element) for e in errors):
+            raise Unexpected(f"load refuses ({refusal}), inspect says {[e.code for e in errors]}")
+        _check_claims(path, errors)
+        return Trial("refused", (refusal.code,))
+    assert model is not None
+    if errors:
+        raise Unexpected(f"load accepts what inspect refuses: {report.reasons}")
+    for warning, codes in WARNINGS.items():
+        if (warning in said) != any(code in report.codes for code in codes):
+            raise Unexpected(f"load warns of {sorted(kind.__name__ for kind in said)}, inspect finds {report.codes}")
+    return _compared(path, model, report)
+
+
+CLAIMS = ("Pinocchio refuses the file", "Pinocchio and yourdfpy refuse the file")
+
+
+def _check_claims(path: Path, errors: list[urdf.Finding]) -> None:
+    """Where an error says that Pinocchio refuses the file too, it does; it may not see what a first element hides."""
+    if any(error.code == "duplicate-element" for error in errors):
+        return
+    claims = [error.text for error in errors if any(claim in error.message for claim in CLAIMS)]
+    if claims and _is_built(path):
+        raise Unexpected(f"Pinocchio loads the file, though: {claims}")
+
+
+def _is_built(path: Path) -> bool:
+    with _captured():
+        try:
+            PinocchioModel.from_urdf(path, KR500)
+        except PinocchioRefuses as refusal:
+            return "other joints" in str(refusal) or UNIVERSE in str(refusal)
+    return True
+
+
+def _loaded(path: Path) -> tuple[RobotModel | None, urdf.URDFError | None, set[type[Warning]]]:
+    with _quiet("load"), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("error")
+        for kind in WARNINGS:
+            warnings.simplefilter("always", kind)
+        try:
+            model = urdf.load(path)
+        except urdf.URDFError as error:
+            return None, error, set()
+    return model.uncoupled, None, {warning.category for warning in caught}
+
+
+def _compared(path: Path, model: RobotModel, report: urdf.Inspection) -> Trial:
+    different = _difference(path, model)
+    if different is None:
+        return Trial("kinematics only" if report.verdict == "kinematics only" else "agrees")
+    explaining = [finding for finding in report.findings if finding.severity == "warning"]
+    codes = list(dict.fromkeys(finding.code for finding in explaining if finding.code in MENDS))
+    content = mended(path.read_bytes(), explaining)
+    if content is not None:
+        path = path.with_suffix(".mended")
+        path.write_bytes(content)
+        joints = (replace(j, name=NEW_NAME) if j.name == UNIVERSE else j for j in model.joints)
+        model = replace(model, joints=tuple(joints))
+    still = different if content is None else _difference(path, model)
+    digits = [code for code in report.codes if code in LOSES_DIGITS]
+    if still is None:
+        return Trial("explained", tuple(codes))
+    if digits and _is_rounding(path, model):
+        return Trial("explained", (*codes, *digits))
+    if content is None:
+        raise Unexpected(f"without a finding: {different}; findings {report.codes}")
+    raise Unexpected(f"{different}, not explained by {tuple(codes)}: {still} also when that is mended")
+
+
+def _difference(path: Path, model: RobotModel) -> str | None:
+    """What Pinocchio makes of the file that this model of it does not say."""
+    with _quiet("Pinocchio"):
+        try:
+            referee = PinocchioModel.from_urdf(path, model)
+            with np.errstate(all="ignore"):
+                wrong = _wrong(model, referee)
+        except PinocchioRefuses as refusal:
+            return f"{refusal}; its reader wrote {refusal.said}"
+    return f"{wrong}; Pinocchio's reader wrote {referee.said}" if wrong else None
+
+
+def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
+    """The quantities that miss their bound, and how far off they are."""
+    case = _case(model)
+    reference = referee.turned(case.turn, model.gravity).evaluate(*_states(case))
+    ours = passive_answers(case)
+    errors = passive_errors(case, ours, reference) | torque_errors(ours, referee.turned(case.turn, model.gravity))
+    if model.frames:
+        errors |= frame_errors(case, referee)
+    worst = {name: float(np.where(np.isnan(x), np.inf, x).max()) for name, x in errors.items()}
+    return {name: error for name, error in worst.items() if error > BY_NAME[name].tolerance.bound}
+
+
+def _is_rounding(path: Path, model: RobotModel) -> bool:
+    """Pinocchio reads the same bodies and joints from the file as are in the model: what differs is lost in computing.
+
+    The models are compared, not their results: where long levers cancel, the last digit of a placement becomes the
+    fifth of a torque.
+    """
+    here, there = (
+        _parts(referee, model) for referee in (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model))
+    )
+    errors = [relative(there[name], here[name], np.full(len(here[name]), size)) for name, size in SIZES.items()]
+    return bool(np.max(errors) <= AGREEMENT.bound)
+
+
+def _parts(referee: PinocchioModel, model: RobotModel) -> dict[str, Array]:
+    """What Pinocchio's model consists of: a row per state and body. Placements are those in the inside body."""
+    native, data = referee.native, referee.data
+    rows = []
+    for q in _case(model).q[:, None]:
+        referee.rnea(q, 0 * q, 0 * q)  # places the bodies
+        for k in referee.ids:
+            body, placement = native.inertias[k], data.liMi[k]
+            rows.append((body.mass, body.lever, body.inertia, placement.rotation, placement.translation))
+    columns = zip(*rows, strict=True)
+    return {name: np.array(column).reshape(len(rows), -1) for name, column in zip(SIZES, columns, strict=True)}
+
+
+def _case(model: RobotModel) -> Case:
+    rng = np.random.default_rng(0)
+    q, v = model.random_state(rng, STATES)
+    a, tau = rng.uniform(-10, 10, (2, *q.shape))
+    return Case("random", model, Placement(), q, v, a, tau, rng.normal(size=(*q.shape, 6)))
+
+
+def _states(case: Case) -> tuple[Array, ...]:
+    assert case.tau is not None
+    return case.q, case.v, case.a, case.tau, case.external_wrenches
+
+
+def _place(error: BaseException) -> str:
+    """File and line where it was raised."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return "" if trace is None else f"({trace.tb_frame.f_code.co_filename}:{trace.tb_lineno})"
+
+
+@contextmanager
+def _quiet(who: str) -> Iterator[None]:
+    """Writing to standard output or error, from Python or C++, is a fault."""
+    with _captured() as written:
+        yield
+    if written:
+        raise Unexpected(f"{who} writes {written}")
+
+
+@contextmanager
+def _captured() -> Iterator[list[str]]:
+    """Keeps what is written to standard output and error; at the end the list holds its lines."""
+    written: list[str] = []
+    kept = [os.dup(number) for number in (1, 2)]
+    with tempfile.TemporaryFile() as file:
+        for number in (1, 2):
+            os.dup2(file.fileno(), number)
+        try:
+            yield written
+        finally:
+            for number, copy in zip((1, 2), kept, strict=True):
+                os.dup2(copy, number)
+                os.close(copy)
+            file.seek(0)
+            written += file.read().decode(errors="replace").splitlines()
