@@ -19,6 +19,7 @@ from crosscheck.commands.program import own_process
 from crosscheck.commands.program.encodings import accept_all_characters
 from crosscheck.commands.program.ending_signals import ended_by_signals
 from crosscheck.commands.program.exits import AGREED, Command, CommandGroup
+from crosscheck.commands.program.settings import as_command
 from crosscheck.commands.questions import command as questions
 from crosscheck.commands.robots import command as robots
 from crosscheck.commands.show import command as show
@@ -58,7 +59,7 @@ app = typer.Typer(
     "143 terminated.",
 )
 for function, name, epilog in COMMANDS:
-    app.command(name, cls=Command, epilog=epilog)(function)
+    app.command(name, cls=Command, epilog=epilog)(as_command(function))
 
 
 @app.callback(invoke_without_command=True)

@@ -38,7 +38,7 @@ from graphdyn.arguments import WORTH_COMPILING, Method
 from graphdyn.compiler import interpreted
 from graphdyn.equations import singular
 from graphdyn.layout import Array
-from urdf import Reading, ReadingOptions
+from urdf import Reading, ReadingKeywords
 
 CHUNK_STATES = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
@@ -56,7 +56,7 @@ def compare(
     seed: int = 0,
     *,
     progress: Progress | None = None,
-    **reading: Unpack[ReadingOptions],
+    **reading: Unpack[ReadingKeywords],
 ) -> Comparison:
     """Compare all quantities at random and at special states.
 

@@ -21,7 +21,7 @@ from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, refuse_chords, 
 from graphdyn import InvalidInput
 from graphdyn.identification import CHECKED_POSES, ClosedLoop, Estimator
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
-from urdf import Reading, ReadingOptions
+from urdf import Reading, ReadingKeywords
 
 
 def identify(
@@ -37,7 +37,7 @@ def identify(
     poses: int = CHECKED_POSES,
     models: Sequence[CandidateModel] = (),
     progress: Callable[[str], None] | None = None,
-    **reading: Unpack[ReadingOptions],
+    **reading: Unpack[ReadingKeywords],
 ) -> Identified:
     """Identify a robot from recordings with several methods, and say which result to trust.
 

@@ -37,7 +37,7 @@ from graphdyn.identification import (
     compare_methods,
     one_thread,
 )
-from urdf import Reading, ReadingOptions
+from urdf import Reading, ReadingKeywords
 
 EXCERPT_ROWS = 100_000
 """Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""
@@ -78,7 +78,7 @@ def identify_long(
     min_speed: ArrayLike = 0.0,
     poses: int = CHECKED_POSES,
     progress: Callable[[str, int], None] | None = None,
-    **reading: Unpack[ReadingOptions],
+    **reading: Unpack[ReadingKeywords],
 ) -> Identified:
     """As identify, where the recordings do not fit into memory. They are read several times, part by part.
 

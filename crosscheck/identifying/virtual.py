@@ -19,7 +19,7 @@ from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import FourierSeries
-from urdf import Reading, ReadingOptions
+from urdf import Reading, ReadingKeywords
 
 FREQUENCY, HARMONICS = 0.1, 5
 """Fundamental frequency of the excitation [Hz], and number of its harmonics."""
@@ -70,7 +70,7 @@ def virtual_robot(
     seconds: float = 20.0,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
-    **reading: Unpack[ReadingOptions],
+    **reading: Unpack[ReadingKeywords],
 ) -> VirtualRobot:
     """Record a robot of known parameters twice; the second recording is half as long.
 

@@ -25,7 +25,7 @@ from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.arguments import refuse_unknown
-from urdf import Reading, ReadingOptions
+from urdf import Reading, ReadingKeywords
 from urdf.reading import Misreadings
 
 Progress = Callable[[str], None]
@@ -70,7 +70,7 @@ def judge(
     the torques do not determine the accelerations.
     """
     refuse_unknown(judge, functions, JudgedKeywords.__annotations__)
-    reading: Any = {name: value for name, value in functions.items() if name in ReadingOptions.__annotations__}
+    reading: Any = {name: value for name, value in functions.items() if name in ReadingKeywords.__annotations__}
     given: Any = {name: value for name, value in functions.items() if name not in reading and value is not None}
     setting = Setting(
         robot=robot,

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from crosscheck.judging.observing.function_under_test import BatchFunction
 from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
 from crosscheck.reference.subject import Robot
-from urdf import Reading, ReadingOptions
+from urdf import Reading, ReadingKeywords
 from urdf.reading import AS_IT_STANDS
 
 Foreign = Callable[..., ArrayLike] | BatchFunction
@@ -89,5 +89,5 @@ class FunctionsUnderTest(TypedDict, total=False):
     body_regressor: Foreign | None
 
 
-class JudgedKeywords(FunctionsUnderTest, ReadingOptions, total=False):
+class JudgedKeywords(FunctionsUnderTest, ReadingKeywords, total=False):
     """What crosscheck.judge takes besides the parameters of its signature: functions, and how the robot is read."""

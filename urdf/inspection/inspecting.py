@@ -29,7 +29,7 @@ from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
 from urdf.reading.checks import faults
 from urdf.reading.parsing import build, parse
-from urdf.reading.reading import Reading, ReadingOptions
+from urdf.reading.reading import Reading, ReadingKeywords
 from urdf.reading.repairing import repair
 
 MAX_FINDINGS = 1000
@@ -39,7 +39,7 @@ MAX_FINDINGS = 1000
 Meshes = Literal["summary", "detail", "off"]
 
 
-def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[ReadingOptions]) -> Inspection:
+def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[ReadingKeywords]) -> Inspection:
     """Everything odd or wrong about a URDF file or a robot of the catalog, and whether it is good for dynamics.
 
     source: as urdf.load takes it: name, path, XML as text or bytes, an open file

@@ -8,11 +8,11 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf.document.opening import Given
 from urdf.reading.parsing import build, parsed_source
-from urdf.reading.reading import Reading, ReadingOptions
+from urdf.reading.reading import Reading, ReadingKeywords
 from urdf.reading.warnings import warn
 
 
-def load(source: Given, **reading: Unpack[ReadingOptions]) -> RobotModel:
+def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     """The robot of a URDF file, or of the catalog by name ("ur5", "kr500": see urdf.robots).
 
     source: name, path, XML as text or bytes, or an open file; a string is XML if it begins with "<" or has several
@@ -46,7 +46,7 @@ def load(source: Given, **reading: Unpack[ReadingOptions]) -> RobotModel:
     return model if how.gravity is None else model.with_gravity(how.gravity)
 
 
-def fused_links(source: Given, **reading: Unpack[ReadingOptions]) -> dict[str, tuple[int, Array]]:
+def fused_links(source: Given, **reading: Unpack[ReadingKeywords]) -> dict[str, tuple[int, Array]]:
     """What fixed links add to the bodies that carry them: by link name, number of the body and its share (10,).
 
     The share is in inertial parameters about the body's link origin, in its link axes: without the link, the body's

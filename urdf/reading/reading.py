@@ -59,9 +59,9 @@ class Reading:
             object.__setattr__(self, "repair", tuple(repair))
 
     @classmethod
-    def of(cls, caller: Callable[..., object], options: ReadingOptions) -> Reading:
+    def of(cls, caller: Callable[..., object], options: ReadingKeywords) -> Reading:
         """The keywords of a function as one object. Raises TypeError for one that neither it nor Reading has."""
-        refuse_unknown(caller, options, ReadingOptions.__annotations__)
+        refuse_unknown(caller, options, ReadingKeywords.__annotations__)
         given: dict[str, Any] = {name: value for name, value in options.items() if name != "reading"}
         return replace(options.get("reading") or AS_IT_STANDS, **given)
 
@@ -85,7 +85,7 @@ class Reading:
         return dict(self.lock) if isinstance(self.lock, Mapping) else dict.fromkeys(self.lock or (), 0.0)
 
 
-class ReadingOptions(TypedDict, total=False):
+class ReadingKeywords(TypedDict, total=False):
     """The fields of Reading as keywords of a function. reading: all at once, those beside it put in its place."""
 
     reading: Reading | None

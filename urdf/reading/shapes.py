@@ -11,7 +11,7 @@ from urdf.document.opening import Given
 from urdf.geometry.reading import placed_shapes
 from urdf.geometry.shape import Shapes
 from urdf.reading.parsing import build, parsed_source
-from urdf.reading.reading import Reading, ReadingOptions
+from urdf.reading.reading import Reading, ReadingKeywords
 
 
 def shapes(
@@ -19,7 +19,7 @@ def shapes(
     *,
     geometry: Geometry = "visual",
     faces: int | None = None,
-    **reading: Unpack[ReadingOptions],
+    **reading: Unpack[ReadingKeywords],
 ) -> Shapes:
     """What a robot looks like: boxes, cylinders, spheres and mesh files as triangles, each on a body of the model.
 

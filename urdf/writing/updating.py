@@ -24,7 +24,7 @@ from urdf.document.files import write_whole
 from urdf.document.numbers import inertial_element
 from urdf.errors import CannotUpdate, one_line
 from urdf.reading.loading import fused_links, load
-from urdf.reading.reading import Reading, ReadingOptions
+from urdf.reading.reading import Reading, ReadingKeywords
 
 _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
 """A whole tag; attribute values may contain '>'."""
@@ -113,7 +113,7 @@ def update(
     parameters: ArrayLike,
     *,
     inconsistent: bool = False,
-    **reading: Unpack[ReadingOptions],
+    **reading: Unpack[ReadingKeywords],
 ) -> Update:
     """Write a copy of a URDF file in which the bodies have other inertial parameters.
 

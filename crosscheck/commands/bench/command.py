@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import typer
@@ -9,7 +10,8 @@ import typer
 from crosscheck.commands.program.console import progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, DISAGREED
-from crosscheck.commands.program.options import EXAMPLES, HtmlOption, JsonOption, SeedOption, robot_names
+from crosscheck.commands.program.options import EXAMPLES, ReportOptions, RobotOption, SeedOption
+from crosscheck.commands.program.reading_options import ReadingOptions
 
 EPILOG = f"""{EXAMPLES}  graphdyn bench --quick --samples 1000 --threads 1
   graphdyn bench
@@ -17,29 +19,27 @@ EPILOG = f"""{EXAMPLES}  graphdyn bench --quick --samples 1000 --threads 1
   graphdyn bench --json bench.json --html bench.html
 """
 
-RobotOption = Annotated[
-    str,
-    typer.Option(metavar="ROBOT", help="Name (`graphdyn robots`), URDF or .xacro file.", autocompletion=robot_names),
-]
-SamplesOption = Annotated[
-    int,
-    typer.Option(min=1, metavar="N", help="States per run; the identification and the largest batch take ten times N."),
-]
-ThreadsOption = Annotated[
-    int | None, typer.Option(min=1, metavar="N", help="Threads to compare beside one; all cores if left out.")
-]
-QuickOption = Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: less than a minute.")]
+
+@dataclass(frozen=True, kw_only=True)
+class BenchOptions(ReadingOptions, ReportOptions):
+    """What `graphdyn bench` is asked for."""
+
+    robot: RobotOption = "ur5"
+    samples: Annotated[
+        int,
+        typer.Option(
+            min=1, metavar="N", help="States per run; the identification and the largest batch take ten times N."
+        ),
+    ] = 100_000
+    threads: Annotated[
+        int | None,
+        typer.Option(min=1, metavar="N", show_default="all cores", help="Threads to compare with one thread."),
+    ] = None
+    seed: SeedOption = 0
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: less than a minute.")] = False
 
 
-def run(
-    robot: RobotOption = "ur5",
-    samples: SamplesOption = 100_000,
-    threads: ThreadsOption = None,
-    seed: SeedOption = 0,
-    quick: QuickOption = False,
-    json_file: JsonOption = None,
-    html_file: HtmlOption = None,
-) -> None:
+def run(options: BenchOptions) -> None:
     """Measure graphdyn beside Pinocchio, MuJoCo and CasADi.
 
     All take turns in one run: medians, quartiles and ratios, with the accuracy of each against Pinocchio. Inverse and
@@ -53,8 +53,10 @@ def run(
     from crosscheck.commands.bench.report import bench_report
 
     with warnings_shown():
-        model = urdf.load(robot)
+        model = urdf.load(options.robot, reading=options.reading)
         with progress("bench", N_PROGRESS_STEPS) as advance:
-            found = benchmark(robot, model, samples, seed, threads, quick, advance)
-    deliver(bench_report(found), html_file, json_file)
+            found = benchmark(
+                options.robot, model, options.samples, options.seed, options.threads, options.quick, advance
+            )
+    deliver(bench_report(found), options.html_file, options.json_file)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from crosscheck.commands.crosscheck.folder import compare_folder
+from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, err, progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.options import (
-    EXAMPLES,
-    ChainOption,
-    HtmlOption,
-    JsonOption,
-    LockOption,
-    RobotsArgument,
-    SamplesOption,
-    SchedulerOption,
-    SeedOption,
-    locked_joints,
-    workers_of,
-)
+from crosscheck.commands.program.options import EXAMPLES
+from crosscheck.commands.program.reading_options import refuse_for_several
 from crosscheck.commands.program.robot_files import is_folder
-from crosscheck.commands.program.three_d import ThreeDOption, refuse_without_page, standing
+from crosscheck.commands.program.three_d import standing
 from graphdyn import GraphDynError
 
 if TYPE_CHECKING:
@@ -41,13 +31,6 @@ DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
 )
 """The robots of `graphdyn crosscheck` without arguments, with locked joints: six-joint arms, grippers locked."""
 
-JobsOption = Annotated[
-    int | None, typer.Option(min=1, metavar="N", help="Parallel processes for a folder; one per processor if left out.")
-]
-ResumeOption = Annotated[
-    bool, typer.Option("--resume", help="Take over the results in --json FILE whose robot and options are unchanged.")
-]
-
 EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
   graphdyn crosscheck z1 --lock jointGripper=0 --json result.json
   graphdyn crosscheck talos_left_arm --chain torso_2_link gripper_left_base_link
@@ -56,67 +39,54 @@ EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
 """
 
 
-def run(
-    context: typer.Context,
-    robots: RobotsArgument = None,
-    samples: SamplesOption = 1000,
-    seed: SeedOption = 0,
-    lock: LockOption = None,
-    chain: ChainOption = None,
-    json_file: JsonOption = None,
-    html_file: HtmlOption = None,
-    three_d: ThreeDOption = False,
-    jobs: JobsOption = None,
-    scheduler: SchedulerOption = None,
-    resume: ResumeOption = False,
-) -> None:
+def run(context: typer.Context, options: CrosscheckOptions) -> None:
     """Compare graphdyn with Pinocchio on robots of your choice.
 
     Every quantity is compared at random and special states: placements, torques, wrenches, multipliers, accelerations,
     regressors, identified parameters. Without a robot, six arms are compared.
     A folder stands for every *.urdf below it: one row per file; a file that cannot be compared does not stop the rest.
     """
-    locked = locked_joints(lock)
-    folder = any(map(is_folder, robots or ()))
-    if (locked or chain) and (folder or len(robots or ()) != 1):
-        raise typer.BadParameter("--lock and --chain need exactly one robot, whose joints and links they name")
-    if (jobs or scheduler or resume) and not folder:
+    robots, reading, json_file = options.robots or [], options.reading, options.json_file
+    folder = any(map(is_folder, robots))
+    if folder or len(robots) != 1:
+        refuse_for_several(reading)
+    if (options.jobs or options.scheduler or options.resume) and not folder:
         raise typer.BadParameter("--jobs, --scheduler and --resume are for folders")
-    if resume and (json_file is None or not json_file.is_regular):
+    if options.resume and (json_file is None or not json_file.is_regular):
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
-    refuse_without_page(three_d, html_file)
-    if folder and three_d:
+    if folder and options.three_d:
         raise typer.BadParameter("--3d is not for folders; name the robots")
+    if folder and reading.stated:
+        raise typer.BadParameter(f"--{reading.stated[0]} is not for folders; name the robots")
     if folder:
-        workers = workers_of(jobs, scheduler)
-        raise typer.Exit(compare_folder(context, robots or [], samples, seed, workers, resume, json_file, html_file))
-    choice = [(robot, locked) for robot in robots] if robots else list(DEFAULT_ROBOTS)
+        raise typer.Exit(compare_folder(context, options))
     from crosscheck.commands.crosscheck.report import crosscheck_report
     from crosscheck.comparing.compare import compare
     from crosscheck.report.report import with_stage
     from urdf import Reading
 
+    choice = [(robot, reading) for robot in robots]
+    choice = choice or [(robot, Reading(lock=locked)) for robot, locked in DEFAULT_ROBOTS]
     comparisons, failures = [], []
-    for number, (robot, frozen) in enumerate(choice, start=1):
+    for number, (robot, how) in enumerate(choice, start=1):
         title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
         try:
-            reading = Reading(lock=frozen or None, chain=chain)
-            total = _states(robot, samples, seed, reading) if err.is_terminal else None
+            total = _states(robot, options, how) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
-                comparisons.append(compare(robot, samples, seed, reading=reading, progress=advance))
+                comparisons.append(compare(robot, options.samples, options.seed, reading=how, progress=advance))
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
     report = crosscheck_report(comparisons, failures)
-    if three_d and comparisons:
+    if options.three_d and comparisons:
         report = with_stage(report, [standing(one.robot, one.model, one.reading) for one in comparisons])
-    deliver(report, html_file, json_file)
+    deliver(report, options.html_file, json_file)
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
 
 
-def _states(robot: str, samples: int, seed: int, reading: Reading) -> int:
+def _states(robot: str, options: CrosscheckOptions, reading: Reading) -> int:
     """Number of states that will be compared: drawing them takes a hundredth of the time of comparing them."""
     import warnings
 
@@ -125,4 +95,4 @@ def _states(robot: str, samples: int, seed: int, reading: Reading) -> int:
 
     with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
         model = urdf.load(robot, reading=reading).uncoupled.opened
-    return sum(len(case.q) for case in cases(model, samples, seed))
+    return sum(len(case.q) for case in cases(model, options.samples, options.seed))

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from typing import Annotated
 
 import typer
 
 from crosscheck.commands.program.console import warn, warnings_shown
-from crosscheck.commands.program.judged_functions import GravityOption
-from crosscheck.commands.program.options import EXAMPLES, ChainOption, LockOption, RobotArgument, locked_joints
+from crosscheck.commands.program.options import EXAMPLES, RobotArgument
 from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.commands.program.reading_options import MimicOption, ReadingOptions
 
 EPILOG = f"""{EXAMPLES}  graphdyn export ur5 --to ur5.c
   graphdyn export arm.urdf --lock gripper --to arm.m
@@ -19,30 +20,32 @@ EPILOG = f"""{EXAMPLES}  graphdyn export ur5 --to ur5.c
 
 EXPORT_SUFFIXES = (".json", ".c", ".h", ".m")
 
-ToOption = Annotated[
-    OutputFile,
-    typer.Option(
-        "--to",
-        metavar="FILE",
-        parser=OutputFile,
-        help="Write to FILE, which ends in .json, .c, .h or .m; - for JSON on standard output.",
-    ),
-]
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions(ReadingOptions):
+    """What `graphdyn export` is asked for."""
+
+    robot: RobotArgument
+    to: Annotated[
+        OutputFile,
+        typer.Option(
+            "--to",
+            metavar="FILE",
+            parser=OutputFile,
+            help="Write to FILE, which ends in .json, .c, .h or .m, or - for JSON on standard output.",
+        ),
+    ]
+    mimic: MimicOption = "independent"
 
 
-def run(
-    robot: RobotArgument,
-    to: ToOption,
-    lock: LockOption = None,
-    chain: ChainOption = None,
-    gravity: GravityOption = None,
-) -> None:
+def run(options: ExportOptions) -> None:
     """Write the model of a robot as JSON, C or MATLAB.
 
     Joint placements and axes, masses, centers of mass, tensors, parents, gravity, named frames: as JSON, as constants
     in C (and C++), or as a function for MATLAB and Octave. Units and frames are said in the file. Mimic joints are
     joints like others, as in `graphdyn judge`; of a robot with loops only the tree is written.
     """
+    robot, to, reading = options.robot, options.to, options.reading
     ending = ".json" if to.is_standard_output else to.path.suffix.lower()
     if ending not in EXPORT_SUFFIXES:
         raise typer.BadParameter(
@@ -58,7 +61,6 @@ def run(
     from crosscheck.commands.export.record import record
     from crosscheck.report.json import as_bytes, plain
 
-    reading = urdf.Reading(lock=locked_joints(lock) or None, chain=chain, mimic="independent", gravity=gravity)
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
     if model.chords:

@@ -9,40 +9,18 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
-from crosscheck.commands.identify import options
 from crosscheck.commands.program.functions import foreign_function
+from crosscheck.commands.program.recording_options import numbers
 
 if TYPE_CHECKING:
-    from crosscheck.identifying import CandidateModel
     from graphdyn.identification import Estimator
     from graphdyn.identification.terms import KnownTerm, Term
+
+FUNCTION_FORM = "FILE.py:NAME"
 
 STANDARD_TERMS = "viscous,coulomb,offset"
 
 OF_A_METHOD = ("name", "reference", "assumptions", "needs", "estimate")
-
-
-def candidate_models(
-    terms: Sequence[str] | None,
-    width: str | None,
-    stribeck: tuple[str | None, str | None],
-    further: Sequence[str] | None,
-    methods: Sequence[str | Estimator],
-    load: Sequence[Term],
-    known: Sequence[KnownTerm],
-    known_bodies: bool,
-) -> list[CandidateModel]:
-    """One torque model for every --terms. Raises InvalidInput and typer.BadParameter as drives_of."""
-    from crosscheck.identifying import CandidateModel
-
-    bodies, known_links = links(known_bodies)
-    given = list(terms or [STANDARD_TERMS])
-    drives = drives_of(given, width, stribeck, further)
-    names = given if len(given) > 1 else [""]
-    return [
-        CandidateModel(name, (*bodies, *load, *own), (*known_links, *known), methods)
-        for name, own in zip(names, drives, strict=True)
-    ]
 
 
 def drives_of(
@@ -82,7 +60,7 @@ def drives_of(
 def _one_or_several(option: str, text: str | None) -> float | list[float] | Literal["fit"] | None:
     if text is None or text == "fit":
         return text  # type: ignore[return-value]
-    values = options.numbers(option, text)
+    values = numbers(option, text)
     return values if len(values) > 1 else values[0]
 
 
@@ -100,7 +78,7 @@ def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[Kno
     if text == "unknown":
         return [Payload(link)], []
     mass, at, place = text.partition("@")
-    center = options.numbers("--payload", place) if at else []
+    center = numbers("--payload", place) if at else []
     if len(center) != 3:
         raise typer.BadParameter(f"--payload {text}: give unknown, unknown@X,Y,Z or M@X,Y,Z [kg, m]")
     if mass == "unknown":

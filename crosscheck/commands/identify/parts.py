@@ -5,39 +5,16 @@ from __future__ import annotations
 import glob
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
-
-import typer
+from typing import TYPE_CHECKING
 
 from crosscheck.commands.identify.models import methods_of
+from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.program.console import progress
 
 if TYPE_CHECKING:
-    from crosscheck.distributing import Workers
     from crosscheck.identifying import CandidateModel, Identified, Preparation
     from crosscheck.recordings.errors import RecordingFinding
     from graphdyn.identification import Estimator
-
-JobsOption = Annotated[
-    int | None,
-    typer.Option(min=1, metavar="N", help="Read LOGs of any length part by part, in this number of processes."),
-]
-
-
-def refuse(logs: Sequence[Path] | None, cutoff: str, **given: object) -> None:
-    """Raises typer.BadParameter for what cannot be done part by part."""
-    if not logs:
-        raise typer.BadParameter("--jobs and --scheduler need LOGs; a simulated robot is identified without them")
-    for name, value in given.items():
-        if value:
-            raise typer.BadParameter(
-                f"--{name.replace('_', '-')} needs the recording in memory; leave it out with --jobs and --scheduler"
-            )
-    if cutoff == "residual":
-        raise typer.BadParameter(
-            "--cutoff residual, which is the default, needs the recording in memory; give Hz or none with --jobs and "
-            "--scheduler"
-        )
 
 
 def methods(text: str | None) -> list[str | Estimator]:
@@ -50,35 +27,30 @@ def methods(text: str | None) -> list[str | Estimator]:
 
 
 def found(
-    robot: str,
-    logs: Sequence[Path],
-    validate: Sequence[Path] | None,
-    models: Sequence[CandidateModel],
-    preparation: Preparation,
-    mapping: Path | None,
-    rate: float | None,
-    workers: Workers,
-    **how: Any,
+    options: IdentifyOptions, robot: str, models: Sequence[CandidateModel], preparation: Preparation
 ) -> Identified:
-    """crosscheck.identifying.long_recordings.identify_long with a bar. how: the robot is read"""
-    from crosscheck.identifying.long_recordings import identify_long
+    """crosscheck.identifying.identify_long with a bar."""
+    from crosscheck.identifying import identify_long
     from crosscheck.recordings import PartitionedRecording
 
     cutoff = preparation.cutoff
     assert isinstance(cutoff, float | Mapping | None)
 
-    def recording(paths: Sequence[Path]) -> PartitionedRecording:
-        return PartitionedRecording(_expanded(paths), mapping, None, rate, cutoff, workers=workers)
+    with options.workers.kept() as workers, progress("rows") as advance:
 
-    with progress("rows") as advance:
+        def recording(paths: Sequence[Path]) -> PartitionedRecording:
+            files = _expanded(paths)
+            return PartitionedRecording(files, options.mapping, None, options.rate, cutoff, workers=workers)
+
         return identify_long(
             robot,
-            recording(logs),
+            recording(options.logs or ()),
             models,
-            validate=recording(validate) if validate else None,
+            validate=recording(options.validate) if options.validate else None,
             min_speed=preparation.min_speed,
+            poses=options.poses,
             progress=advance,
-            **how,
+            reading=options.reading,
         )
 
 

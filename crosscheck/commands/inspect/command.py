@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -11,25 +12,10 @@ import typer
 from crosscheck.commands.program.console import complain, err, progress
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.options import EXAMPLES, HtmlOption, JsonOption, robot_names
+from crosscheck.commands.program.options import EXAMPLES, ReportOptions, robot_names
+from crosscheck.commands.program.reading_options import ReadingOptions, refuse_for_several
 from crosscheck.commands.program.robot_files import files_below
 from graphdyn import GraphDynError
-
-FilesArgument = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="FILE|NAME|FOLDER...",
-        help="URDF or .xacro files, names (`graphdyn robots`), or folders, searched for *.urdf.",
-        autocompletion=robot_names,
-    ),
-]
-
-MeshesOption = Annotated[
-    Literal["summary", "detail", "off"],
-    typer.Option(
-        help="Compare inertials with meshes that are found: those that do not fit, every tensor, or no mesh at all.",
-    ),
-]
 
 EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500
   graphdyn inspect my_arm.urdf --html findings.html
@@ -38,13 +24,25 @@ EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500
 """
 
 
-def run(
-    context: typer.Context,
-    files: FilesArgument,
-    meshes: MeshesOption = "summary",
-    json_file: JsonOption = None,
-    html_file: HtmlOption = None,
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class InspectOptions(ReadingOptions, ReportOptions):
+    """What `graphdyn inspect` is asked for."""
+
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FILE|NAME|FOLDER...",
+            help="URDF or .xacro files, names (`graphdyn robots`), or folders, searched for *.urdf.",
+            autocompletion=robot_names,
+        ),
+    ]
+    meshes: Annotated[
+        Literal["summary", "detail", "off"],
+        typer.Option(help="Compare inertials with meshes: summary of those that do not fit, every tensor, or not."),
+    ] = "summary"
+
+
+def run(context: typer.Context, options: InspectOptions) -> None:
     """Find what is odd or wrong in URDF files.
 
     Every fault and oddity with its line, what other readers make of it, and what to do; and whether the file is good
@@ -56,15 +54,18 @@ def run(
     from urdf import inspect
 
     robots, failures = [], []
-    for given in files:
+    for given in options.files:
         try:
             robots += _found(given)
         except GraphDynError as error:
             complain(error, context)
             failures.append({"robot": given, "message": str(error)})
+    if len(robots) > 1:
+        refuse_for_several(options.reading)
+    examine = partial(inspect, meshes=options.meshes, reading=options.reading)
     with progress("inspect", len(robots) if err.is_terminal else None) as advance:
-        reports = inspect_files(robots, advance, partial(inspect, meshes=meshes))
-    deliver(inspect_report(reports, failures), html_file, json_file)
+        reports = inspect_files(robots, advance, examine)
+    deliver(inspect_report(reports, failures), options.html_file, options.json_file)
     if failures or any("unreadable-file" in report.codes for report in reports):
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)

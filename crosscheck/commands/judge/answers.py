@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
@@ -16,21 +17,29 @@ if TYPE_CHECKING:
     from crosscheck.judging.exchange.replay import AnswersPending
     from crosscheck.judging.setting import Setting
 
-AnswersOption = Annotated[
-    list[Path] | None,
-    typer.Option(
-        metavar="FILE",
-        help="Answers to `graphdyn questions`, id and numbers (.csv, .json, .npz, .parquet). Repeatable.",
-    ),
-]
-FurtherOption = Annotated[
-    OutputFile | None,
-    typer.Option(
-        metavar="FILE",
-        parser=OutputFile,
-        help="Write questions of a second round to FILE; further_questions.csv beside the answers if left out.",
-    ),
-]
+
+@dataclass(frozen=True, kw_only=True)
+class AnswerOptions:
+    """Files of answers, in place of functions."""
+
+    PANEL: ClassVar[str] = "Functions in other languages (docs/languages.md)"
+
+    answers: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="Answers to `graphdyn questions`, id and numbers (.csv, .json, .npz, .parquet). Repeatable.",
+        ),
+    ] = None
+    further: Annotated[
+        OutputFile | None,
+        typer.Option(
+            metavar="FILE",
+            parser=OutputFile,
+            show_default="further_questions.csv beside the answers",
+            help="Write the questions of a second round to FILE.",
+        ),
+    ] = None
 
 
 def write_further(

@@ -26,6 +26,18 @@ BROKEN_PIPE = 141
 class Command(TyperCommand):
     """A command; files that it would destroy are refused before it begins, and - leaves standard output to a file."""
 
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """The options in groups: those of the command alone first, then what it shares with others."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                own = "Arguments" if parameter.param_type_name == "argument" else "Options"
+                groups.setdefault(getattr(parameter, "rich_help_panel", None) or own, []).append(record)
+        for heading, records in groups.items():
+            with formatter.section(heading):
+                formatter.write_dl(records)
+
     def invoke(self, ctx: Any) -> Any:
         refuse_harm(ctx)
         out.quiet = any(isinstance(file, OutputFile) and file.is_standard_output for file in ctx.params.values())

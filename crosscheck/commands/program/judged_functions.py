@@ -1,11 +1,17 @@
-"""Options of `graphdyn judge`, and the functions that can be judged in words."""
+"""Options of the commands that judge or ask functions, and the functions that can be judged in words."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
+
+from crosscheck.commands.program.options import RobotArgument, SamplesOption, SeedOption
+from crosscheck.commands.program.reading_options import ReadingOptions, pairs
+
+if TYPE_CHECKING:
+    from crosscheck.judging.setting import Setting
 
 FUNCTIONS_HELP = """\b
 Functions, after their arguments:
@@ -26,63 +32,79 @@ Functions, after their arguments:
 
 FUNCTION_FORM = "FILE.py:NAME"
 
-InverseOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → τ, arrays of shape (n,).")]
-ForwardOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, τ) → a.")]
-MassOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="q → M, shape (n, n).")]
-RegressorOption = Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → W, shape (n, 10n).")]
+CONVENTION_PANEL = "Conventions and precision"
+
 JointsOption = Annotated[
     str | None,
-    typer.Option(metavar="NAME,NAME,…", help="Order of the joints in the functions; the file's if left out."),
-]
-FunctionOption = Annotated[
-    list[str] | None,
-    typer.Option(metavar=f"NAME={FUNCTION_FORM}", help="Any function of the list below, by its name. Repeatable."),
-]
-FrameOption = Annotated[str | None, typer.Option(metavar="LINK", help="Frame of the functions that belong to one.")]
-ConventionOption = Annotated[
-    list[str] | None,
     typer.Option(
-        metavar="NAME=WAY",
-        help="A convention that the functions must follow, such as reference=local; found out if left out. Repeatable.",
+        metavar="NAME,NAME,…",
+        rich_help_panel=CONVENTION_PANEL,
+        show_default="that of the file",
+        help="Joint order of the functions.",
     ),
 ]
-ExternalWrenchesOption = Annotated[
-    bool,
-    typer.Option(
-        "--external-wrenches",
-        help="Torques, accelerations and reactions take wrenches on the links (n, 6) as their last argument.",
-    ),
-]
-BatchedOption = Annotated[bool, typer.Option("--batched", help="The functions take all states at once, arrays (N, n).")]
-PrecisionOption = Annotated[
-    Literal["double", "single"],
-    typer.Option(help="In which the functions compute; single: errors up to 1e-5 are agreement."),
-]
-ToleranceOption = Annotated[
-    float | None, typer.Option(metavar="X", help="Largest relative error that is agreement; by precision if left out.")
-]
-BeyondLimitsOption = Annotated[
-    bool, typer.Option("--beyond-limits", help="Add states outside the limits of positions and velocities.")
-]
-GravityOption = Annotated[
-    tuple[float, float, float] | None,
-    typer.Option(metavar="X Y Z", help="Gravity in world axes [m/s²]; 0 0 -9.81 if left out."),
-]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SettingOptions(ReadingOptions):
+    """The robot, and the states at which functions are asked."""
+
+    PANEL: ClassVar[str] = "States"
+
+    robot: RobotArgument
+    samples: SamplesOption = 100
+    seed: SeedOption = 0
+    beyond_limits: Annotated[
+        bool, typer.Option("--beyond-limits", help="Add states outside the limits of position and velocity.")
+    ] = False
+    frame: Annotated[str | None, typer.Option(metavar="LINK", help="Frame of the functions that refer to one.")] = None
+    external_wrenches: Annotated[
+        bool,
+        typer.Option(
+            "--external-wrenches",
+            help="Torques, accelerations and reactions take wrenches on the links (n, 6) as their last argument.",
+        ),
+    ] = False
+
+    @property
+    def setting(self) -> Setting:
+        from crosscheck.judging.setting import Setting
+
+        return Setting(
+            robot=self.robot,
+            reading=self.reading,
+            samples=self.samples,
+            seed=self.seed,
+            beyond_limits=self.beyond_limits,
+            frame=self.frame,
+            external_wrenches=self.external_wrenches,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConventionOptions:
+    """The conventions of the functions, and their precision."""
+
+    PANEL: ClassVar[str] = CONVENTION_PANEL
+
+    convention: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=WAY",
+            show_default="detected",
+            help="A convention that the functions must follow, such as reference=local. Repeatable.",
+        ),
+    ] = None
+    precision: Annotated[
+        Literal["double", "single"],
+        typer.Option(help='Precision of the functions; with "single", errors up to 1e-5 count as agreement.'),
+    ] = "double"
+
+    @property
+    def conventions(self) -> dict[str, str]:
+        return dict(pairs("--convention", self.convention, "NAME=WAY"))
 
 
 def names(text: str | None) -> list[str] | None:
     """NAME,NAME,… as a list; None where the option is left out."""
     return None if text is None else [name.strip() for name in text.split(",")]
-
-
-def pairs(option: str, texts: list[str] | None, form: str) -> Iterator[tuple[str, str]]:
-    """NAME=VALUE of a repeatable option. Raises typer.BadParameter for another form, and a name given twice."""
-    seen = set()
-    for text in texts or ():
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise typer.BadParameter(f"{option} {text}: give {form}")
-        if name in seen:
-            raise typer.BadParameter(f"{option} {text}: {name} is given twice")
-        seen.add(name)
-        yield name, value

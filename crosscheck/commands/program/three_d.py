@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from crosscheck.commands.program.options import FACES
-from crosscheck.commands.program.output_files import OutputFile
 
 if TYPE_CHECKING:
     from crosscheck.exciting.excited import Excited
@@ -17,16 +14,6 @@ if TYPE_CHECKING:
     from graphdyn import RobotModel, Simulation
     from graphdyn.layout import Array
     from urdf import Reading
-
-ThreeDOption = Annotated[
-    bool, typer.Option("--3d", help="With --html: the robot in three dimensions; several robots side by side.")
-]
-
-
-def refuse_without_page(three_d: bool, html_file: OutputFile | None) -> None:
-    """Raises typer.BadParameter for --3d without --html."""
-    if three_d and html_file is None:
-        raise typer.BadParameter("--3d is for the page of --html FILE; name it, or look with `graphdyn view`")
 
 
 def standing(robot: str, model: RobotModel, reading: Reading, q: Array | None = None) -> Figure:

@@ -2,29 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from crosscheck.commands.program.console import out, warnings_shown
-from crosscheck.commands.program.judged_functions import (
-    BeyondLimitsOption,
-    ExternalWrenchesOption,
-    FrameOption,
-    GravityOption,
-    JointsOption,
-    names,
-)
-from crosscheck.commands.program.options import (
-    EXAMPLES,
-    ChainOption,
-    LockOption,
-    RobotArgument,
-    SamplesOption,
-    SeedOption,
-    locked_joints,
-)
+from crosscheck.commands.program.judged_functions import JointsOption, SettingOptions, names
+from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
 
 if TYPE_CHECKING:
@@ -37,57 +23,41 @@ EPILOG = f"""{EXAMPLES}  graphdyn questions ur5 --for inverse_dynamics --out que
   graphdyn questions arm.urdf --for frame_jacobian --frame tool0 --out questions.npz
 """
 
-ForOption = Annotated[
-    str, typer.Option("--for", metavar="NAME,NAME,…", help="The functions; `graphdyn judge --help` lists them.")
-]
-OutOption = Annotated[
-    OutputFile,
-    typer.Option(
-        "--out",
-        metavar="FILE",
-        parser=OutputFile,
-        help="Write to FILE, which ends in .csv, .json, .npz or .parquet; - for CSV on standard output.",
-    ),
-]
+
+@dataclass(frozen=True, kw_only=True)
+class QuestionsOptions(SettingOptions):
+    """What `graphdyn questions` is asked for."""
+
+    functions: Annotated[
+        str, typer.Option("--for", metavar="NAME,NAME,…", help="The functions; `graphdyn judge --help` lists them.")
+    ]
+    to: Annotated[
+        OutputFile,
+        typer.Option(
+            "--out",
+            metavar="FILE",
+            parser=OutputFile,
+            help="Write to FILE, which ends in .csv, .json, .npz or .parquet, or - for CSV on standard output.",
+        ),
+    ]
+    joint_names: JointsOption = None
 
 
-def run(
-    robot: RobotArgument,
-    functions: ForOption,
-    to: OutOption,
-    frame: FrameOption = None,
-    external_wrenches: ExternalWrenchesOption = False,
-    joint_names: JointsOption = None,
-    samples: SamplesOption = 100,
-    seed: SeedOption = 0,
-    beyond_limits: BeyondLimitsOption = False,
-    lock: LockOption = None,
-    chain: ChainOption = None,
-    gravity: GravityOption = None,
-) -> None:
+def run(options: QuestionsOptions) -> None:
     """Write the questions of a judgment to a file.
 
     Each has an id, the name of a function and its arguments. Compute the answers with any code, write a file with
     the id and the numbers of each answer, and give it to `graphdyn judge ROBOT --answers FILE` with the same options
     (docs/languages.md).
     """
+    robot, to, frame = options.robot, options.to, options.frame
     ending = ending_of("--out", to)
     from crosscheck.judging.exchange.rounds import first_round
-    from crosscheck.judging.setting import Setting
-    from urdf import Reading
 
-    setting = Setting(
-        robot=robot,
-        joint_names=names(joint_names),
-        samples=samples,
-        seed=seed,
-        beyond_limits=beyond_limits,
-        reading=Reading(lock=locked_joints(lock) or None, chain=chain, gravity=gravity),
-        frame=frame,
-        external_wrenches=external_wrenches,
-    )
     with warnings_shown():
-        asked = first_round(setting, names(functions) or [])
+        asked = first_round(
+            replace(options.setting, joint_names=names(options.joint_names)), names(options.functions) or []
+        )
     to.write(content(ending, robot, asked.joint_names, frame, asked.questions))
     out.print(f"{len(asked.questions)} questions in {to.name}, joints in the order {', '.join(asked.joint_names)}")
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from crosscheck.commands.program.delivery import deliver
-from crosscheck.commands.program.options import EXAMPLES, JsonOption
+from crosscheck.commands.program.options import EXAMPLES, JsonOptions
 
 EPILOG = f"""{EXAMPLES}  graphdyn robots
   graphdyn robots --json robots.json
 """
 
 
-def run(json_file: JsonOption = None) -> None:
+def run(options: JsonOptions) -> None:
     """List the robots known by name, with origin and licence."""
     import urdf
     from crosscheck.commands.robots.report import robots_report
 
-    deliver(robots_report(urdf.robots()), json_file=json_file)
+    deliver(robots_report(urdf.robots()), json_file=options.json_file)

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 import typer
 
 from crosscheck.commands.program.console import warnings_shown
 from crosscheck.commands.program.delivery import deliver
-from crosscheck.commands.program.options import (
-    EXAMPLES,
-    HtmlOption,
-    JsonOption,
-    LockOption,
-    RobotArgument,
-    locked_joints,
-)
-from crosscheck.commands.program.three_d import ThreeDOption, refuse_without_page, standing
+from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument
+from crosscheck.commands.program.reading_options import ReadingOptions
+from crosscheck.commands.program.three_d import standing
 from crosscheck.commands.show.states import StateOption, given_state
 
 Reference = Literal["world", "local", "local_world_aligned"]
@@ -28,25 +23,31 @@ EPILOG = f"""{EXAMPLES}  graphdyn show kr500
   graphdyn show ur5 --state random:7 --frame tool0 --reference local
 """
 
-FrameOption = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Whose Jacobian, with --state; the last frame of the last body.")
-]
-ReferenceOption = Annotated[
-    Reference | None,
-    typer.Option(help="Point and axes of the Jacobian, as in Pinocchio; local_world_aligned if left out."),
-]
+
+@dataclass(frozen=True, kw_only=True)
+class ShowOptions(ReadingOptions, PageOptions):
+    """What `graphdyn show` is asked for."""
+
+    robot: RobotArgument
+    state: StateOption = None
+    frame: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            show_default="last frame of the last body",
+            help="Frame of the Jacobian (with --state).",
+        ),
+    ] = None
+    reference: Annotated[
+        Reference | None,
+        typer.Option(
+            show_default="local_world_aligned",
+            help="Point and axes of the Jacobian (with --state), named as in Pinocchio.",
+        ),
+    ] = None
 
 
-def run(
-    robot: RobotArgument,
-    lock: LockOption = None,
-    state: StateOption = None,
-    frame: FrameOption = None,
-    reference: ReferenceOption = None,
-    json_file: JsonOption = None,
-    html_file: HtmlOption = None,
-    three_d: ThreeDOption = False,
-) -> None:
+def run(options: ShowOptions) -> None:
     """Show a robot: bodies, joints, graph and equations.
 
     Masses and moments with their physical consistency, joints with placement and limits, named frames, the matrices
@@ -55,9 +56,9 @@ def run(
     With --state also what the robot is like there: energies, center of mass, momentum, torque against gravity, mass
     matrix, where its links are, and the Jacobian of a frame.
     """
-    if state is None and (frame is not None or reference is not None):
+    robot, frame, reading = options.robot, options.frame, options.reading
+    if options.state is None and (frame is not None or options.reference is not None):
         raise typer.BadParameter("--frame and --reference say whose Jacobian is shown; it takes a --state")
-    refuse_without_page(three_d, html_file)
     import urdf
     from crosscheck.commands.show.describing import describe
     from crosscheck.commands.show.describing_state import describe_state
@@ -65,14 +66,13 @@ def run(
     from crosscheck.reference.subject import tip
     from crosscheck.report.report import with_stage
 
-    reading = urdf.Reading(lock=locked_joints(lock) or None)
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
     there, q = None, None
-    if state is not None:
-        q, v = given_state(state, model)
-        there = describe_state(model, q, v, frame or tip(model), reference or "local_world_aligned")
+    if options.state is not None:
+        q, v = given_state(options.state, model)
+        there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
     report = show_report(describe(model, robot, reading.locked, there), model)
-    if three_d:
+    if options.three_d:
         report = with_stage(report, [standing(robot, model, reading, q)])
-    deliver(report, html_file, json_file)
+    deliver(report, options.html_file, options.json_file)

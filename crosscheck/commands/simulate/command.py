@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,17 +12,10 @@ import typer
 from crosscheck.commands.program.console import progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.functions import foreign_function
-from crosscheck.commands.program.options import (
-    EXAMPLES,
-    HtmlOption,
-    JsonOption,
-    LockOption,
-    RobotArgument,
-    command_line,
-    locked_joints,
-)
+from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument, command_line
 from crosscheck.commands.program.output_files import OutputFile
-from crosscheck.commands.program.three_d import ThreeDOption, refuse_without_page, simulated
+from crosscheck.commands.program.reading_options import ReadingOptions
+from crosscheck.commands.program.three_d import simulated
 
 if TYPE_CHECKING:
     from graphdyn import RobotModel, Simulation
@@ -36,106 +30,94 @@ HOLDING = 12.0
 
 MILLISECONDS = 1000
 
-TorqueOption = Annotated[
-    str,
-    typer.Option(
-        metavar="zero|hold|FILE.py:NAME",
-        help="Torque of the actuators: none; computed torque that holds the position of the start; or a function "
-        "(t, q, v) → τ, arrays of shape (n,).",
-    ),
-]
-DurationOption = Annotated[float, typer.Option(metavar="S", help="Time that is simulated [s].")]
-RateOption = Annotated[float, typer.Option(metavar="HZ", help="Rows per second of the result.")]
-PositionOption = Annotated[
-    str | None,
-    typer.Option(
-        "--position",
-        metavar="Q,Q,…",
-        help="Position at the start [rad or m]; 0 if left out. Loops are closed near it; if left out, in a regular "
-        "pose.",
-    ),
-]
-VelocityOption = Annotated[
-    str | None, typer.Option("--velocity", metavar="V,V,…", help="Velocity at the start [rad/s or m/s]; 0 if left out.")
-]
-MethodOption = Annotated[
-    str, typer.Option(metavar="dop853|rk8|rk4|euler", help="dop853 adapts its steps, the others take fixed ones.")
-]
-StepOption = Annotated[float | None, typer.Option(metavar="S", help="Width of fixed steps [s]; 0.001 if left out.")]
-FrictionOption = Annotated[bool, typer.Option("--friction", help="With the damping and friction of the file.")]
-LimitsOption = Annotated[bool, typer.Option("--limits", help="Stop at a position limit of the file.")]
-EffortsOption = Annotated[bool, typer.Option("--efforts", help="Limit torques to the efforts of the file.")]
-OutOption = Annotated[
-    OutputFile | None,
-    typer.Option(
-        metavar="FILE", parser=OutputFile, help="Write the motion to FILE: .parquet, .csv, .npz, or .mcap for ROS."
-    ),
-]
-
 STEP = 1e-3
 
 
-def run(
-    robot: RobotArgument,
-    torque: TorqueOption = "zero",
-    duration: DurationOption = 5.0,
-    rate: RateOption = 1000.0,
-    position: PositionOption = None,
-    velocity: VelocityOption = None,
-    method: MethodOption = "dop853",
-    step: StepOption = None,
-    friction: FrictionOption = False,
-    limits: LimitsOption = False,
-    efforts: EffortsOption = False,
-    lock: LockOption = None,
-    out: OutOption = None,
-    json_file: JsonOption = None,
-    html_file: HtmlOption = None,
-    three_d: ThreeDOption = False,
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class SimulateOptions(ReadingOptions, PageOptions):
+    """What `graphdyn simulate` is asked for."""
+
+    robot: RobotArgument
+    torque: Annotated[
+        str,
+        typer.Option(
+            metavar="zero|hold|FILE.py:NAME",
+            help="Actuator torque: zero; computed torque that holds the initial position; or a function (t, q, v) → τ, "
+            "arrays of shape (n,).",
+        ),
+    ] = "zero"
+    duration: Annotated[float, typer.Option(metavar="S", help="Simulated time [s].")] = 5.0
+    position: Annotated[
+        str | None,
+        typer.Option(
+            metavar="Q,Q,…",
+            show_default="0, or a regular pose of a robot with loops",
+            help="Initial position [rad or m]. Loops are closed near it.",
+        ),
+    ] = None
+    velocity: Annotated[
+        str | None, typer.Option(metavar="V,V,…", show_default="0", help="Initial velocity [rad/s or m/s].")
+    ] = None
+    out: Annotated[
+        OutputFile | None,
+        typer.Option(
+            metavar="FILE", parser=OutputFile, help="Write the motion to FILE: .parquet, .csv, .npz, or .mcap for ROS."
+        ),
+    ] = None
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Rows per second of the result.")] = 1000.0
+    method: Annotated[
+        str, typer.Option(metavar="dop853|rk8|rk4|euler", help="Integrator; dop853 adapts its step, the others do not.")
+    ] = "dop853"
+    step: Annotated[
+        float | None, typer.Option(metavar="S", show_default=str(STEP), help="Step of the other integrators [s].")
+    ] = None
+    friction: Annotated[bool, typer.Option("--friction", help="Include the file's damping and friction.")] = False
+    limits: Annotated[bool, typer.Option("--limits", help="Stop at a position limit of the file.")] = False
+    efforts: Annotated[bool, typer.Option("--efforts", help="Limit torques to the efforts of the file.")] = False
+
+
+def run(options: SimulateOptions) -> None:
     """Let a robot move, and record it.
 
     Torques of the actuators give the motion, with all reactions of the joints. The balance of energy and the closure of
     the joints are checked and told. What --out writes is a recording that `graphdyn identify` reads; Parquet, .npz and
     MCAP carry the URDF and all settings.
     """
+    robot, torque, out, reading = options.robot, options.torque, options.out, options.reading
     function = None if torque in ("zero", "hold") else foreign_function("--torque", torque)
-    if method != "dop853" and step is None:
-        step = STEP
+    step = STEP if options.step is None and options.method != "dop853" else options.step
     if out is not None:
         _check_suffix(out)
-    refuse_without_page(three_d, html_file)
-    if not (rate > 0 and duration > 0):
+    if not (options.rate > 0 and options.duration > 0):
         raise typer.BadParameter("--rate and --duration must be above zero")
     import urdf
     from crosscheck.commands.simulate.report import SimulatedRun, simulate_report
     from crosscheck.report.report import with_stage
 
-    reading = urdf.Reading(lock=locked_joints(lock) or None)
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
-    q, v = _start(model, position, velocity)
-    options = {
+    q, v = _start(model, options.position, options.velocity)
+    how = {
         "torque": _hold(q) if torque == "hold" else function,
-        "method": method,
+        "method": options.method,
         "step": step,
-        "friction": "model" if friction else None,
-        "limits": "stop" if limits else None,
-        "torque_limits": "model" if efforts else None,
-        "at": _times(duration, rate),
+        "friction": "model" if options.friction else None,
+        "limits": "stop" if options.limits else None,
+        "torque_limits": "model" if options.efforts else None,
+        "at": _times(options.duration, options.rate),
     }
-    motion = _simulated(model, q, v, duration, options, robot)
+    motion = _simulated(model, q, v, options.duration, how, robot)
     if out is not None:
         _write(motion, out, {"robot": robot, "locked": reading.locked, "torque": torque, "position": q, "velocity": v})
-    shown = SimulatedRun(motion, robot, reading, torque, method, step, out.name if out else None)
+    shown = SimulatedRun(motion, robot, reading, torque, options.method, step, out.name if out else None)
     report = simulate_report(shown)
-    if three_d:
+    if options.three_d:
         report = with_stage(report, [simulated(robot, motion, reading)])
-    deliver(report, html_file, json_file)
+    deliver(report, options.html_file, options.json_file)
 
 
 def _simulated(
-    model: RobotModel, q: list[float], v: list[float], duration: float, options: dict[str, Any], robot: str
+    model: RobotModel, q: list[float], v: list[float], duration: float, how: dict[str, Any], robot: str
 ) -> Simulation:
     from graphdyn import simulate
 
@@ -148,7 +130,7 @@ def _simulated(
             advance(f"{time:.3g} s", now - reached)
             reached = now
 
-        return simulate(model, q, v, duration, progress=tell, **options)
+        return simulate(model, q, v, duration, progress=tell, **how)
 
 
 def _hold(position: list[float]) -> Any:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +12,7 @@ from crosscheck.commands.program.console import Advance, progress, say, warnings
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.ending_signals import Ended
 from crosscheck.commands.program.exits import AGREED
-from crosscheck.commands.program.options import EXAMPLES, SchedulerOption, workers_of
+from crosscheck.commands.program.options import EXAMPLES, WorkerOptions
 from crosscheck.commands.program.output_files import OutputFile
 
 if TYPE_CHECKING:
@@ -23,38 +24,26 @@ EPILOG = f"""{EXAMPLES}  graphdyn study --config small --out small
   graphdyn study --config study.toml --only 3f0c1a5be2d94a77:2
 """
 
-ConfigOption = Annotated[
-    str,
-    typer.Option(
-        "--config",
-        metavar="FILE|NAME",
-        help="A TOML file, or a configuration that comes with graphdyn: small, birdy.",
-    ),
-]
-OutOption = Annotated[
-    Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder of the results; that of the configuration's name if left out."),
-]
-JobsOption = Annotated[
-    int | None, typer.Option("--jobs", min=1, metavar="N", help="Processes; one per processor if left out.")
-]
-ResumeOption = Annotated[bool, typer.Option("--resume", help="Go on with the study in --out where it was left.")]
-OnlyOption = Annotated[
-    str | None,
-    typer.Option(
-        "--only", metavar="SCENARIO:RUN", help="Compute this one run again and show its results; nothing is written."
-    ),
-]
+
+@dataclass(frozen=True, kw_only=True)
+class StudyOptions(WorkerOptions):
+    """What `graphdyn study` is asked for."""
+
+    config: Annotated[
+        str, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy.")
+    ]
+    folder: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", show_default="name of the configuration", help="Folder of the results."),
+    ] = None
+    resume: Annotated[bool, typer.Option("--resume", help="Continue the study in --out.")] = False
+    only: Annotated[
+        str | None,
+        typer.Option(metavar="SCENARIO:RUN", help="Repeat this one run and show its results; nothing is written."),
+    ] = None
 
 
-def run(
-    config: ConfigOption,
-    folder: OutOption = None,
-    jobs: JobsOption = None,
-    scheduler: SchedulerOption = None,
-    resume: ResumeOption = False,
-    only: OnlyOption = None,
-) -> None:
+def run(options: StudyOptions) -> None:
     """Compare identification methods on many simulated recordings.
 
     A robot with known parameters is simulated in its control loop and measured with noise, several times in each
@@ -71,15 +60,16 @@ def run(
     from crosscheck.study.running import run_study
     from crosscheck.study.settings.configuration import read_configuration
 
-    if only is not None and (folder is not None or jobs or scheduler or resume):
+    config, only, resume = options.config, options.only, options.resume
+    if only is not None and (options.folder is not None or options.jobs or options.scheduler or resume):
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
     study = read_configuration(config)
     _check_own(study)
     if only is not None:
         _show(study, only)
         raise typer.Exit(AGREED)
-    folder = Path(Path(config).stem) if folder is None else folder
-    workers, shown = workers_of(jobs, scheduler), _Shown()
+    folder = options.folder or Path(Path(config).stem)
+    workers, shown = options.workers, _Shown()
     try:
         with progress("study", study.runs * len(study.scenarios)) as advance:
             shown.advance = advance

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import webbrowser
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from crosscheck.commands.identify.options import DropOption, MappingOption, RateOption, cutoff_of
 from crosscheck.commands.program.console import out, progress, say, warnings_shown
-from crosscheck.commands.program.options import EXAMPLES, FACES, LockOption, locked_joints, robot_names
+from crosscheck.commands.program.options import EXAMPLES, FACES, robot_names
 from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.commands.program.reading_options import ReadingOptions
+from crosscheck.commands.program.recording_options import RecordingOptions
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,63 +28,52 @@ EPILOG = f"""{EXAMPLES}  graphdyn view ur5
   graphdyn view ur5 ur10 --no-browser --port 8080
 """
 
-RobotsArgument = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="ROBOT...", help="Names (`graphdyn robots`), URDF or .xacro files.", autocompletion=robot_names
-    ),
-]
-PlayOption = Annotated[
-    list[Path] | None,
-    typer.Option(
-        metavar="RUN",
-        help="Play a recording, or what `graphdyn simulate --out` wrote. Repeatable: several runs of one robot, or one "
-        "run for each robot, side by side.",
-    ),
-]
-HtmlOption = Annotated[
-    OutputFile | None,
-    typer.Option(
-        "--html",
-        metavar="FILE",
-        parser=OutputFile,
-        help="Write a page that plays without server and network to FILE, instead of serving it.",
-    ),
-]
-PortOption = Annotated[
-    int, typer.Option(min=0, max=65535, metavar="N", help="Port of 127.0.0.1 to serve at; a free one if 0.")
-]
-ActuatedOption = Annotated[
-    list[str] | None,
-    typer.Option(metavar="JOINT", help="Joint of a robot with loops that has a motor: loads depend on it. Repeatable."),
-]
-FacesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Triangles of a robot's meshes, about.")]
-NoBrowserOption = Annotated[bool, typer.Option("--no-browser", help="Print the address; open no browser.")]
-CutoffOption = Annotated[
-    str,
-    typer.Option(
-        metavar="HZ|CHANNEL=HZ,…|residual|none",
-        help="Zero-phase low-pass of recordings without velocities or accelerations, before these are derived.",
-    ),
-]
 TOLD = 6
 """Notes on a figure that are printed."""
 
 
-def run(
-    robots: RobotsArgument,
-    play: PlayOption = None,
-    lock: LockOption = None,
-    actuated: ActuatedOption = None,
-    faces: FacesOption = FACES,
-    html_file: HtmlOption = None,
-    port: PortOption = 0,
-    no_browser: NoBrowserOption = False,
-    mapping: MappingOption = None,
-    rate: RateOption = None,
-    drop: DropOption = None,
-    cutoff: CutoffOption = "residual",
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class ViewOptions(ReadingOptions, RecordingOptions):
+    """What `graphdyn view` is asked for."""
+
+    robots: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="ROBOT...", help="Names (`graphdyn robots`), URDF or .xacro files.", autocompletion=robot_names
+        ),
+    ]
+    play: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="RUN",
+            help="Play a recording, or what `graphdyn simulate --out` wrote. Repeatable: several runs of one robot, or "
+            "one run for each robot, side by side.",
+        ),
+    ] = None
+    html_file: Annotated[
+        OutputFile | None,
+        typer.Option(
+            "--html",
+            metavar="FILE",
+            parser=OutputFile,
+            help="Write a page that needs neither server nor network to FILE, instead of serving it.",
+        ),
+    ] = None
+    port: Annotated[
+        int,
+        typer.Option(min=0, max=65535, metavar="N", help="Port of 127.0.0.1 to serve at; 0 takes a free one."),
+    ] = 0
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Print the address; do not open a browser.")] = False
+    faces: Annotated[int, typer.Option(min=1, metavar="N", help="Approximate number of triangles per robot.")] = FACES
+    actuated: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT", help="Motorized joint of a robot with loops; joint loads depend on it. Repeatable."
+        ),
+    ] = None
+
+
+def run(options: ViewOptions) -> None:
     """Show robots in three dimensions, and loads of joints.
 
     Joints can be moved by hand. Shown at choice: reaction forces and moments of the joints as arrows to scale, actuator
@@ -90,10 +81,10 @@ def run(
 
     Without --html the page is served at 127.0.0.1 until Ctrl-C, and robots can be let go to fall under gravity.
     """
-    runs = play or []
+    robots, runs, actuated, reading = options.robots, options.play or [], options.actuated, options.reading
     if runs and len(robots) not in (1, len(runs)):
         raise typer.BadParameter(f"{len(robots)} robots and {len(runs)} runs; give one robot, or one for each run")
-    low_pass = cutoff_of(cutoff)
+    low_pass = options.low_pass
     import urdf
     from crosscheck.recordings import differentiated, load_recording
     from crosscheck.viewing.figures import Figure
@@ -105,17 +96,18 @@ def run(
         if path is None:
             return Figure(Path(name).name, robot, *(closed_instant(robot.model) if robot.model.chords else ()))
         joints = robot.model.independent_joints
-        recording = load_recording(path, mapping, joints=joints, rate=rate, drop=drop or ())
+        recording = load_recording(path, options.mapping, joints=joints, rate=options.rate, drop=options.drop or ())
         if recording.v is None or recording.a is None:
             recording = differentiated(recording, low_pass)
         return Figure(f"{Path(name).name}: {path.name}", robot, *recorded_motion(robot.model, recording))
 
-    reading = urdf.Reading(lock=locked_joints(lock) or None)
     shown = {}
     with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
         for name in robots:
             model = urdf.load(name, reading=reading)
-            shown[name] = shown_robot(name, model.with_actuated(actuated) if actuated else model, reading, faces)
+            shown[name] = shown_robot(
+                name, model.with_actuated(actuated) if actuated else model, reading, options.faces
+            )
             advance(name, 1)
         names = robots * (len(runs) if len(robots) == 1 and runs else 1)
         figures = []
@@ -130,12 +122,12 @@ def run(
         if len(notes) > TOLD:
             say(f"{each.name}: {len(notes) - TOLD} further notes, on the page")
     title = ", ".join(dict.fromkeys(each.name for each in figures))
-    if html_file is not None:
+    if options.html_file is not None:
         from crosscheck.viewing.page import page
 
-        html_file.write(page(title, figures).encode())
+        options.html_file.write(page(title, figures).encode())
     else:
-        _serve(title, figures, port, no_browser)
+        _serve(title, figures, options.port, options.no_browser)
 
 
 def _serve(title: str, figures: Sequence[Figure], port: int, no_browser: bool) -> None:

@@ -64,12 +64,8 @@ def confirmed_functions(frame: str | None) -> list[str]:
     ]
 
 
-def vector_tables(
-    setting: Setting, names: Collection[str], declared: Mapping[str, str], bound: float
-) -> Iterator[VectorTable]:
-    """The test vectors of each function.
-
-    declared: conventions that are not the usual ones; bound: of the relative errors, on the scale of the function
+def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTable]:
+    """The test vectors of each function, by the conventions of the setting, with tolerances by its bound.
 
     Raises InvalidInput, ReferencesDisagree, and what crosscheck.judge raises for a robot.
     """
@@ -77,7 +73,7 @@ def vector_tables(
     for known in functions:
         if "p" in known.shape:
             raise InvalidInput(f"{known.name} has no test vectors: answers of any number of columns may be right")
-    check_declared(dict(declared), functions)
+    check_declared(setting.conventions, functions)
     drawn = drawn_states(setting, functions)
     of_states: dict[bool, References] = {}
     for known in functions:
@@ -85,10 +81,10 @@ def vector_tables(
         if (loaded := states.loads is not None) not in of_states:
             of_states[loaded] = _references(states)
         references = of_states[loaded]
-        own = {name: way for name, way in declared.items() if name in known.conventions}
+        own = {name: way for name, way in setting.conventions.items() if name in known.conventions}
         chosen = next(known.readings(own))
         ours = known.ours(references.states, chosen)
-        tolerance = tolerances(known, ours, references.states, chosen, bound)
+        tolerance = tolerances(known, ours, references.states, chosen, setting.bound)
         answers = references.answers(known, chosen, ours)
         for referee, theirs in answers.items():
             if not (np.abs(theirs - ours) <= tolerance).all():

@@ -316,13 +316,13 @@ class TestDefaults:
     def test_without_arguments_the_six_arms(self, program, monkeypatch):
         seen, comparison = [], crosscheck.compare(mixed_tree(), 1)
 
-        def compare(robot, samples, seed, *, lock=None, chain=None, progress=None):
-            seen.append((robot, lock))
+        def compare(robot, samples, seed, *, reading, progress=None):
+            seen.append((robot, reading.locked))
             return comparison
 
         monkeypatch.setattr(comparing, "compare", compare)
         assert program("crosscheck").code == AGREED
-        assert seen == [(name, dict(lock) or None) for name, lock in DEFAULT_ROBOTS]
+        assert seen == [(name, dict(lock)) for name, lock in DEFAULT_ROBOTS]
 
     def test_seed_and_samples_arrive(self, program, pendulum, tmp_path):
         record = tmp_path / "r.json"

@@ -119,7 +119,7 @@ class TestRefused:
 
     def test_any_number_of_columns(self):
         with pytest.raises(InvalidInput, match="base_regressor has no test vectors: answers of any number of columns"):
-            next(vector_tables(Setting(robot="ur5"), ["base_regressor"], {}, BOUND))
+            next(vector_tables(Setting(robot="ur5"), ["base_regressor"]))
 
     def test_other_files(self, program, small_arm, tmp_path, words):
         (tmp_path / "v").mkdir()

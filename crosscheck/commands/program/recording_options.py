@@ -1,0 +1,112 @@
+"""Options that say how recordings are read, the same in every command that reads some."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ClassVar
+
+import typer
+
+from crosscheck.commands.program.console import Advance
+
+if TYPE_CHECKING:
+    from crosscheck.recordings import ColumnMapping, Recording
+    from crosscheck.recordings.preparation.derivatives import Cutoff
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnOptions:
+    """What the columns are, and how they are filtered."""
+
+    PANEL: ClassVar[str] = "Reading the recordings"
+
+    mapping: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="TOML file that describes the columns (docs/recordings.md).")
+    ] = None
+    drop: Annotated[
+        list[str] | None,
+        typer.Option(metavar="CODE", help="Drop the rows of a finding (docs/recordings.md). Repeatable."),
+    ] = None
+    cutoff: Annotated[
+        str,
+        typer.Option(
+            metavar="HZ|CHANNEL=HZ,…|residual|none",
+            help="Cutoff of the zero-phase low-pass filter of q, v and τ, or of each; the regressor is filtered "
+            "like τ.",
+        ),
+    ] = "residual"
+
+    @property
+    def low_pass(self) -> Cutoff:
+        """--cutoff. Raises typer.BadParameter."""
+        text = self.cutoff
+        if text in ("none", "residual"):
+            return None if text == "none" else "residual"
+        try:
+            if "=" not in text:
+                return float(text)
+            parts = [part.partition("=") for part in text.split(",")]
+            cutoffs = {name.strip(): float(value) for name, _, value in parts}
+            if len(cutoffs) < len(parts):
+                raise typer.BadParameter(f"--cutoff {text}: a channel is given twice; give each once")
+            return cutoffs
+        except ValueError:
+            raise typer.BadParameter(f"--cutoff {text}: give Hz, CHANNEL=HZ,…, residual or none") from None
+
+    def recordings(
+        self, option: str, logs: list[Path], joints: tuple[str, ...], advance: Advance, rate: float | None = None
+    ) -> list[Recording]:
+        """The recordings of the files, as many files for each as the mapping names. Raises as load_recording."""
+        from crosscheck.recordings import DROPPABLE, load_mapping, load_recording
+
+        columns = load_mapping(self.mapping) if self.mapping is not None else None
+        together = files_per_recording(columns)
+        if len(logs) % together:
+            raise typer.BadParameter(
+                f"{option}: {len(logs)} files, but {self.mapping} makes each recording of {together}; give them in a "
+                "row"
+            )
+        groups = [logs[k : k + together] for k in range(0, len(logs), together)]
+        places = [tuple(sorted(str(path.resolve()) for path in group)) for group in groups]
+        twice = next((group[0] for group, place in zip(groups, places, strict=True) if places.count(place) > 1), None)
+        if twice is not None:
+            raise typer.BadParameter(
+                f"{option}: {twice} is given twice; rows that count twice look more certain than they are"
+            )
+        drop = self.drop or []
+        codes = DROPPABLE if "all" in drop else drop
+        recordings = []
+        for group in groups:
+            advance(group[0].name, 0)
+            recordings.append(load_recording(group, columns, joints=joints, rate=rate, drop=codes))
+            advance(group[0].name, len(group))
+        return recordings
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordingOptions(ColumnOptions):
+    """The columns, and their rate."""
+
+    PANEL: ClassVar[str] = "Reading the recordings"
+
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Samples per second, for files without a column of time.")
+    ] = None
+
+
+def files_per_recording(mapping: ColumnMapping | None) -> int:
+    """How many different files the columns of a mapping come from."""
+    if mapping is None:
+        return 1
+    named = {channel.file for channel in mapping.channels.values()}
+    named |= {mapping.time.file} if mapping.time is not None else set()
+    return max(1, len(named))
+
+
+def numbers(option: str, text: str) -> list[float]:
+    """Numbers between commas. Raises typer.BadParameter."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise typer.BadParameter(f"{option} {text}: give numbers with commas between them") from None
