@@ -1,4 +1,4 @@
-"""From recordings and a robot to a model that predicts: preparation, methods side by side, recommendation."""
+"""Identification of a robot from recordings: preparation, comparison of methods, recommendation."""
 
 from crosscheck.identifying.identify import identify
 from crosscheck.identifying.long_recordings import identify_long

@@ -1,4 +1,4 @@
-"""One torque model, identified with several methods on the rows of a division."""
+"""Identification of one torque model with several methods on the rows of a division."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from graphdyn.identification import (
 from graphdyn.layout import Array
 
 TRIAL_POSES = 1
-"""Poses in which the mass matrix of a trial is tested: one, because a trial only predicts."""
+"""Number of poses in which the mass matrix of a trial is tested: one, because a trial only predicts."""
 
 
 def identified_model(
@@ -47,7 +47,7 @@ def identified_model(
     poses: int,
     progress: Callable[[str], None],
 ) -> IdentifiedModel:
-    """Every method on the rows of the fit, and on those of every trial.
+    """The model with the results of every method on the rows of the fit, and on those of every trial.
 
     loop: as prepared, for the methods that simulate it
     progress: called with the name of every method that begins
@@ -85,7 +85,7 @@ def identified_model(
 
 
 Tried = tuple[HeldOutPrediction, MethodComparison]
-"""What a trial predicts, and the results that it comes from."""
+"""Prediction of a trial, and the results that it comes from."""
 
 
 def _fitted(comparison: MethodComparison) -> tuple[dict[str, Array], dict[str, ResidualStatistics]]:
@@ -100,7 +100,7 @@ def _fitted(comparison: MethodComparison) -> tuple[dict[str, Array], dict[str, R
 def _predicted(
     trial: Fold, fit: Problem, recording: Recording, preparation: Preparation, comparison: MethodComparison
 ) -> Tried:
-    """The rows of a trial, predicted by results that are there already."""
+    """The rows of a trial, predicted by existing results."""
     _, problem, times = problems_of(trial, fit, recording, preparation)
     parameters, _ = _fitted(comparison)
     statistics = residual_statistics(problem, np.array(list(parameters.values()))) if parameters else []
@@ -123,7 +123,7 @@ def _tried(
 
 
 def _with_trials(result: MethodResult, trials: Sequence[Tried]) -> MethodResult:
-    """The result with the errors of all trials together; failed where it fails in one."""
+    """The result with the errors of all trials together; failed if it fails in one."""
     if result.failure is not None:
         return result
     failures = [why for _, found in trials if (why := found.of(result.name).failure) is not None]
@@ -133,7 +133,7 @@ def _with_trials(result: MethodResult, trials: Sequence[Tried]) -> MethodResult:
 
 
 def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Estimator]:
-    """The estimators; those that need wrenches are given the recording."""
+    """The estimators; those that need wrenches receive the recording."""
     return [
         replace(estimator, recording=recording)
         if isinstance(estimator, FromWrenches) and not estimator.recording
@@ -143,7 +143,7 @@ def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Es
 
 
 def _with_referee(estimators: Sequence[Estimator], robot: Subject) -> list[Estimator]:
-    """The estimators; those on Pinocchio's regressor use its own reading of the file, where it can read it."""
+    """The estimators; those on Pinocchio's regressor use its own reading of the file, if it can read it."""
     wanting = [estimator for estimator in estimators if isinstance(estimator, WithPinocchio) and not estimator.referee]
     if not wanting or robot.file is None:
         return list(estimators)

@@ -1,4 +1,4 @@
-"""crosscheck.identify: recordings and a robot in, methods side by side and a recommendation out."""
+"""crosscheck.identify: from recordings and a robot to a comparison of methods and a recommendation."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def identify(
     progress: Callable[[str], None] | None = None,
     **reading: Unpack[ReadingKeywords],
 ) -> Identified:
-    """Identify a robot from recordings with several methods, and say which result to trust.
+    """Identify a robot from recordings with several methods, and recommend a result.
 
     robot: name, path of a URDF, or RobotModel; its inertial parameters are the prior
     recordings: with torques; several are fitted together
@@ -51,7 +51,7 @@ def identify(
     loop: controller and reference of the recordings, over their time; some methods simulate it
     poses: random poses in which the mass matrix is tested
     models: torque models to compare, each with terms, known terms and methods of its own, in place of `terms`, `known`
-        and `methods`; the result is that of the first one, with the others beside it
+        and `methods`; the result is that of the first one, and contains the others
     progress: called with the name of the next step: three, and one for every method of the fit and of every fold
 
     Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
@@ -97,13 +97,13 @@ def identify(
 
 
 def number_of_steps(models: Sequence[CandidateModel], held_out: HeldOut | None) -> int:
-    """How often identify calls its `progress`."""
+    """Number of calls of `progress` by identify."""
     folds = held_out.folds if isinstance(held_out, Folds) else 0
     return 3 + (1 + folds) * sum(len(model.methods) for model in with_links_of_cad(models))
 
 
 def _other_recordings(held_out: HeldOut) -> tuple[Recording, ...]:
-    """Recordings that are predicted alone, as they were read."""
+    """Recordings that are only predicted, as they were read."""
     if isinstance(held_out, Folds) and held_out.aside is not None:
         return _other_recordings(held_out.aside)
     return held_out.recordings if isinstance(held_out, OtherRecordings) else ()

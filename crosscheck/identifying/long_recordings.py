@@ -1,4 +1,4 @@
-"""Identification from recordings of any length, of which only sums are ever in memory, and their beginnings."""
+"""Identification from recordings of any length, of which only sums and the beginnings are in memory."""
 
 from __future__ import annotations
 
@@ -40,22 +40,22 @@ from graphdyn.identification import (
 from urdf import Reading, ReadingKeywords
 
 EXCERPT_ROWS = 100_000
-"""Rows from the beginnings of the logs that are in memory: for their health, and for the curves of a page."""
+"""Rows from the beginnings of the logs that are in memory, for the data quality and the curves of a page."""
 
 HELD_OUT_SHARE = 0.25
-"""Part of every log, its end, that is predicted unless other logs are."""
+"""Part of every log, at its end, that is predicted unless other logs are."""
 
 MAX_NAMED_LOGS = 3
-"""Logs that are named where it is said what was predicted."""
+"""Largest number of predicted logs that are listed by name."""
 
 METHODS_OF_SUMS = ("ols", "wls", "ridge", "essential", "consistent", "entropic", "pullback", "log-cholesky", "tls")
 """Methods that need no more than the sums of all parts."""
 
 STANDARD_METHODS_OF_SUMS = ("ols", "wls", "ridge", "consistent", "entropic")
-"""The default ones."""
+"""The default methods of METHODS_OF_SUMS."""
 
 EXOGENEITY_NEEDS_ROWS = "not tested: the test needs single rows, and recordings of any length are summed up"
-"""What is said of the exogeneity of the regressor."""
+"""Text on the exogeneity of the regressor for recordings of any length."""
 
 SAMPLE_METHODS = (
     GeneralizedLeastSquares,
@@ -66,7 +66,7 @@ SAMPLE_METHODS = (
     FromWrenches,
     *CLOSED_LOOP_METHODS,
 )
-"""Methods that look at the samples, some of them again and again."""
+"""Methods that read the samples, some of them repeatedly."""
 
 
 def identify_long(
@@ -80,15 +80,15 @@ def identify_long(
     progress: Callable[[str, int], None] | None = None,
     **reading: Unpack[ReadingKeywords],
 ) -> Identified:
-    """As identify, where the recordings do not fit into memory. They are read several times, part by part.
+    """Identify from recordings that do not fit into memory. They are read several times, part by part.
 
     data, validate: joints in the order of the robot, those of the robot if left out; validate: logs to predict, the end
         of every log of `data` if left out
     min_speed: as in Preparation
-    progress: called with what is done, and a number of rows
+    progress: called with the name of a step, and a number of rows
 
-    The result is that of the whole data. Its `recordings`, `division` and curves are the beginnings of the logs; health
-    is judged from these. Raises as identify; InvalidInput for methods that look at samples; NoWorkers.
+    The result is that of the whole data. Its `recordings`, `division`, curves and data quality are those of the
+    beginnings of the logs. Raises as identify; InvalidInput for methods that read samples; NoWorkers.
     """
     compared = subject(robot, Reading.of(identify_long, reading))
     refuse_chords(compared.model, IDENTIFY_CLOSED)
@@ -198,7 +198,7 @@ def _refuse_shared(fitted: PartitionedRecording, predicted: PartitionedRecording
 
 
 def _beginnings(data: PartitionedRecording) -> list[Recording]:
-    """As read, of every log, or of every second, third, … one where all of them would be too many rows."""
+    """Beginnings as read, of every log, or of every second, third, … one if all would be too many rows."""
     shortest = max(source.shortest for source in data.logs)
     some = data.logs[:: -(-len(data.logs) * shortest // EXCERPT_ROWS)]
     each = max(EXCERPT_ROWS // len(some), shortest)

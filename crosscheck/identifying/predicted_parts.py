@@ -15,13 +15,16 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PredictedParts(HeldOutPrediction):
-    """problem: of a PartitionedRecording; excerpt: the same of rows that fit into memory, for the curves."""
+    """Predicted rows in parts.
+
+    problem: of a PartitionedRecording; excerpt: the same of rows that fit into memory, for the curves
+    """
 
     excerpt: HeldOutPrediction
 
     @property
     def n_rows(self) -> int:
-        """As recorded: with those that the borders of the filter take."""
+        """Number of rows as recorded, including those at the borders of the filter."""
         data = self.problem.data
         assert isinstance(data, PartitionedRecording)
         return data.n_rows
@@ -31,11 +34,11 @@ class PredictedParts(HeldOutPrediction):
         return self.excerpt.period
 
     def squares(self, pieces: int) -> PieceSquares:
-        """As of any rows, each part being a piece, of which there are enough."""
+        """Sums of squares, with each part as a piece, of which there are enough."""
         return self._squares
 
     def curves(self, method: str) -> list[TorqueCurve]:
-        """Of the excerpt."""
+        """Curves of the excerpt."""
         return self.excerpt.curves(method)
 
     @cached_property
@@ -50,8 +53,9 @@ class PredictedParts(HeldOutPrediction):
 
 
 def _squares_of_part(x: Array, problem: Problem, own: slice) -> tuple[Array, Array]:
-    """Of the errors of every method and of the torque, over all rows and over those that move (2, m + 1, n); these
-    counted (n,)."""
+    """Squares of the errors of every method and of the torque, over all rows and over the moving ones (2, m + 1, n).
+
+    The second array has the numbers of moving rows (n,)."""
     sums = np.zeros((2, x.shape[1] + 1, problem.n_joints))
     moving_rows = np.zeros(problem.n_joints)
     for rows in own_rows(problem, own):

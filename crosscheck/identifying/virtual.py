@@ -1,4 +1,4 @@
-"""Virtual recordings of a robot whose parameters are known: excitation, friction, noise, and wrong CAD values.
+"""Virtual recordings of a robot with known parameters: excitation, friction, noise, and wrong CAD values.
 
 They have everything that real recordings have, and true parameters to compare with.
 """
@@ -25,19 +25,19 @@ FREQUENCY, HARMONICS = 0.1, 5
 """Fundamental frequency of the excitation [Hz], and number of its harmonics."""
 
 LIMIT_SHARE = 0.9
-"""Part of the limits of position and speed that the motion uses."""
+"""Fraction of the limits of position and speed that the motion uses."""
 
 MAX_SPEED = 3.0
-"""Speed limit where the robot's is missing or higher [rad/s or m/s], so that torques are those of an arm."""
+"""Speed limit if the robot's is missing or higher [rad/s or m/s]: torques are then those of an arm."""
 
 VIRTUAL_RATE = 250.0
-"""[Hz]"""
+"""Sampling rate of the virtual recordings [Hz]."""
 
 ENCODER_NOISE, TORQUE_NOISE = 2e-5, 0.01
 """Standard deviation of positions [rad or m], and of torques and wrenches as a part of their root mean square."""
 
 DRIVE_TORQUE_SHARE = 0.05
-"""Root mean square of the torque of each drive parameter, as a part of that of the joint's torque."""
+"""Root mean square of the torque of each drive parameter, relative to that of the joint's torque."""
 
 SCALE_ROWS, ROWS_PER_PIECE = 2000, 512
 """Number of rows from which the size of torques is found; number of rows whose regressor is in memory at once."""
@@ -48,7 +48,7 @@ CAD_ERROR = 0.2
 
 @dataclass(frozen=True, eq=False)
 class VirtualRobot:
-    """A virtual robot whose parameters are known, and its recordings.
+    """A virtual robot with known parameters, and its recordings.
 
     subject: the robot with wrong inertial parameters, as from CAD
     truth: parameters of the torque model, bodies first     (p,)

@@ -45,11 +45,11 @@ class RecordingFinding:
     """One kind of fault or oddity in one file.
 
     code: stable name of its kind ("repeated-stamp")
-    severity: "error": refused unless its rows are dropped; "warning": doubtful; "note": good to know
-    file, column: where; column is None where it concerns whole rows
+    severity: "error": refused unless its rows are dropped; "warning": suspicious; "note": for information
+    file, column: position; column is None if it concerns whole rows
     rows: rows of data, counted from 0 as NumPy and pandas do, including malformed lines; empty: all rows
     message: what was found; remedy: what to do
-    lines: line of row 0 in the file; None where the file has no lines
+    lines: line of row 0 in the file; None if the file has no lines
     """
 
     code: str

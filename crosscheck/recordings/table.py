@@ -35,11 +35,11 @@ DURATION_PATTERN = r"^-?(\d+\.?\d*|\.\d+)(e[-+]?\d+)? sec$"
 
 
 class Cells(NamedTuple):
-    """A column: start + values, NaN where a cell is not a number.
+    """A column: start + values, NaN for a cell that is not a number.
 
     values: differences from the start           (N,)
     start: 0, or the first integer of a column with integers beyond MAX_EXACT_INTEGER
-    seconds: per number, where the column holds times of a calendar, a clock or a stopwatch; else None
+    seconds: per number, if the column holds times of a calendar, a clock or a stopwatch; otherwise None
     """
 
     values: Array

@@ -20,15 +20,15 @@ from graphdyn.verbs.derivatives import inverse_dynamics_derivatives
 from graphdyn.verbs.dynamics import joint_torques
 
 DISTANCE_SCALE = 0.01
-"""[m] Unit of distances: the smooth maximum is sharp to some DISTANCE_SCALE / ρ, and what is by DISTANCE_SCALE farther
-away than the nearest has the weight exp(-ρ)."""
+"""Unit of distances [m]: the smooth maximum is sharp to some DISTANCE_SCALE / ρ, and a pair that is farther apart than
+the closest one by DISTANCE_SCALE has the weight exp(-ρ)."""
 
 NEAREST_SPHERES = 5
-"""Balls that are nearest to the ball around all others: the nearest two are looked for there first."""
+"""Number of spheres, closest to the sphere around all others, among which the search for the closest pair starts."""
 
 
 def clearance_signal(clearance: Clearance, poses: Poses) -> Signal:
-    """1 - (|c_i - c_j| - r_i - r_j - distance) / SCALE of the spheres i of one body and j of the other."""
+    """1 - (|c_i - c_j| - r_i - r_j - distance) / DISTANCE_SCALE of the spheres i of one body and j of the other."""
     row, i, j, distance = _near(clearance, poses)
 
     def slopes(weights: Array) -> dict[int, Array]:
@@ -50,7 +50,7 @@ def smallest_distances(clearance: Clearance, poses: Poses) -> Array:
 
 
 def _near(clearance: Clearance, poses: Poses) -> tuple[Numbers, Numbers, Numbers, Array]:
-    """Pose, sphere of one, sphere of the other, distance (K,) of all pairs within SCALE of the closest.
+    """Pose, sphere of one, sphere of the other, distance (K,) of all pairs within DISTANCE_SCALE of the closest.
 
     Spheres of the other that are farther away from the sphere around all of one are skipped.
     """
@@ -88,7 +88,7 @@ def _radii(balls: Sequence[Ball]) -> Array:
 
 
 UNBOUNDED_SCALE = 1.0
-"""Positions with one limit alone are measured in this [rad or m]; speeds of planes likewise in m."""
+"""Unit of positions with one limit alone [rad or m], and of speeds of planes [m]."""
 
 NEGLIGIBLE_WEIGHT = 1e-15
 """Weight in a smooth maximum below which a point does not change its slope."""

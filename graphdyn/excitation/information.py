@@ -94,8 +94,8 @@ def covariance(information: Array) -> Array | None:
 
 
 DIFFERENCE_STEP = 1e-6
-"""Of central differences [rad or m, …/s, …/s²]: truncation and rounding are both near 1e-10 of the slope of a smooth
-sign that is a tenth of a unit wide."""
+"""Step of central differences [rad or m, …/s, …/s²]: truncation and rounding are both near 1e-10 of the slope of a
+smooth sign that is a tenth of a unit wide."""
 
 
 class Information:

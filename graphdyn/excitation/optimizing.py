@@ -37,44 +37,45 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 GRID_POINTS = 240
-"""Points of time of the search: 48 for the period of the fifth harmonic, 12 of its acceleration's square."""
+"""Number of instants of the search: 48 for the period of the fifth harmonic, 12 of its acceleration's square."""
 
 CHECK_RATE = 1000.0
-"""[Hz] Rate at which limits are checked."""
+"""Rate at which limits are checked [Hz]."""
 
 FRICTION_WIDTH = 0.05
-"""Part of the limit of velocity over which the sign of friction changes smoothly during the search."""
+"""Fraction of the velocity limit over which the sign of friction changes smoothly during the search."""
 
 SHARPNESSES = (30.0, 200.0, 1000.0)
-"""ρ of the smooth maximum in one search after the other: at 1000, a maximum that is reached by ten points of time is
-taken for 0.2 % too large."""
+"""Sharpness ρ of the smooth maximum in consecutive searches: at 1000, a maximum that is reached at ten instants is
+overestimated by 0.2 %."""
 
 MAX_SEARCH_ITERATIONS, MOTION_TOLERANCE = 200, 1e-5
-"""Of one search: at most so many; it ends where the logarithm of the criterion changes by less."""
+"""Most iterations of one search; change of the logarithm of the criterion below which it ends."""
 
 TIGHTENING_MARGIN = 1e-4
-"""By so much more than it was violated a limit is tightened."""
+"""Additional tightening of a limit, beyond its violation, as a fraction of the limit."""
 
 CLEARANCE_MARGIN = 0.1
 """Additional tightening of clearances, beyond their violation: a millimeter."""
 
 MAX_LIMIT_VIOLATION = 1.3
-"""A search that ends with more than this part of a limit will not come within it by tightening."""
+"""Used part of a limit at the end of a search beyond which tightening will not help."""
 
 MAX_CLEARANCE_VIOLATION = 3.0
-"""The same of clearances: two centimeters."""
+"""Used part of a clearance beyond which tightening will not help: a violation by two centimeters."""
 
 LIMIT_SLACK = 1e-3
-"""Part of a limit by which a motion on the way may violate it, to be one from which the next search goes on."""
+"""Largest violation of a limit, relative, by a motion from which the next search goes on."""
 
 MAX_TIGHTENINGS = 6
-"""Searches with tightened limits at most, before a start is given up."""
+"""Most searches with tightened limits before a start is given up."""
 
 MAX_STARTS = 2
-"""Random motions from which a seed searches at most, one after the other until a motion is found."""
+"""Most random motions from which a seed searches, one after the other, until a motion is found."""
 
 MIN_START_SHARE = 0.2
-"""Part of what its joints' own limits allow up to which a random motion is no start: the search stays near it."""
+"""Fraction of what its joints' own limits allow, up to which a random motion is no start: the search would stay near
+it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +181,7 @@ def optimized(
     """The best motion from the first start that leads to a better one.
 
     progress: called with the criterion after every iteration
-    start: up to STARTS random motions of this seed if left out
+    start: up to MAX_STARTS random motions of this seed if left out
 
     Raises NoFeasibleMotion if no motion within the limits is found.
     """

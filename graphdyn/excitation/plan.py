@@ -20,7 +20,7 @@ DRIVE_SHARE = 0.1
 random states."""
 
 ZERO_PARAMETER_SHARE = 1e-12
-"""Values of the model below this part of the prior spread are sums that cancel."""
+"""Value of the model, relative to the prior spread, below which it is a sum that cancels."""
 
 MAX_WELL_DETERMINED, MAX_ROUGHLY_DETERMINED = 0.1, 0.5
 """Largest standard deviations, relative to a parameter's size, that count as well and as roughly determined."""

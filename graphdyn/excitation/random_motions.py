@@ -15,16 +15,17 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
 LIMIT_CHECK_POINTS = 240
-"""Of time at which limits are looked at: a random motion for comparison may violate them in between, by a little."""
+"""Number of instants at which limits are checked: a random motion for comparison may violate them slightly in
+between."""
 
 SCALE_HALVINGS = 12
-"""Of the interval in which the scale is sought that just keeps all limits: to a part in 4000."""
+"""Halvings of the interval in the search for the largest scale within all limits: to a part in 4000."""
 
 LIMIT_TOLERANCE = 1e-9
-"""Parts of a limit by which rounding may exceed it."""
+"""Relative amount by which rounding may exceed a limit."""
 
 MAX_DRAWS = 20
-"""Positions drawn at most: some robots cannot hold themselves in every pose, or hardly move there."""
+"""Most positions that are drawn: some robots cannot hold themselves in every pose, or hardly move there."""
 
 
 def random_trajectory(
@@ -94,7 +95,7 @@ def _largest_scale(
     moving: Array,
     middle: Array,
 ) -> float:
-    """Largest scale in 0 … 1, to a part in 2^HALVINGS; zero if the robot cannot stand still there."""
+    """Largest scale in 0 … 1, to a part in 2^SCALE_HALVINGS; zero if the robot cannot stand still there."""
 
     def kept(scale: float) -> bool:
         instants = times if scale else times[:1]

@@ -1,1 +1,1 @@
-"""Data quality in words: what is wrong with a recording, and the mapping lines that correct it."""
+"""Data quality as text: the faults of a recording, and the mapping lines that correct them."""

@@ -1,4 +1,4 @@
-"""The health of recordings in words: what is wrong with each joint, what undoes it, and what nobody can see."""
+"""Data quality of recordings as text: faults of each joint, their correction, and faults that no test reveals."""
 
 from __future__ import annotations
 
@@ -25,34 +25,35 @@ from graphdyn.identification.data_quality import (
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
 MIN_CLIPPED_SHARE = 0.01
-"""Share of clipped rows that is told."""
+"""Share of clipped rows from which there is a warning."""
 
 MIN_STANDSTILL_SHARE = 0.9
-"""Share of standstill from which a joint counts as one that hardly moves."""
+"""Share of standstill from which a joint counts as hardly moving."""
 
 MIN_UNRELATED_RESIDUAL = 0.9
-"""Residual of the fit, in parts of the deviation of the torque from its mean, from which the two are unrelated."""
+"""Residual of the fit, relative to the deviation of the torque from its mean, from which the two are unrelated."""
 
 MIN_CLEAR_SHARE, MAX_GAIN_DEVIATION = 0.3, 0.25
-"""A gain speaks of units where the model explains this share of the torque, and its σ is at most this part of it."""
+"""Smallest share of the torque that the model must explain, and largest relative σ, for a gain to indicate a wrong
+unit."""
 
 MIN_UNITS_GAIN, MAX_GAIN_RATIO = 2.0, 2.5
-"""Gain from which the unit of all torques is in doubt, and the factor within which all joints must then agree: CAD that
-is wrong is wrong by another factor in each link."""
+"""Gain from which the unit of all torques is suspicious, and the factor within which all joints must then agree: wrong
+CAD values are wrong by another factor in each link."""
 
 MIN_AGREEING_GAIN = 10.0
-"""Gain from which it is enough that most joints agree: CAD may be wrong in a wrist, but the heavier links, which most
-joints carry, are not ten times as heavy or as light all together."""
+"""Gain from which the agreement of most joints is enough: CAD may be wrong in a wrist, but not by a common factor of
+ten in the heavier links, which most joints carry."""
 
 
 @dataclass(frozen=True)
 class HealthFinding:
-    """Something about a recording.
+    """One fault or oddity of a recording.
 
     code: stable name of its kind
-    severity: "fault": no model is recommended while it lasts; "warning": doubtful
+    severity: "fault": no model is recommended until it is corrected; "warning": suspicious
     joints: whose columns; message: what was found; remedy: what to do
-    lines: of the mapping file, to be pasted over those that are there; empty where no mapping helps
+    lines: of the mapping file, to be pasted over the existing ones; empty where no mapping helps
     """
 
     code: str
@@ -70,11 +71,11 @@ class HealthFinding:
 
 @dataclass(frozen=True, eq=False)
 class Health:
-    """What is known of the recordings of the fit.
+    """Data quality of the recordings of the fit.
 
     measures: the numbers
     findings: in the order in which to correct them
-    unseen: what they cannot show, and the test that would, in sentences
+    unseen: faults that they cannot show, and the test that would, in sentences
     """
 
     measures: RecordingHealth
@@ -87,7 +88,7 @@ class Health:
 
 
 def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation) -> Health | None:
-    """Of all recordings together, with the mapping of the first; None where they are too short to tell."""
+    """Data quality of all recordings together, with the mapping of the first; None if they are too short."""
     try:
         parts = [preparation.pieces(recording) for recording in recordings]
     except InvalidInput:  # too few rows to filter, which the fit then refuses
@@ -109,9 +110,10 @@ def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparati
 
 
 def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
-    """With Coulomb friction in place of friction with memory, and without drifts: each row stands for itself.
+    """The torque model with Coulomb friction in place of friction with memory, and without drifts: rows are
+    independent.
 
-    Settings that are to be found are as where the search starts.
+    Settings to be found have their initial values.
     """
     terms = [term.make(**term.start) if isinstance(term, Tunable) else term for term in torque_model.terms]
     terms = [term for term in terms if not isinstance(term, Drift) and not getattr(term, "has_memory", False)]
@@ -180,7 +182,7 @@ def _of_channels(found: RecordingHealth) -> list[HealthFinding]:
 
 
 def _of_units(found: RecordingHealth) -> list[HealthFinding]:
-    """Of the unit of all torques; nothing where links and drives say little."""
+    """Findings on the unit of all torques; none if links and drives give little information."""
     g = found.gains
     with np.errstate(invalid="ignore"):
         clear = np.flatnonzero((g.share >= MIN_CLEAR_SHARE) & (g.deviation <= MAX_GAIN_DEVIATION * np.abs(g.gain)))
@@ -230,7 +232,7 @@ def _of_fits(found: RecordingHealth) -> list[HealthFinding]:
 
 
 def _unseen(found: RecordingHealth) -> tuple[str, ...]:
-    """What would fit as well, and the test that would show it."""
+    """Changes after which the recording would fit equally well, and tests that would reveal them."""
     said = []
     names = found.joint_names
     by_kind: dict[str, list[Change]] = {}

@@ -1,4 +1,4 @@
-"""A change of columns in words, and as complete lines of a mapping file that undo it."""
+"""A change of columns as text, and as complete lines of a mapping file that correct it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphdyn.layout import Array
 
 
 def change_in_words(change: Change, joint_names: Sequence[str], deviation: float = float("nan")) -> str:
-    """What was wrong, such as "the torque of elbow is reversed". deviation: of a lag [s]"""
+    """The fault as text, such as "the torque of elbow is reversed". deviation: of a lag [s]."""
     names = " and ".join(joint_names[j] for j in change.joints)
     alone = {"": "", "position": " (velocity right)", "velocity": " in its velocity alone"}[change.alone]
     turned = ""
@@ -53,7 +53,7 @@ def change_in_words(change: Change, joint_names: Sequence[str], deviation: float
 
 
 def recorded_columns(recording: Recording) -> RecordedColumns:
-    """How the columns of its file became the joints of the recording, in the order of the latter."""
+    """Conversion of the file's columns to the joints of the recording, in the order of the latter."""
     n, mapping = recording.n_joints, recording.provenance.columns
     if mapping is None:
         return RecordedColumns.of_joints(n)
@@ -70,7 +70,7 @@ def recorded_columns(recording: Recording) -> RecordedColumns:
 
 
 def mapping_lines(change: Change, recording: Recording) -> tuple[str, ...]:
-    """The lines, table by table; those of joints that do not change have the values that they have."""
+    """The lines, table by table; unchanged joints keep their values."""
     mapping = recording.provenance.columns
     joints = recording.joint_names if mapping is None else mapping.joints
     to_mapping = [recording.joint_names.index(joint) for joint in joints]

@@ -1,1 +1,1 @@
-"""Identification methods and torque terms by name; methods beside graphdyn's own."""
+"""Identification methods and torque terms by name, and methods in addition to graphdyn's own."""

@@ -1,4 +1,4 @@
-"""Torque models to be compared, and beside each the links of CAD with the same drives, which every fit has to beat."""
+"""Torque models to be compared, each also with CAD links and the same drives, which every fit has to outperform."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CAD_NAME = "CAD links"
 class CandidateModel:
     """A torque model and the methods that identify it.
 
-    name: for tables; may be empty where there is only one
+    name: for tables; may be empty if there is only one
     terms: unknown parts of the torque; known: known parts, which are subtracted
     methods: names (METHODS) or estimators
     cad_of: as in IdentifiedModel

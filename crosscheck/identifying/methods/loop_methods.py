@@ -1,4 +1,4 @@
-"""Methods that simulate the control loop of the recording, and what its simulation says about the others."""
+"""Methods that simulate the control loop of the recording, and the test of exogeneity for the other methods."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ CLOSED_LOOP_METHODS = (InstrumentalVariables, DirectInverse, ClosedLoopOutputErr
 
 
 def as_prepared(loop: ClosedLoop | None, preparation: Preparation, recording: Recording) -> ClosedLoop | None:
-    """The loop with what the preparation does to torques and motions."""
+    """The loop with the preparation of torques and motions."""
     if loop is None:
         return None
     return replace(loop, torque_hold=preparation.torque_hold, differentiation=preparation.differentiation(recording))
 
 
 def in_loop(estimators: Sequence[Estimator], loop: ClosedLoop | None) -> list[Estimator]:
-    """The estimators; those that simulate the loop and know none are given it."""
+    """The estimators; those that simulate the loop and have none receive it."""
     return [
         replace(estimator, loop=loop)
         if isinstance(estimator, CLOSED_LOOP_METHODS) and estimator.loop is None
@@ -40,15 +40,17 @@ def in_loop(estimators: Sequence[Estimator], loop: ClosedLoop | None) -> list[Es
 
 
 EXOGENEITY_NOT_TESTED = "not tested: the test needs the simulated loop of the recording (controller and reference)"
-"""What is said of the exogeneity of the regressor where no loop is known."""
+"""Text on the exogeneity of the regressor without a known loop."""
 
 
 def with_exogeneity(
     comparison: MethodComparison, problem: Problem, loop: ClosedLoop | None
 ) -> tuple[MethodComparison, str]:
-    """The test of the regressor in every result, with instruments from the first that the loop holds; and in words.
+    """The test of the regressor in every result, and as text, with instruments from the first result that the loop
+    holds.
 
-    Without a loop the comparison is as it was. Where the loop holds no result, every result says why there is no test.
+    Without a loop the comparison stays as it was. If the loop holds no result, every result states why there is no
+    test.
     """
     if loop is None:
         return comparison, EXOGENEITY_NOT_TESTED
@@ -69,7 +71,7 @@ def with_exogeneity(
 
 
 def _test(comparison: MethodComparison, problem: Problem, loop: ClosedLoop) -> Exogeneity | str:
-    """The test, or why there is none."""
+    """The test, or the reason why there is none."""
     reason = "no method has a result"
     for result in comparison.results:
         if result.estimate is None or result.base_values is None:

@@ -56,11 +56,11 @@ ESTIMATORS: dict[str, Callable[[], Estimator]] = {
 }
 
 STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "consistent", "entropic", "graph")
-"""The default methods, one of each kind; "all" has the others too."""
+"""The default methods, one of each kind; "all" includes the others."""
 
 
 FIXED_ESTIMATOR_FIELDS = ("name", "reference", "assumptions", "needs", "norm", "metric", "prior", "limits", "recording")
-"""Fields of the estimators that are no settings of a method."""
+"""Fields of the estimators that are not settings of a method."""
 
 
 def method_named(name: str) -> Estimator:
@@ -74,7 +74,7 @@ def method_with(method: str, *, name: str | None = None, **settings: Any) -> Est
     """A method with settings, such as the strength of a prior, so that one method can be compared with itself.
 
     method: as in ESTIMATORS
-    name: for tables; the method's own name with the settings behind it, unless given
+    name: for tables; the method's own name followed by the settings, unless given
     settings: fields of the estimator of the method
 
     Raises InvalidInput for a method or a setting that does not exist, and as the estimator does.
@@ -124,5 +124,5 @@ class Labeled:
         return getattr(self.estimator, "takes_expected", False)
 
     def estimate(self, problem: Problem) -> Estimate:
-        """As the estimator."""
+        """Estimate of the estimator."""
         return self.estimator.estimate(problem)

@@ -1,4 +1,4 @@
-"""Any estimator on Pinocchio's regressor instead of ours: the independent baseline."""
+"""Estimators on Pinocchio's regressor instead of ours: the independent baseline."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class WithPinocchio:
         return f"{self.estimator.needs}; unknown rigid bodies"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Raises EstimationFailed where no body is unknown."""
+        """Estimate of a problem. Raises EstimationFailed if no body is unknown."""
         model = problem.torque_model
         if not any(isinstance(term, RigidBodies) for term in model.terms):
             raise EstimationFailed("no body is unknown, so there is no regressor of rigid bodies to exchange")

@@ -54,16 +54,16 @@ TERMS: dict[str, Callable[..., Term]] = {
     "spring": Spring,
     "coupled-wrist": CoupledWrist,
 }
-"""By name: a function that returns the term; its keywords are the settings of the term."""
+"""Functions that return a term, by its name; their keywords are the settings of the term."""
 
 FIT_SETTING = "fit"
-"""In place of a setting: to be found, one number for each joint."""
+"""Value of a setting that is to be found, one number for each joint."""
 
 SEARCH_STARTS = {"width": 0.05, "velocity": STRIBECK_VELOCITY, "exponent": 2.0, "deflection": DEFLECTION}
-"""Settings that can be found, and where the search starts."""
+"""Settings that can be found, with the initial values of the search."""
 
 DRIFT_VARIABLES = ("time", "temperature")
-"""What a term may drift with: viscous*temperature."""
+"""Variables of a term's drift, as in viscous*temperature."""
 
 
 Setting = ArrayLike | Literal["fit"] | None
@@ -84,7 +84,7 @@ def with_setting(setting: str) -> tuple[str, ...]:
 
 
 def term_with(term: str, **settings: Any) -> Term:
-    """The term of this name (TERMS) with settings, of which some may be "fit": a Tunable then.
+    """The term of this name (TERMS) with settings; if one of them is "fit", the term is a Tunable.
 
     Raises InvalidInput for a name or a setting that does not exist, or that cannot be found.
     """
@@ -126,7 +126,7 @@ def friction_terms(
 
     width: sign(v) becomes tanh(v / width), one for all joints or one each [rad/s or m/s]
     stribeck_velocity: speed at which Stribeck friction fades, STRIBECK_VELOCITY unless given [rad/s or m/s]
-    stribeck_exponent: how it fades, 2 unless given
+    stribeck_exponent: exponent of the fading, 2 unless given
 
     Raises InvalidInput for an unknown or a repeated name, and for a setting that none of the terms has.
     """

@@ -1,4 +1,4 @@
-"""The graph method of the paper as an estimator: bodies one by one from the wrenches in all joints.
+"""The graph method of the paper as an estimator: one body at a time from the wrenches in all joints.
 
 Eq. (53)-(64) of the paper in the general form of graphdyn.identification.inertial_parameters: all ten parameters of
 every body. Friction, and parameters that the wrenches do not determine, come from the torques: weighted least squares
@@ -28,7 +28,7 @@ TORQUE_RANK_TOLERANCE = 1e-9
 class FromWrenches:
     """The graph method of the paper, from force and moment in every joint.
 
-    recording: the rows of the fit, with joint wrenches; None where only torques were measured, then estimate fails
+    recording: the rows of the fit, with joint wrenches; if None, only torques were measured, and estimate fails
     """
 
     recording: Recording | None = None
@@ -38,7 +38,7 @@ class FromWrenches:
     needs: str = "force and moment in all joints, six components each"
 
     def estimate(self, problem: Problem) -> Estimate:
-        """Estimate from wrenches. Raises EstimationFailed without wrenches, and where no body is unknown."""
+        """Estimate from wrenches. Raises EstimationFailed without wrenches, and if no body is unknown."""
         if self.recording is None or self.recording.joint_wrenches is None:
             raise EstimationFailed(
                 "the recording has torques about the joint axes alone; the method needs all six components of force "

@@ -1,1 +1,1 @@
-"""From a recording to equations: filters, which rows are fitted, and which are predicted."""
+"""Preparation of recordings for the identification: filters, fitted rows, and predicted rows."""

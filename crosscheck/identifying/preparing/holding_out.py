@@ -1,4 +1,4 @@
-"""Which rows are fitted and which are predicted: always whole intervals of time, never rows at random."""
+"""Division into fitted and predicted rows: always whole intervals of time, never rows at random."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from crosscheck.recordings.preparation.splits import GUARD_TIME, Interval, fold_
 from graphdyn import InvalidInput
 
 MAX_FILTER_LEAKAGE = 1e-2
-"""Part of a predicted torque that the filter may still carry into the fit across the guard."""
+"""Fraction of a predicted torque that the filter may still carry into the fit across the guard."""
 
 TIME_DECIMALS = 9
-"""Decimal places of the start time, computed with rounding from the rows that the filter cut off."""
+"""Decimal places of the start time, which is computed with rounding from the rows that the filter cut off."""
 
 
 class Fold(NamedTuple):
     """Rows that are fitted, and rows that are predicted from them.
 
     name: of the rows that are predicted; own_recording: whether they are all of a recording that is not fitted
-    fold: where both are parts of Division.fit, which rows of it; these are filtered together, so that the filter has
+    fold: the rows of Division.fit, if both are parts of it; these are filtered together, so that the filter has
         settled at their borders
     """
 
@@ -42,8 +42,8 @@ class Division(NamedTuple):
 
     fit: from which the parameters are identified
     trials: for the held-out error, by which results are chosen
-    words: what is held out, in words
-    aside: predicted from the fit, without any say in the choice
+    words: the held-out rows as text
+    aside: rows predicted from the fit that have no influence on the choice
     """
 
     fit: Recording
@@ -56,7 +56,7 @@ class HeldOut(Protocol):
     """A way to hold out rows of differentiated recordings."""
 
     def divide(self, recordings: Sequence[Recording]) -> Division:
-        """Divide recordings. Raises InvalidInput where nothing is left to fit or to predict."""
+        """Divide recordings. Raises InvalidInput if nothing is left to fit or to predict."""
         ...
 
 
@@ -141,7 +141,7 @@ class LastPart:
 class Folds:
     """Blocked cross-validation: parameters from all rows; each consecutive fold is predicted from the others.
 
-    aside: rows that are neither fitted nor choose a result, but predicted: the honest test of the choice
+    aside: rows that are neither fitted nor choose a result, but predicted: the unbiased test of the choice
     """
 
     folds: int = 5
@@ -166,7 +166,7 @@ def _one(split: Split, words: str) -> Division:
 
 
 def _rows_of_files(recording: Recording) -> dict[Path, set[int]]:
-    """The rows of every file; where several files have the same rows, of the first one."""
+    """The rows of every file; if several files have the same rows, those of the first one."""
     files = [Path(name).resolve() for name in recording.provenance.files]
     numbers = np.unique(recording.file).tolist() if files else []
     return {files[number]: set(recording.rows[recording.file == number].tolist()) for number in numbers}

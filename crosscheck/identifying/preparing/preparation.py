@@ -1,4 +1,4 @@
-"""From a recording to the equations of identification: filter, derivatives, decimation, slow rows left out."""
+"""Preparation of a recording for identification: filter, derivatives, decimation, removal of slow rows."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False)
 class Preparation:
-    """How a recording is prepared for the fit.
+    """Settings of the preparation of a recording for the fit.
 
     cutoff: of the zero-phase low-pass [Hz], as in crosscheck.differentiated; of the torque and of every column of the
         regressor alike
-    velocity: "recorded" takes v where there is one, "derived" differentiates q
+    velocity: "recorded" takes v if there is one, "derived" differentiates q
     decimate: factors of the stages, 2 … 13, of the torque and of every column of the regressor, after the low-pass
-    torque_hold: how long each recorded torque was held from its row on; taken at the middle of the hold [s]
+    torque_hold: hold time of each recorded torque from its row on; taken at the middle of the hold [s]
     min_speed: rows of joint j with smaller |v_j| are not fitted; one for all joints, or (n,) [rad/s or m/s]
     """
 
@@ -39,25 +39,27 @@ class Preparation:
     min_speed: ArrayLike = 0.0
 
     def differentiated(self, recording: Recording) -> Recording:
-        """With v and a. Raises InvalidInput where there is no torque, or the recording is too short for the filter."""
+        """The recording with v and a. Raises InvalidInput without torque, or if the recording is too short for the
+        filter.
+        """
         return differentiated(self._at_middle_of_hold(recording), self.cutoff, velocity=self.velocity)
 
     def differentiation(self, recording: Recording) -> Differentiation:
-        """What `differentiated` does to the motion of a recording."""
+        """The operation of `differentiated` on the motion of a recording."""
         return Differentiation.of(recording, self.cutoff, self.velocity)
 
     def problem(self, torque_model: TorqueModel, recording: Recording) -> Problem:
-        """The problem of a recording that has v and a. Raises InvalidInput where every block is too short."""
+        """The problem of a recording that has v and a. Raises InvalidInput if every block is too short."""
         return Problem(torque_model, self.samples(recording), min_speed=self.min_speed)
 
     def samples(self, recording: Recording) -> list[Samples]:
-        """As crosscheck.samples_of, with the errors of the motion. Raises InvalidInput likewise."""
+        """Samples as from crosscheck.samples_of, with the errors of the motion. Raises InvalidInput likewise."""
         blocks = filtered_blocks(recording, self.decimate)
         pieces = zip(samples_of(recording, self.decimate), map(recording.take, blocks), strict=True)
         return [replace(samples, motion_covariance=self._errors(block, samples)) for samples, block in pieces]
 
     def _errors(self, block: Recording, samples: Samples) -> Array | None:
-        """Of q, v and a of one block, where the noise of its positions is known."""
+        """Covariance of the errors of q, v and a of one block, if the noise of its positions is known."""
         if block.q_noise is None or len(block.t) < 2:
             return None
         cutoff = float(block.torque_cutoff[0]) if self.cutoff == "residual" else self.cutoff
@@ -75,8 +77,8 @@ class Preparation:
     def pieces(self, recording: Recording) -> tuple[list[Piece], list[Array]]:
         """Uninterrupted pieces of a recording as it was read, q, v, a and tau low-passed alike, not decimated.
 
-        Beside them their torques without a filter. Channels that were to stay as they are get the lowest cutoff of the
-        others. Raises InvalidInput as differentiated.
+        The second item is their torques without a filter. Channels that were to stay as they are get the lowest cutoff
+        of the others. Raises InvalidInput as differentiated.
         """
         cutoff = min(self.cutoff.values()) if isinstance(self.cutoff, Mapping) else self.cutoff
         prepared = differentiated(self._at_middle_of_hold(recording), cutoff, velocity=self.velocity)

@@ -1,7 +1,4 @@
-"""The equations of a trial: of the rows that are fitted, and of those that are predicted.
-
-Residual statistics of several trials, pooled into those of one recording.
-"""
+"""Equations of a trial, for the fitted and the predicted rows, and residual statistics pooled over several trials."""
 
 from __future__ import annotations
 
@@ -19,7 +16,7 @@ from graphdyn.layout import Array
 def problems_of(
     trial: Fold, fit: Problem, recording: Recording, preparation: Preparation
 ) -> tuple[Problem, Problem, list[Array]]:
-    """Of the rows that are fitted, of those that are predicted, and the times of these; fit: that of the recording."""
+    """Problems of the fitted and of the predicted rows, and the times of the latter; fit: problem of the recording."""
     if trial.fold is None:
         train, test = (preparation.problem(fit.torque_model, rows) for rows in (trial.train, trial.test))
         return train, test, preparation.times(trial.test)
@@ -28,7 +25,9 @@ def problems_of(
 
 
 def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
-    """Statistics of all rows of all trials. Whiteness and correlation of several are NaN: between trials rows lack."""
+    """Statistics of all rows of all trials. Whiteness and correlation are NaN for several trials, because of the
+    gaps.
+    """
     if len(parts) == 1:
         return parts[0]
     unknown = np.full(len(parts[0].durbin_watson), np.nan)
@@ -42,7 +41,7 @@ def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
 
 
 def pooled_sizes(parts: Sequence[ResidualSizes]) -> ResidualSizes:
-    """Sizes of the residuals of all parts together; NaN where no part has a sample."""
+    """Sizes of the residuals of all parts together; NaN if no part has a sample."""
     counts = np.array([part.count for part in parts])
     total = counts.sum(axis=0)
     means, rms, relative = (np.array([getattr(part, name) for part in parts]) for name in ("mean", "rms", "relative"))

@@ -1,4 +1,4 @@
-"""What every model has to beat: a constant torque, and the links of CAD with drives fitted to them."""
+"""Baselines that every model has to outperform: a constant torque, and CAD links with fitted drives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from graphdyn.identification.terms import Offset
 
 @dataclass(frozen=True, eq=False)
 class Baselines:
-    """Their errors on the rows that the methods predict.
+    """Errors of the baselines on the rows that the methods predict.
 
     constant: the mean torque of the fitted rows; cad: links as given, drives fitted; None where no link is unknown
     """

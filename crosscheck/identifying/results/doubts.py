@@ -1,7 +1,7 @@
-"""Why the best result is not to be trusted, joint by joint.
+"""Rejection reasons: why the best result should not be trusted, joint by joint.
 
 A result is usable if its recording has no fault, and if every joint is predicted better than by a bound, a constant and
-CAD with drives; if its residual is no larger than noise and repeatability explain; and if the links are real bodies.
+CAD with drives. Its residual must not exceed noise and repeatability, and the links must be physically consistent.
 """
 
 from __future__ import annotations
@@ -17,18 +17,20 @@ from graphdyn.identification import MethodResult, Problem, weighted_solution
 from graphdyn.layout import Array
 
 MAX_RELATIVE_ERROR = 0.5
-"""Largest error of a joint, ‖e‖ / ‖τ‖, on rows that were held out: a quarter of the power of the torque unexplained."""
+"""Largest error of a joint, ‖e‖ / ‖τ‖, on held-out rows: a quarter of the power of the torque is then unexplained."""
 
 MAX_JOINT_ERROR_RATIO, MAX_MEAN_ERROR_RATIO = 1.5, 1.1
-"""One joint, and the mean over the joints, may be so many times worse than CAD with drives: links are fitted for all
-joints together, and rows that were held out are few."""
+"""Largest error of one joint, and of the mean over the joints, relative to CAD with drives: links are fitted for all
+joints together, and held-out rows are few."""
 
 MIN_UNREPEATED_SHARE = 0.01
-"""Part of a joint's torque that does not repeat, of the best drives; a smaller residual needs no explanation."""
+"""Fraction of a joint's torque that does not repeat, even with the best drives; a smaller residual needs no
+explanation."""
 
 MAX_CONSTRAINED_RATIO = 2.0
-"""Largest residual of real bodies relative to that of parameters without constraints, which is noise and what the
-torque model lacks. For the arms of docs/industrial_arms.md it is 1.0 to 1.3, with one torque reversed 1.5 to 30."""
+"""Largest residual of physically consistent parameters relative to that of unconstrained ones, which contains the noise
+and the deficiencies of the torque model. For the arms of docs/industrial_arms.md it is 1.0 to 1.3, with one torque
+reversed 1.5 to 30."""
 
 
 def doubts(
@@ -40,10 +42,10 @@ def doubts(
     *,
     unconstrained: Problem | None = None,
 ) -> tuple[str, ...]:
-    """Sentences; none for a result that can be trusted. problem: of the fit
+    """Rejection reasons as sentences; none for a result that can be trusted. problem: of the fit.
 
-    unconstrained: problem of the fit with unknown links, where those of `problem` are known
-    result: the best one, with an estimate; the health of the recording alone counts where there is none
+    unconstrained: problem of the fit with unknown links, if those of `problem` are known
+    result: the best one, with an estimate; without one only the data quality of the recording counts
     """
     said = [finding.message for finding in health.faults] if health else []
     if result is None:

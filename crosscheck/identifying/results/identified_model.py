@@ -1,4 +1,4 @@
-"""One torque model, identified with several methods: its fit, what it predicts, its links."""
+"""One torque model, identified with several methods: its fit, its predictions, its links."""
 
 from __future__ import annotations
 
@@ -73,12 +73,12 @@ class HeldOutPrediction:
 
     @property
     def period(self) -> float:
-        """Between two rows, NaN for a single one [s]."""
+        """Time between two rows, NaN for a single one [s]."""
         longest = max(self.times, key=len)
         return float(np.median(np.diff(longest))) if len(longest) > 1 else float("nan")
 
     def squares(self, pieces: int) -> PieceSquares:
-        """Of the torques and their errors, summed over so many consecutive parts of the rows."""
+        """Squares of the torques and their errors, summed over this number of consecutive parts of the rows."""
         matrix = self.problem.structure.base.matrix
         x = np.array(list(self.parameters.values())).T
         total, first = sum(map(len, self.times)), 0
@@ -117,12 +117,12 @@ class IdentifiedModel:
     subject: the robot; its parameters are the prior
     fit: the rows of the fit
     trials: rows that were predicted, by which results are chosen
-    aside: rows that were predicted and choose nothing
+    aside: rows that were predicted and have no influence on the choice
     comparison: every method; held-out errors are those of all trials together
-    exogeneity: of the regressor, in words: the result of the Durbin-Wu-Hausman test, or why it is not made
+    exogeneity: of the regressor, as text: the result of the Durbin-Wu-Hausman test, or why it is not made
     name: of the torque model, empty where there is only one
-    cad_of: name of the torque model whose links are unknown where these are those of CAD, with the same drives; None
-        for a model that was asked for
+    cad_of: name of the torque model with unknown links and the same drives, if the links of this one are those of CAD;
+        None for a model that was asked for
     settings: of its terms that were found together with the parameters, from all fitted rows
     """
 
@@ -161,7 +161,8 @@ class IdentifiedModel:
         return _measured_squares(self.problem, slice(None))
 
     def body_parameters(self, result: MethodResult) -> Array:
-        """Ten per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left out.
+        """Ten parameters per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left
+        out.
 
         The result must have an estimate.
         """
@@ -173,7 +174,7 @@ class IdentifiedModel:
         return total.reshape(-1, 10)
 
     def row_name(self, result: MethodResult) -> str:
-        """Of a result of this model, in tables of several models."""
+        """Name of a result of this model in tables of several models."""
         return f"{self.name}: {result.name}" if self.name else result.name
 
 

@@ -1,4 +1,4 @@
-"""Identified parameters beside those of CAD, row by row, for tables and pages."""
+"""Identified parameters and those of CAD, row by row, for tables and pages."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from graphdyn.layout import Array
 from graphdyn.model import pseudo_inertia_from_parameters
 
 ZERO_VALUE_SHARE = 1e-13
-"""Value, relative to the largest, that counts as zero: the rounding left where terms cancel."""
+"""Value, relative to the largest, that counts as zero: the rounding of canceling terms."""
 
 DEVIATION_METHODS = ("WLS", "GLS", "OLS")
-"""Methods whose standard deviations are shown, the first available one, for a method that gives none that allow for
-correlation in time."""
+"""Methods whose standard deviations are shown for a method without time-correlated ones; the first available is
+used."""
 
 
 @dataclass(frozen=True)
 class BaseRow:
     """One base parameter.
 
-    name: in standard parameters; symbol: as Khalil writes it; unit: of the numbers
+    name: in standard parameters; symbol: in Khalil's notation; unit: of the numbers
     cad: of the robot as given; drives are zero
     value: identified
     deviation: standard deviation for white noise; NaN where there is none
@@ -54,7 +54,7 @@ class BodyRow:
     parameters, cad_parameters: all ten, identified and as given
     mass, cad_mass: [kg]
     center, cad_center: of mass, in link axes (3,) [m]
-    eigenvalue: smallest of the pseudo-inertia; below zero: no real body
+    eigenvalue: smallest of the pseudo-inertia; below zero the link is not physically consistent
     """
 
     name: str
@@ -68,7 +68,7 @@ class BodyRow:
 
 
 def deviations_of(found: Identified, result: MethodResult) -> tuple[MethodResult | None, str]:
-    """The result whose standard deviations are shown, and a text that says so."""
+    """The result whose standard deviations are shown, and a text that names it."""
     if result.block_deviations is not None:
         return result, f"of {result.name}"
     for name in DEVIATION_METHODS:
@@ -80,10 +80,10 @@ def deviations_of(found: Identified, result: MethodResult) -> tuple[MethodResult
 
 @dataclass(frozen=True)
 class Correlation:
-    """How long the residual of a result is correlated, of the joint with the longest correlation.
+    """Correlation time of the residual of a result, of the joint with the longest one.
 
     joint: its name; time: until the autocorrelation has fallen to 1/e, 0 where all residuals are white [s]
-    times: how many of them the rows of the fit are long
+    times: length of the rows of the fit in correlation times
     """
 
     joint: str
@@ -97,7 +97,7 @@ class Correlation:
 
 
 def correlation_of(found: Identified, result: MethodResult) -> Correlation:
-    """Over the rows of the fit; the result must have an estimate."""
+    """Correlation over the rows of the fit; the result must have an estimate."""
     assert result.training is not None
     lengths = np.nan_to_num(result.training.correlation_length)
     j = int(np.argmax(lengths))
@@ -109,7 +109,7 @@ def correlation_of(found: Identified, result: MethodResult) -> Correlation:
 
 
 def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
-    """Every base parameter of the recording; the result must have an estimate."""
+    """Rows of every base parameter of the recording; the result must have an estimate."""
     model, source = found.model_of(result), deviations_of(found, result)[0]
     comparison, problem = model.comparison, model.problem
     assert result.base_values is not None
@@ -129,19 +129,19 @@ def base_rows(found: Identified, result: MethodResult) -> list[BaseRow]:
 
 
 def _truth_of(found: Identified, model: IdentifiedModel) -> Array:
-    """True parameters of a torque model, by their names; NaN for those that the simulated robot has not."""
+    """True parameters of a torque model, by their names; NaN for those that the simulated robot lacks."""
     assert found.truth is not None
     known = dict(zip(found.comparison.names, found.truth, strict=True))
     return np.array([known.get(name, np.nan) for name in model.comparison.names])
 
 
 def _without_rounding(values: Array) -> Array:
-    """The values, with zero for those that are rounding beside the largest."""
+    """The values, with zero for those that are rounding relative to the largest."""
     return np.where(np.abs(values) < ZERO_VALUE_SHARE * np.nanmax(np.abs(values), initial=0.0), 0.0, values)
 
 
 def body_rows(found: Identified, result: MethodResult) -> list[BodyRow]:
-    """Every link; the result must have an estimate."""
+    """Rows of every link; the result must have an estimate."""
     model = found.model_of(result)
     new, rows = model.body_parameters(result), []
     eigenvalues = np.linalg.eigvalsh(pseudo_inertia_from_parameters(new))[:, 0]

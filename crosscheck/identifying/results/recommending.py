@@ -1,14 +1,12 @@
-"""The error of a result: per joint, over the rows in which it moves, and on the mean over the joints.
+"""Recommendation of one of several results for simulation and control, with its reason.
 
-By how much the mean errors of two results differ, and how certain that is.
-
-The predicted rows are cut into pieces; each is left out once, and the scatter of the differences gives its deviation:
+The error of a result is taken per joint, over the rows in which it moves, and as the mean over the joints. The mean
+errors of two results are compared with the standard deviation of their difference. For this the predicted rows are cut
+into pieces, each of which is left out once:
 
     deviation² = (K - 1) / K Σ_k (d_k - mean d)²,  d_k the difference of the mean errors without piece k
 
-A delete-one-group jackknife of a paired difference: pieces that are hard to predict for both results do not count.
-
-Which of several results can be trusted for simulation and control, and why.
+This is a delete-one-group jackknife of a paired difference: pieces that are hard to predict for both results cancel.
 """
 
 from __future__ import annotations
@@ -34,17 +32,17 @@ def joint_errors(statistics: ResidualStatistics) -> Array:
 
 
 def mean_error(result: MethodResult) -> float:
-    """Mean over the joints of the held-out error, or of the training error where nothing was held out."""
+    """Mean over the joints of the held-out error, or of the training error if nothing was held out."""
     statistics = result.held_out or result.training
     return float(np.nanmean(joint_errors(statistics))) if statistics is not None else float("nan")
 
 
 MIN_PIECES = 10
-"""At least so many pieces in all: each fold, each recording, or as many parts of one."""
+"""Smallest total number of pieces: each fold, each recording, or this many parts of one."""
 
 
 class Difference(NamedTuple):
-    """Of the mean errors of two results. deviation: standard deviation of the difference"""
+    """Difference of the mean errors of two results. deviation: its standard deviation."""
 
     value: float
     deviation: float
@@ -91,12 +89,12 @@ TIE_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class Recommendation:
-    """Which result to use.
+    """The recommended result.
 
     name: of the method to trust; None where there is none
     reason: why this one, or why none, in one sentence
-    best: method that would be recommended without the doubts; None where no result is consistent
-    doubts: why it is not recommended, joint by joint
+    best: method that would be recommended without the rejection reasons; None where no result is consistent
+    doubts: reasons for the rejection, joint by joint
     """
 
     name: str | None
@@ -159,23 +157,25 @@ def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
 
 
 def simplicity(candidate: Candidate) -> tuple[int, float, float]:
-    """Small for a simple result: few base parameters and settings, then a strong prior, then a small error."""
+    """Sort key, small for a simple result: few base parameters and settings, then a strong prior, then a small
+    error.
+    """
     return (numbers_of(candidate), -prior_strength(candidate), mean_error(candidate.result))
 
 
 def numbers_of(candidate: Candidate) -> int:
-    """Base parameters and settings that were found."""
+    """Number of base parameters and settings that were found."""
     return candidate.model.problem.base.rank + sum(len(setting.values) for setting in candidate.model.settings)
 
 
 def prior_strength(candidate: Candidate) -> float:
-    """Of the prior of the links; zero for methods without one."""
+    """Strength of the prior of the links; zero for methods without one."""
     assert candidate.result.estimate is not None
     return float(candidate.result.estimate.settings.get("strength", 0.0))
 
 
 def _as_good(candidate: Candidate, best: Candidate) -> bool:
-    """Whether a result is simpler, and predicts worse by less than the difference is certain to."""
+    """Whether a result is simpler, and predicts worse by less than the uncertainty of the difference."""
     if not simplicity(candidate)[:2] < simplicity(best)[:2]:
         return False
     apart = difference(candidate, best)
@@ -183,13 +183,13 @@ def _as_good(candidate: Candidate, best: Candidate) -> bool:
 
 
 def _more(one: Candidate, other: Candidate) -> str:
-    """What the first result has more of."""
+    """Advantage of the first result, as text."""
     ranks = [numbers_of(candidate) for candidate in (one, other)]
     return "more parameters" if ranks[0] > ranks[1] else "the weaker prior"
 
 
 def doubted(found: Recommendation, doubts: tuple[str, ...]) -> Recommendation:
-    """The recommendation, withdrawn if there are doubts."""
+    """The recommendation, withdrawn if there are rejection reasons."""
     if not doubts:
         return found
     count = "one reason speaks" if len(doubts) == 1 else f"{len(doubts)} reasons speak"

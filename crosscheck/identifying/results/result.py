@@ -20,7 +20,7 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Identified(IdentifiedModel):
-    """An identification: what was fitted, the result of every method, and which one to use.
+    """An identification: the fitted rows, the result of every method, and the recommendation.
 
     torque_model, comparison, fit and trials are those of the first torque model that was asked for.
 
@@ -28,7 +28,7 @@ class Identified(IdentifiedModel):
     division: which rows were fitted and which predicted
     others: further torque models on the same rows: those that were asked for, and the links of CAD with fitted drives
     constant: errors of a constant torque on the predicted rows
-    health: of the recordings of the fit; None where they are too short to tell
+    health: data quality of the recordings of the fit; None where they are too short to tell
     validation_health: of every recording that is predicted and not fitted, likewise
     truth: the true parameters of a virtual robot           (p,)
     """
@@ -63,7 +63,7 @@ class Identified(IdentifiedModel):
         )
 
     def candidate(self, name: str) -> Candidate:
-        """Raises InvalidInput for an unknown name."""
+        """The row of this name in the tables. Raises InvalidInput for an unknown name."""
         for candidate in self.candidates:
             if candidate.name == name:
                 return candidate
@@ -71,21 +71,21 @@ class Identified(IdentifiedModel):
         raise InvalidInput(f"there is no method '{name}'; known: {known}")
 
     def model_of(self, result: MethodResult) -> IdentifiedModel:
-        """The torque model of a result; the first one for a result that is none of this identification."""
+        """The torque model of a result; the first one for a result of another identification."""
         return next((c.model for c in self.candidates if c.result is result), self)
 
     def body_parameters(self, result: MethodResult) -> Array:
-        """As IdentifiedModel.body_parameters, of a result of any of the torque models."""
+        """Parameters of the links from a result of any of the torque models, as IdentifiedModel.body_parameters."""
         model = self.model_of(result)
         return super().body_parameters(result) if model is self else model.body_parameters(result)
 
     def fitted_errors(self, result: MethodResult) -> Array:
-        """As IdentifiedModel.fitted_errors, of a result of any of the torque models."""
+        """Errors on the fitted rows of a result of any of the torque models, as IdentifiedModel.fitted_errors."""
         model = self.model_of(result)
         return super().fitted_errors(result) if model is self else model.fitted_errors(result)
 
     def baselines_of(self, model: IdentifiedModel) -> Baselines:
-        """What every result of this model has to beat."""
+        """Baselines of every result of this model."""
         unknown = model.name if model.cad_of is None else model.cad_of
         cad = next((other for other in self.models if other.cad_of == unknown), None)
         result = None if cad is None else cad.comparison.results[0]
@@ -93,12 +93,12 @@ class Identified(IdentifiedModel):
 
     @property
     def baselines(self) -> Baselines:
-        """What every result of the first torque model has to beat."""
+        """Baselines of every result of the first torque model."""
         return self.baselines_of(self)
 
     @cached_property
     def recommendation(self) -> Recommendation:
-        """Which method, and why; or why none, joint by joint."""
+        """The recommended method and the reason; or the reasons why there is none, joint by joint."""
         found = recommendation(self.candidates)
         best = self if found.best is None else self.candidate(found.best).model
         unconstrained = next((m for m in self.models if m.name == best.cad_of), best)
@@ -122,10 +122,9 @@ class Identified(IdentifiedModel):
         return self.recommendation.name is not None
 
     def shown(self, name: str | None = None) -> MethodResult | None:
-        """The result to show: the named one, else the recommended one or the one that is doubted, else the one that
-        predicts best.
+        """The result to show: the named one, otherwise the recommended or rejected one, otherwise the best prediction.
 
-        None where no method has a result. Raises InvalidInput for an unknown method, and for one that failed.
+        None if no method has a result. Raises InvalidInput for an unknown method, and for one that failed.
         """
         if name is not None:
             result = self.candidate(name).result

@@ -42,7 +42,7 @@ def times(columns: Sequence[RecordedColumn], factor: float, origin: Origin | Non
 
 
 def _origin(values: Array, start: int, factor: float) -> Origin:
-    """The first plausible stamp if it is beyond MAX_EXACT_TIME, or beyond what doubles hold; else zero."""
+    """The first plausible stamp if it is beyond MAX_EXACT_TIME, or beyond what doubles hold; otherwise zero."""
     seconds = (start + values) * factor
     plausible = np.flatnonzero(np.abs(seconds) <= TIME_LIMIT.value)
     if not plausible.size or (abs(seconds[plausible[0]]) <= MAX_EXACT_TIME and not start):

@@ -55,7 +55,7 @@ STAMP_PATTERN = re.compile(r"(?i)(|.*[/.])header[/.]stamp|(.*[/.])(t|time|timest
 
 SECONDS_PART = re.compile(r"(?i)(|.*[/._])secs?(onds)?")
 NANOSECONDS_PART = re.compile(r"(?i)n(ano)?secs?|nanoseconds")
-"""Name of the second column of a ROS stamp: header.stamp.nanosec beside header.stamp.sec."""
+"""Name of the second column of a ROS stamp: header.stamp.nanosec, which complements header.stamp.sec."""
 
 ALL_WORDS = "|".join(sorted((word for words in QUANTITY_WORDS.values() for word in words), key=len, reverse=True))
 ARRAY_ELEMENT = re.compile(rf"(?i)(|.*[/.])({ALL_WORDS})(?:[\[(](\d+)[\])]|[._/]?(\d+))")

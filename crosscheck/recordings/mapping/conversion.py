@@ -77,7 +77,7 @@ def _behind(transmission: Transmission, name: str, values: Array) -> Array:
 
 
 def sliding_joints(mapping: ColumnMapping) -> tuple[bool, ...]:
-    """Which joints are prismatic: by the mapping, otherwise by the units. Raises BadMapping if they disagree."""
+    """Whether each joint is prismatic: by the mapping, otherwise by the units. Raises BadMapping if they disagree."""
     slides = mapping.prismatic or [
         any(channel.slides[j] is True for channel in mapping.channels.values()) for j in range(len(mapping.joints))
     ]

@@ -1,7 +1,7 @@
-"""Recordings larger than memory: read in windows, filtered and differentiated with overlap, as pieces of samples.
+"""Recordings larger than memory, read in windows, filtered and differentiated with overlap, as pieces of samples.
 
 Every window overlaps its neighbors by the borders that the filter needs, so that the pieces follow each other without
-a gap. They differ from those of the whole file by the response of the filter that remains there, BORDER_DECAY squared.
+a gap. They differ from those of the whole file by the remaining response of the filter there, BORDER_DECAY squared.
 """
 
 from __future__ import annotations

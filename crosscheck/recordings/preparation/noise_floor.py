@@ -28,8 +28,8 @@ RESPONSE_FREQUENCIES = 1024
 """Number of frequencies over which the response of a filter is averaged."""
 
 MIN_CUTOFF, NOISE_FROM, MAX_CUTOFF = 0.002, 0.5, 0.9
-"""Parts of the Nyquist frequency: trial cutoffs range from MIN_CUTOFF to MAX_CUTOFF, above which hardly any noise is
-removed; from NOISE_FROM on, only noise is expected."""
+"""Fractions of the Nyquist frequency: trial cutoffs range from MIN_CUTOFF to MAX_CUTOFF, above which hardly any noise
+is removed; from NOISE_FROM on, only noise is expected."""
 
 NOISE_DIFFERENCE_ORDER = 6
 """Order of the differences that show white noise alone: a motion a tenth as fast as the sampling leaves 6 % in them."""

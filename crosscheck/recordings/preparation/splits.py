@@ -1,4 +1,4 @@
-"""Train and test: by time, by rows or by file, in whole intervals, since neighboring rows are correlated."""
+"""Training and test sets: by time, by rows or by file, in whole intervals, because neighboring rows are correlated."""
 
 from __future__ import annotations
 

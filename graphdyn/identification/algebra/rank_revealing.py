@@ -61,7 +61,7 @@ class ParameterEstimate:
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """Which parameters the data determine individually (p,)."""
+        """Whether the data determine each parameter individually (p,)."""
         return np.isfinite(self.values)
 
     @property
@@ -78,8 +78,8 @@ class ParameterEstimate:
 def rank_tolerance(precision: float) -> float:
     """Smallest singular value that counts, for data rounded to this relative precision.
 
-    It is at least RANK, the bound of the base parameters: an angle such as π/2, rounded in a robot's file, must not
-    appear as a parameter. Raises InvalidInput for a precision outside (0, 1).
+    It is at least RANK_TOLERANCE, the bound of the base parameters: an angle such as π/2, rounded in a robot's file,
+    must not appear as a parameter. Raises InvalidInput for a precision outside (0, 1).
     """
     if not 0 < precision < 1:
         raise InvalidInput(f"precision is {precision}; give the relative rounding of the data, such as 1e-7")

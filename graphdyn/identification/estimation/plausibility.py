@@ -43,7 +43,7 @@ class Plausibility:
 
     @property
     def smallest_mass_matrix_eigenvalue(self) -> float:
-        """Over all poses [kg m² or kg]."""
+        """Smallest eigenvalue over all poses [kg m² or kg]."""
         return float(self.mass_matrix_eigenvalues.min())
 
 

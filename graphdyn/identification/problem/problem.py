@@ -152,7 +152,7 @@ class Problem:
 
     @property
     def support(self) -> NDArray[np.bool_]:
-        """Which base parameters of the recording can act on which joint (n, r)."""
+        """Whether each base parameter of the recording can act on each joint (n, r)."""
         return self.structure.support[:, self.inner.independent]
 
     @cached_property

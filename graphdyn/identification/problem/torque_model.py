@@ -113,7 +113,7 @@ class TorqueModel:
         return total
 
     def expectations(self) -> tuple[NDArray[np.int64], Array, Array]:
-        """Which columns have an expected value, these values, and their standard deviations (k,)."""
+        """Columns with an expected value, these values, and their standard deviations (k,)."""
         symbols = [column.symbol for column in self.columns]
         pairs = np.array(list(self.expected.values())).reshape(-1, 2)
         return np.array([symbols.index(symbol) for symbol in self.expected], dtype=np.int64), pairs[:, 0], pairs[:, 1]

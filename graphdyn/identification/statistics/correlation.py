@@ -2,7 +2,7 @@
 
 The correlation length is the lag at which the autocorrelation has fallen to 1/e. The count starts at lag 1, because
 white noise adds only to lag 0 and would hide an additional correlated part. A recording of any length is reduced to at
-most MOST_CELLS means of consecutive samples. A correlation that matters to the standard deviations of a whole recording
+most MAX_CELLS means of consecutive samples. A correlation that matters to the standard deviations of a whole recording
 is still visible in them.
 
 The standard deviations come from the jackknife over time blocks:

@@ -79,7 +79,7 @@ def per_joint_columns(
 
 
 def per_joint_rows(values: Array) -> Array:
-    """(N, n) → (N, n, n) with the values on the diagonals: column j acts on joint j alone."""
+    """Diagonal regressor (N, n, n) of values (N, n): column j acts on joint j alone."""
     n = values.shape[1]
     rows = np.zeros((*values.shape, n))
     rows[:, np.arange(n), np.arange(n)] = values

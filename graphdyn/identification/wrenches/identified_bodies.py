@@ -39,7 +39,7 @@ class IdentifiedBodies:
 
     @property
     def determined(self) -> NDArray[np.bool_]:
-        """Which parameters are determined individually (n, k)."""
+        """Whether each parameter is determined individually (n, k)."""
         return np.isfinite(self.values)
 
     @property
