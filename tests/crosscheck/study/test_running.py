@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pyarrow.parquet as parquet
 import pytest
-import small_study as small
+from identified import small_study as small
 from identified.small_study import ARM, InThisProcess, backwards, small_study, study_of
 from long_check import few
 

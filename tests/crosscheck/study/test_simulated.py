@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import small_study as small
+from identified import small_study as small
 from identified.small_study import ARM, study_of
 
 from crosscheck.study.settings.robot_settings import ErrorSettings

@@ -4,9 +4,9 @@ import os
 import re
 from pathlib import Path
 
-import mesh_files as files
 import numpy as np
 import pytest
+from robots import mesh_files as files
 from robots.mesh_files import box, collada, mesh, one_link, only, visual
 
 import urdf

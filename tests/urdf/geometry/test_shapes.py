@@ -3,11 +3,11 @@
 import re
 import sys
 
-import mesh_files as files
 import numpy as np
 import pytest
 import trimesh
 from numpy.testing import assert_allclose
+from robots import mesh_files as files
 from robots.mesh_files import box, collada, mesh, one_link, only, solid, visual
 from urdf_text import joint, link, robot_text
 

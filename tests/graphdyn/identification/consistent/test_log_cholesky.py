@@ -2,9 +2,9 @@
 
 import sys
 
-import consistent_data as data
 import numpy as np
 import pytest
+from identified import consistent_data as data
 
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import LogCholesky

@@ -4,10 +4,10 @@ import dataclasses
 import subprocess
 import sys
 
-import consistent_data as data
 import cvxpy
 import numpy as np
 import pytest
+from identified import consistent_data as data
 from identified import torque_data
 
 from graphdyn import EstimationFailed, InvalidInput, mass_matrix
