@@ -173,10 +173,10 @@ def _curve(points: list[tuple[float, float]]) -> str:
 def picture() -> str:
     """The packages, each with its rooms and the arrows from a room to those that it uses."""
     using, right, bottom = drawn("crosscheck", 4, 4)
-    between, _, end = drawn("urdf", 4, bottom + SPACE)
+    between, edge, end = drawn("urdf", 4, bottom + SPACE)
     used, width, depth = drawn("graphdyn", right + SPACE, 4)
     down = f"M {MARGIN + 24} {bottom:.0f} v {SPACE - 5}"
-    across = [f"M {x:.0f} {y:.0f} H {right + SPACE - 5:.0f}" for x, y in ((right, 25), (right, bottom + SPACE + 25))]
+    across = [f"M {x:.0f} {y:.0f} H {right + SPACE - 5:.0f}" for x, y in ((right, 25), (edge, bottom + SPACE + 25))]
     size = f'viewBox="0 0 {width + 4:.0f} {max(end, depth) + 4:.0f}"'
     tip = '<marker id="tip" viewBox="0 0 6 6" refX="1" refY="3" markerWidth="6" markerHeight="6" orient="auto">'
     title = "Rooms of the three packages; an arrow leads from a room to one that it imports"
