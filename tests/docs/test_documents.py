@@ -22,7 +22,7 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 EQUATIONS = 118
 """The paper numbers its equations from 1 to 118."""
 MADE_BY_THE_SITE = {"gallery/index", "reference/index"}
-PATTERNS = {"docs/peers/peer_NAME.py", "urdf/arms"}
+PATTERNS = {"docs/peers/peer_NAME.py", "tests/tools/NAME.py", "urdf/arms"}
 """What looks like a place of the repository and is none."""
 CONTINUED = "tutorial.md"
 """Its blocks build on one another."""
