@@ -1,4 +1,4 @@
-"""Recordings: reading files of many formats, checks, filters, derivatives and splits."""
+"""Recordings of robots: reading files of many formats, checks, filters, derivatives and splits."""
 
 from crosscheck.recordings.errors import (
     DROPPABLE,

@@ -1,4 +1,4 @@
-"""How far a motion uses its limits, and derivatives.
+"""Use of every limit by a motion, and its derivatives by the motion.
 
 Among the limits are distances between the bounding spheres of two parts of a robot. Only spheres nearly as close to
 each other as the closest two count: those farther apart have no weight in the smooth maximum.
