@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from difflib import get_close_matches
 from inspect import Parameter, signature
 
 
@@ -16,6 +15,13 @@ def refuse_unknown(function: Callable[..., object], given: Iterable[str], furthe
     known = [each.name for each in parameters if each.kind is not Parameter.VAR_KEYWORD] + [*further]
     for name in given:
         if name not in known:
-            near = get_close_matches(name, known, n=1)
-            hint = f"did you mean {near[0]!r}?" if near else f"known are {', '.join(known)}"
+            near = closest(name, known)
+            hint = f"did you mean {near!r}?" if near else f"known are {', '.join(known)}"
             raise TypeError(f"{function.__name__}() has no option {name!r}; {hint}")
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """The known name that is most like this one, if any resembles it."""
+    from difflib import get_close_matches  # imported where first used: import graphdyn stays light
+
+    return next(iter(get_close_matches(name, list(known), n=1)), None)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from graphdyn.arguments.keywords import closest
 from graphdyn.errors import InvalidInput
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.verbs.derivatives import DerivativeCalls
@@ -68,9 +69,5 @@ def compile(model: RobotModel, *verbs: str) -> CompiledModel:
 
 
 def _unknown(name: str) -> str:
-    from difflib import get_close_matches  # not needed to import graphdyn
-
-    near = get_close_matches(name, ARRAY_VERBS, n=1)
-    return (
-        f"there is no single-state call '{name}'; use {f'{near[0]!r}' if near else 'some of ' + ', '.join(ARRAY_VERBS)}"
-    )
+    near = closest(name, ARRAY_VERBS)
+    return f"there is no single-state call '{name}'; use {repr(near) if near else 'some of ' + ', '.join(ARRAY_VERBS)}"
