@@ -5,8 +5,8 @@ from graphdyn.equations.joint_readings import project_accelerations
 from graphdyn.equations.kinematics import bias_acceleration, joint_axes, link_origins, null_space
 from graphdyn.equations.loops.dynamics import closed
 from graphdyn.equations.projected import singular
-from graphdyn.equations.system.cardano import cardano_drift, cardano_form, rate_map
 from graphdyn.equations.system.constraints import constraints
+from graphdyn.equations.system.kkt import cardano_drift, cardano_form, rate_map
 from graphdyn.equations.system.unconstrained import applied_terms, mass_terms
 
 __all__ = [

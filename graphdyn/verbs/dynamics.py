@@ -15,8 +15,7 @@ from graphdyn.arguments.choices import Method
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import bias_acceleration
 from graphdyn.equations.loops import dynamics as loops
-from graphdyn.equations.system.cardano import cardano_system
-from graphdyn.equations.system.kkt import Coordinates, KKTSystem
+from graphdyn.equations.system.kkt import Coordinates, KKTSystem, cardano_system
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel

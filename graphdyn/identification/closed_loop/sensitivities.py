@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.closed_loop.beside import RowBlock
+from graphdyn.identification.closed_loop.equations import RowBlock
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.prior import model_prior

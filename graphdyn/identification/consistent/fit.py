@@ -19,10 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.consistent.certificate import suboptimality
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.limits import Inequalities
-from graphdyn.identification.consistent.polishing import Cost, Metric, polished
+from graphdyn.identification.consistent.polishing import Cost, Metric, polished, suboptimality
 from graphdyn.identification.consistent.semidefinite import ConicAnswer, SemidefiniteProgram, least_violations
 from graphdyn.layout import Array
 

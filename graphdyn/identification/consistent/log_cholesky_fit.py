@@ -26,11 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.consistent.certificate import suboptimality
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, VIOLATION_TOLERANCE
-from graphdyn.identification.consistent.log_cholesky_residuals import Residuals, with_values
-from graphdyn.identification.consistent.polishing import Cost, polished
+from graphdyn.identification.consistent.log_cholesky import Residuals, with_values
+from graphdyn.identification.consistent.polishing import Cost, polished, suboptimality
 from graphdyn.layout import Array
 
 START_DEVIATION = 0.5

@@ -15,10 +15,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from graphdyn.identification.closed_loop.beside import beside
+from graphdyn.identification.closed_loop.equations import OutputFit, beside, output_step
 from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
-from graphdyn.identification.closed_loop.output_equations import OutputFit, output_step
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate

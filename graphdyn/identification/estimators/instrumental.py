@@ -19,8 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.identification.algebra.solution import residual_deviations
-from graphdyn.identification.closed_loop.beside import beside
-from graphdyn.identification.closed_loop.crossed_equations import Crossed, CrossedEquations
+from graphdyn.identification.closed_loop.equations import Crossed, CrossedEquations, beside
 from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop

@@ -26,9 +26,8 @@ from graphdyn.identification.data.filtering import filtered
 from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
 from graphdyn.identification.data.rows import Rows, Run, counted, runs
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.problem.direct_sums import DirectSums
 from graphdyn.identification.problem.prior import expected_equations, without_effect
-from graphdyn.identification.problem.structure import ParameterStructure, structure
+from graphdyn.identification.problem.structure import DirectSums, ParameterStructure, structure
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array

@@ -7,8 +7,8 @@ import urdf
 from crosscheck.paper.errata import COSINES, ERRATA, measure, with_unit_d33, without_d_transposed, world_axis_rows
 from graphdyn import kkt_system, kr500, maximal_state
 from graphdyn.equations.kinematics import null_space
-from graphdyn.equations.system.cardano import cardano_form
 from graphdyn.equations.system.constraints import constraints
+from graphdyn.equations.system.kkt import cardano_form
 
 SAMPLES = 20
 

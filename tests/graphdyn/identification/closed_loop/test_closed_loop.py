@@ -21,7 +21,7 @@ from graphdyn.identification import (
     WeightedLeastSquares,
 )
 from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
-from graphdyn.identification.closed_loop.beside import beside
+from graphdyn.identification.closed_loop.equations import beside
 from graphdyn.identification.closed_loop.sensitivities import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 

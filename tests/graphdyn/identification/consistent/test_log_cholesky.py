@@ -11,13 +11,13 @@ from graphdyn.identification import LogCholesky
 from graphdyn.identification.consistent import log_cholesky_fit as fitting
 from graphdyn.identification.consistent.fit import ConsistentProblem
 from graphdyn.identification.consistent.log_cholesky import (
+    Residuals,
     log_cholesky_factor,
     log_cholesky_factor_derivatives,
     log_cholesky_parameters,
     log_cholesky_pseudo_inertia,
     log_cholesky_pseudo_inertia_derivatives,
 )
-from graphdyn.identification.consistent.log_cholesky_residuals import Residuals
 from graphdyn.identification.consistent.polishing import Cost
 
 EXACT = 1e-12
