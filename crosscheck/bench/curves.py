@@ -130,7 +130,7 @@ def chain_lengths(
         done(f"{n} bodies")
         states = random_states(chain(n), CHAIN_SAMPLES, 0)
         first.append((n, Times(tuple(_first_call(n) for _ in range(first_calls)))))
-        contenders = tuple(replace(c, errors=None) for c in _forms(states, "everything", (1,)))
+        contenders = tuple(replace(c, errors=None) for c in _forms(states, "solve_kkt", (1,)))
         for entry in measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries:
             rows.setdefault((entry.name, entry.threads), []).append((n, entry.times))
     lines = tuple(
@@ -151,7 +151,7 @@ def chain_lengths(
 
 def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
     """From where chains have other code."""
-    long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["everything"])
+    long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["solve_kkt"])
     return (f"beyond {MAX_UNROLLED_BODIES} bodies, code for one body after the other",) if long else ()
 
 

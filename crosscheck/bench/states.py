@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from crosscheck.quantities import scales
-from crosscheck.quantities.derived_errors import derived_errors, derived_forward_errors
+from crosscheck.comparing.compared_states import ComparedStates
+from crosscheck.quantities import QUANTITIES, scales
 from crosscheck.quantities.states import RANDOM, Case, cases
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from crosscheck.reference.reference_values import BareCalls, RefereeValues, multipliers_of
+from crosscheck.reference.reference_values import BareCalls
+from crosscheck.reference.subject import tip
 from graphdyn import Placement, RobotModel, inverse_dynamics, mass_matrix
 from graphdyn.arguments import Reference
 from graphdyn.compiler import aligned
@@ -50,24 +51,16 @@ class States:
         return self.referee.bare_calls()
 
     @cached_property
-    def values(self) -> RefereeValues:
-        """All reference values of Pinocchio for the first SINGLE_STATE_SAMPLES samples."""
+    def compared(self) -> ComparedStates:
+        """The first SINGLE_STATE_SAMPLES samples, with Pinocchio's answers."""
         q, v, a, tau = (x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a, self.tau))
-        return self.referee.evaluate(q, v, a, tau, np.zeros((*q.shape, 6)))
+        case = Case(RANDOM, self.model, Placement(), q, v, a, tau, np.zeros((*q.shape, 6)))
+        return ComparedStates.of(case, np.ones(len(q), dtype=bool))(self.referee)
 
     @cached_property
-    def derived(self) -> dict[str, Array]:
-        """Pinocchio's derivatives, matrices and energies for the first SINGLE_STATE_SAMPLES samples."""
-        q, v, a, tau = (x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a, self.tau))
-        return self.referee.derive(q, v, a, tau, np.zeros((*q.shape, 6)))
-
-    @cached_property
-    def frame_jacobian(self) -> Array:
-        """Pinocchio's Jacobian of the tip (subject.tip) for the first SINGLE_STATE_SAMPLES samples (N, 6, n)."""
-        call = self.bare
-        return np.array(
-            [call.frame_jacobian(call.model, call.data, q, *call.tip) for q in self.q[:SINGLE_STATE_SAMPLES]]
-        )
+    def regressor(self) -> Array:
+        """Pinocchio's joint-torque regressor of the first SINGLE_STATE_SAMPLES samples (N, n, 10n)."""
+        return self.referee.torque_regressor(*(x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a)))
 
     @cached_property
     def torque(self) -> Array:
@@ -110,50 +103,33 @@ class States:
 
     def multiplier_errors(self, multipliers: Array) -> Array:
         """Errors of at most SINGLE_STATE_SAMPLES multipliers at tau (N, n, 5), relative to the largest joint wrench."""
-        wrenches = self.values.a_wrenches[: len(multipliers)]
-        reference = multipliers_of(self.model, self.values.rotation[: len(wrenches)], wrenches)
+        there, rows = self.compared.there, slice(len(multipliers))
+        reference, wrenches = there.multipliers(there.a_wrenches)[rows], there.a_wrenches[rows]
         return scales.relative(multipliers[: len(reference)], reference, scales.largest(wrenches))
 
     def regressor_errors(self, w: Array) -> Array:
         """Errors of at most SINGLE_STATE_SAMPLES regressors (N, n, 10n), relative to the largest entry of the type."""
-        reference = self.values.torque_regressor[: len(w)]
+        reference = self.regressor[: len(w)]
         none = np.zeros(len(reference))
         return scales.by_parameter_type(w[: len(reference)], reference, none, none, none)
 
-    def derived_errors(self, names: Sequence[str]) -> Callable[[Array], Array]:
-        """The largest error of the named quantities, on the cross-check's scales; at most SINGLE_STATE_SAMPLES samples.
+    def quantity_errors(self, names: Sequence[str]) -> Callable[[Array], Array]:
+        """The largest error of the named quantities, on their scales; at most SINGLE_STATE_SAMPLES samples.
 
-        Of answers stacked in this order (k, N, …) it gives one number per sample (N,).
+        Of answers stacked in this order (k, N, …) it gives one number per sample (N,); of frames, that of the tip.
         """
 
         def errors(answers: Array) -> Array:
-            rows = slice(min(SINGLE_STATE_SAMPLES, answers.shape[1]))
-            given = {x: getattr(self, x)[rows] for x in ("q", "v", "a", "tau")}
-            case = Case(RANDOM, self.model, Placement(), **given, external_wrenches=np.zeros((*given["q"].shape, 6)))
-            values, derived = self.values.rows(rows), {name: x[rows] for name, x in self.derived.items()}
-            answered = {name: answer[rows] for name, answer in zip(names, answers, strict=True)}
-            # of the tip alone, which the cross-check does not ask for
-            matrices = answered.pop("frame_jacobian", None)
-            ours = {**derived, "dtau_da": values.mass_matrix, **answered}  # what is not asked for has no error
-            tensor = np.full(rows.stop, scales.largest_tensor(self.model))
-            found = {
-                **derived_errors(case, ours, values, derived),
-                **derived_forward_errors(case, given["tau"], ours, values, derived),
-                "dtau_da": scales.relative(ours["dtau_da"], values.mass_matrix, tensor),
-            }
-            if matrices is not None:
-                found["frame_jacobian"] = self._frame_jacobian_errors(matrices)
-            largest: Array = np.maximum.reduce([found[name] for name in names])
+            states = replace(self.compared.rows(slice(answers.shape[1])), frame=tip(self.model))
+            found = []
+            for row, answer in zip((QUANTITIES[name] for name in names), answers, strict=True):
+                chosen = next(row.readings({"reference": JACOBIAN_REFERENCE}))
+                theirs = row.pinocchio(states.there, chosen)
+                found.append(row.errors(answer[: len(theirs)], theirs, states, chosen))
+            largest: Array = np.maximum.reduce(found)
             return largest
 
         return errors
-
-    def _frame_jacobian_errors(self, matrices: Array) -> Array:
-        """Of (N, 6, n): positions on the largest lever, axes on 1 (N,)."""
-        count = len(matrices)
-        ours, reference = np.swapaxes(matrices, -1, -2), np.swapaxes(self.frame_jacobian[:count], -1, -2)
-        lever = scales.largest(self.values.position[:count] - self.model.base.translation)
-        return scales.by_part(ours, reference, lever, np.ones(count))
 
     def _largest_wrench(self, a: Array) -> Array:
         parts = [

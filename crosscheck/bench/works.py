@@ -18,18 +18,19 @@ from crosscheck.bench.forms import (
 )
 from crosscheck.bench.forms.casadi_forms import CasadiRefuses
 from crosscheck.bench.states import States
+from crosscheck.quantities import QUANTITIES
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 
-SINGLE_ARRAY_WORKS = ("mass_matrix_inverse", "coriolis_matrix", "kinetic_energy", "frame_jacobian")
+SINGLE_ARRAY_WORKS = tuple(name for name, row in QUANTITIES.items() if row.benchmark)
 """Works that are one verb with one array, and one function of Pinocchio that takes the same arguments."""
 
 GRAPHDYN_FORMS: Mapping[str, Forms] = {
     "inverse_dynamics": graphdyn_forms.inverse,
     "forward_dynamics": graphdyn_forms.forward,
-    "everything": graphdyn_forms.everything,
-    "regressor": graphdyn_forms.regressor,
+    "solve_kkt": graphdyn_forms.solve_kkt,
+    "joint_torque_regressor": graphdyn_forms.regressor,
     "inverse_dynamics_derivatives": graphdyn_forms.verb("inverse_dynamics_derivatives", InverseDynamicsDerivatives),
     "forward_dynamics_derivatives": graphdyn_forms.verb("forward_dynamics_derivatives", ForwardDynamicsDerivatives),
     **{name: graphdyn_forms.verb(name) for name in SINGLE_ARRAY_WORKS},
@@ -37,8 +38,8 @@ GRAPHDYN_FORMS: Mapping[str, Forms] = {
 PINOCCHIO_FORMS: Mapping[str, Forms] = {
     "inverse_dynamics": pinocchio_forms.inverse,
     "forward_dynamics": pinocchio_forms.forward,
-    "everything": pinocchio_forms.everything,
-    "regressor": pinocchio_forms.regressor,
+    "solve_kkt": pinocchio_forms.solve_kkt,
+    "joint_torque_regressor": pinocchio_forms.regressor,
     "inverse_dynamics_derivatives": pinocchio_forms.inverse_derivatives,
     "forward_dynamics_derivatives": pinocchio_forms.forward_derivatives,
     **{name: pinocchio_forms.quantity(name) for name in SINGLE_ARRAY_WORKS},
@@ -51,22 +52,22 @@ ACCELERATION_ERROR_SCALE = "cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest j
 WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
     "inverse_dynamics": ("inverse dynamics", TORQUE_ERROR_SCALE, AGREEMENT.bound),
     "forward_dynamics": ("forward dynamics", ACCELERATION_ERROR_SCALE, ACCELERATION.bound),
-    "everything": (
+    "solve_kkt": (
         "all accelerations and multipliers",
         "largest joint wrench; multipliers are judged",
         FORWARD_WRENCH.bound,
     ),
-    "regressor": (
+    "joint_torque_regressor": (
         "joint-torque regressor",
         "largest entry of the type of parameter, or lengths of columns",
         AGREEMENT.bound,
     ),
     "inverse_dynamics_derivatives": ("derivatives of inverse dynamics", DERIVATIVE_SCALES, AGREEMENT.bound),
     "forward_dynamics_derivatives": ("derivatives of forward dynamics", DERIVATIVE_SCALES, ACCELERATION.bound),
-    "mass_matrix_inverse": ("inverse of the mass matrix", DERIVATIVE_SCALES, ACCELERATION.bound),
-    "coriolis_matrix": ("Coriolis matrix", DERIVATIVE_SCALES, AGREEMENT.bound),
-    "kinetic_energy": ("kinetic energy", DERIVATIVE_SCALES, AGREEMENT.bound),
-    "frame_jacobian": ("frame Jacobian", DERIVATIVE_SCALES, AGREEMENT.bound),
+    **{
+        name: (QUANTITIES[name].benchmark, DERIVATIVE_SCALES, QUANTITIES[name].tolerance.bound)
+        for name in SINGLE_ARRAY_WORKS
+    },
     simulations.SIMULATION_NAME: (simulations.SIMULATION_TITLE, simulations.ERROR_SCALE, simulations.ERROR_BOUND),
     **{
         name: (

@@ -9,32 +9,21 @@ from pathlib import Path
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from crosscheck.comparing.baseline import compare_identification
+from crosscheck.comparing.compared_states import ComparedStates
 from crosscheck.comparing.comparison import Comparison
+from crosscheck.comparing.conditioning import rank_errors
 from crosscheck.comparing.coupled import coupled_answers, coupled_case, coupled_errors
 from crosscheck.comparing.error_record import ErrorRecord
 from crosscheck.comparing.looped import looped_case, looped_errors, why_not_closed
-from crosscheck.quantities.answers import forward_answers, passive_answers
-from crosscheck.quantities.derived_answers import SECOND_DERIVATIVE_STATES, DerivedAnswers, derived_answers
-from crosscheck.quantities.derived_errors import derived_errors, derived_forward_errors, second_errors
-from crosscheck.quantities.errors import (
-    forward_errors,
-    frame_errors,
-    of_recursive,
-    passive_errors,
-    rank_errors,
-    torque_errors,
-)
-from crosscheck.quantities.quantities import LOOPED, QUANTITIES, RECURSIVE
+from crosscheck.quantities import COMPARED, LOOPED, RECURSIVE, TabulatedQuantity
 from crosscheck.quantities.states import RANDOM, Case, cases, has_mass
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
-from crosscheck.reference.reference_values import RefereeValues
 from crosscheck.reference.subject import Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
-from graphdyn.arguments import WORTH_COMPILING, Method
+from graphdyn.arguments import WORTH_COMPILING
 from graphdyn.compiler import interpreted
 from graphdyn.equations import singular
 from graphdyn.layout import Array
@@ -42,9 +31,6 @@ from urdf import Reading, ReadingKeywords
 
 CHUNK_STATES = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
-
-DERIVED_BY: tuple[Method, ...] = ("projected", "recursive")
-"""Methods whose derivatives, energies and matrices are compared."""
 
 Progress = Callable[[str, int], None]
 """Called with the name of a case and the number of states just done."""
@@ -83,7 +69,7 @@ def compare(
     referees, notes = _referees(compared)
     record = ErrorRecord()
     reason = _why_not_forward(model)
-    skipped = {quantity.name: reason for quantity in QUANTITIES if quantity.forward and reason}
+    skipped = {name: reason for name, quantity in COMPARED.items() if quantity.solves and reason}
     compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for number, chunk in enumerate(_chunks(model, samples, seed)):
@@ -109,7 +95,9 @@ def compare(
     if identification:
         record.add_identification(identification)
     else:
-        skipped |= {quantity.name: "no body has mass: kinematics only" for quantity in QUANTITIES if quantity.massive}
+        skipped |= {
+            name: "no body has mass: kinematics only" for name, quantity in COMPARED.items() if quantity.massive
+        }
         notes.append("no body has mass: torques, wrenches and bias are compared but vanish on both sides")
     assert record.conditioning is not None
     quantities = record.results()
@@ -163,70 +151,50 @@ def _compare_chunk(
     with_forward: bool,
     derive: bool,
 ) -> None:
-    """Record all errors at these states; forward quantities only where the mass matrix is regular.
+    """Record all errors at these states; what solves for accelerations only where the mass matrix is regular.
 
     derive: whether derivatives, energies and what belongs to them are compared here
     """
     regular = ~singular(mass_matrix(chunk.model, chunk.q)) if with_forward else np.zeros(len(chunk.q), dtype=bool)
     if with_forward:
         record.count_singular(chunk.name, ~regular)
-    recursive = chunk.name == RANDOM  # compiled for one model: the special cases have many
-    passive = passive_answers(chunk, recursive=recursive)
-    at = chunk.rows(regular)
-    forward = derived = None
+    quantities = list(_compared_at(chunk, derive))
+    beside = ComparedStates.of(chunk, regular)
     for route, referee in referees.items():
-        turned = referee.turned(chunk.turn, chunk.model.gravity)
-        tau = turned.rnea(chunk.q, chunk.v, chunk.a) if chunk.tau is None else chunk.tau
-        reference = turned.evaluate(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
-        record.add(route, chunk, passive_errors(chunk, passive, reference))
-        record.add(route, chunk, torque_errors(passive, turned))
-        if route == "urdf" and chunk.model.frames:
-            record.add(route, chunk, frame_errors(chunk, turned))
-        if derive:
-            derived = derived or {method: derived_answers(chunk, tau, regular, method) for method in DERIVED_BY}
-            _compare_derived(record, route, chunk, regular, derived, reference, turned)
+        states = beside(referee)
+        for quantity in quantities:
+            if not quantity.solves and (route == "urdf" or not quantity.row.from_file):
+                at = states.few if quantity.row.when == "few" else states
+                record.add(route, at.case, {quantity.name: at.errors(quantity)})
         if regular.any():
-            try:
-                if forward is None or chunk.tau is None:  # torques of a differ between the routes
-                    forward = forward_answers(at, tau[regular], recursive=recursive)
-                record.add(route, at, forward_errors(at, tau[regular], forward, reference.rows(regular), turned))
-            except np.linalg.LinAlgError:
-                record.add(route, at, _no_forward(len(at.q), recursive=recursive))
-    errors, conditioning = rank_errors(chunk, tau, regular)
+            record.add(route, states.solvable.case, _solved_errors(states.solvable, quantities))
+    errors, conditioning = rank_errors(states)
     record.add("model", chunk, errors)
     record.condition(conditioning)
 
 
-def _compare_derived(
-    record: ErrorRecord,
-    route: str,
-    chunk: Case,
-    regular: NDArray[np.bool_],
-    ours: Mapping[Method, DerivedAnswers],
-    reference: RefereeValues,
-    referee: PinocchioModel,
-) -> None:
-    """Record the errors of derivatives, energies and what belongs to them."""
-    at, few, tau = chunk.rows(regular), chunk.rows(SECOND_DERIVATIVE_STATES), chunk.tau
-    assert tau is not None
-    theirs = referee.derive(chunk.q, chunk.v, chunk.a, tau, chunk.external_wrenches)
-    regularly = {name: value[regular] for name, value in theirs.items()}
-    twice = referee.derive_twice(few.q, few.v, few.a)
-    for method, answers in ours.items():
-        named = of_recursive if method == "recursive" else dict
-        record.add(route, chunk, named(derived_errors(chunk, answers.passive, reference, theirs)))
-        record.add(
-            route, few, named(second_errors(few, answers.second, reference.rows(SECOND_DERIVATIVE_STATES), twice))
-        )
-        if regular.any():
-            errors = derived_forward_errors(at, tau[regular], answers.forward, reference.rows(regular), regularly)
-            record.add(route, at, named(errors))
+def _compared_at(chunk: Case, derive: bool) -> Iterator[TabulatedQuantity]:
+    """What of the table is compared at these states."""
+    recursive = chunk.name == RANDOM  # compiled for one model: the special cases have many
+    for quantity in COMPARED.values():
+        if not isinstance(quantity, TabulatedQuantity):
+            continue
+        if (
+            (derive or quantity.row.when == "all")
+            and (recursive or not quantity.name.endswith(RECURSIVE))
+            and (has_mass(chunk.model) or not quantity.massive)
+            and (chunk.model.frames or not quantity.row.from_file)
+        ):
+            yield quantity
 
 
-def _no_forward(count: int, *, recursive: bool) -> dict[str, Array]:
-    """Infinite errors, where a system is exactly singular: the rank quantities then show the reason."""
-    names = (quantity.name for quantity in QUANTITIES if quantity.forward and quantity.name != "kkt_rank")
-    return {name: np.full(count, np.inf) for name in names if recursive or not name.endswith(RECURSIVE)}
+def _solved_errors(states: ComparedStates, quantities: Iterable[TabulatedQuantity]) -> dict[str, Array]:
+    """Of what needs a regular mass matrix; infinite where a system is exactly singular: the ranks show the reason."""
+    solved = [quantity for quantity in quantities if quantity.solves]
+    try:
+        return {quantity.name: states.errors(quantity) for quantity in solved}
+    except np.linalg.LinAlgError:
+        return {quantity.name: np.full(len(states.q), np.inf) for quantity in solved}
 
 
 def _why_not_forward(model: RobotModel) -> str | None:

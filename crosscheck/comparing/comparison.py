@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.comparing.baseline import BaselineIdentification
-from crosscheck.quantities.errors import Conditioning
-from crosscheck.quantities.quantities import Quantity
+from crosscheck.comparing.conditioning import Conditioning
+from crosscheck.quantities import ComparedQuantity
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -52,11 +52,11 @@ class QuantityResult:
     """One quantity over all routes, cases and samples.
 
     errors: of every route and state, in the order of computation; NaN counts as infinite   (N,)
-    max_relative_error: the largest of them, on the scale of crosscheck.quantities.quantities
+    max_relative_error: the largest of them, on the scale of crosscheck.quantities
     by_case: largest error of each case; by_route: of each route
     """
 
-    quantity: Quantity
+    quantity: ComparedQuantity
     errors: Array
     max_relative_error: float
     by_case: Mapping[str, float]

@@ -20,7 +20,7 @@ from crosscheck.quantities.scales import (
     term_sizes,
 )
 from crosscheck.quantities.states import ACCELERATION_RANGE, Case
-from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn import (
     InverseDynamics,
     Placement,
@@ -75,8 +75,8 @@ def coupled_errors(
     model, loads = case.model, case.external_wrenches
     k, reactions = model.freedoms.matrix, model.freedoms.reactions
     everywhere = model.joint_positions(case.q), case.v @ k.T, case.a @ k.T
-    ref = referee.evaluate(*everywhere, np.zeros_like(everywhere[0]), loads)
-    tau, wrench = ref.tau_external @ k, largest(ref.joint_wrenches_external)
+    ref = PinocchioAnswers(referee, model.uncoupled, *everywhere, np.zeros_like(everywhere[0]), loads)
+    tau, wrench = ref.tau @ k, largest(ref.joint_wrenches)
     size = term_sizes(model, everywhere[1], everywhere[2], ref.position, ref.velocity, ref.acceleration)
     mass, inertia = k.T @ ref.mass_matrix @ k, np.full(len(tau), largest_tensor(model)) * np.abs(k).sum() ** 2
 
@@ -84,16 +84,19 @@ def coupled_errors(
         largest_of_all: Array = np.maximum.reduce(errors)
         return largest_of_all
 
-    yield "coupled_torque", worst([relative(found.tau, tau, wrench, size.spin) for found in ours.inverse])
-    needed = ref.tau_external @ reactions.T
+    yield "coupled_inverse_dynamics", worst([relative(found.tau, tau, wrench, size.spin) for found in ours.inverse])
+    needed = ref.tau @ reactions.T
     yield (
         "coupling_multipliers",
         worst([relative(x.coupling_multipliers, needed, wrench, size.spin) for x in ours.inverse]),
     )
     yield "coupled_mass_matrix", worst([relative(found, mass, inertia) for found in ours.mass_matrix])
-    regressor = np.swapaxes(np.swapaxes(ref.torque_regressor, -1, -2) @ k, -1, -2)
-    yield "coupled_regressor", worst([by_parameter_type(x, regressor, *size.regressor_columns) for x in ours.regressor])
+    regressor = np.swapaxes(np.swapaxes(referee.torque_regressor(*everywhere), -1, -2) @ k, -1, -2)
+    yield (
+        "coupled_joint_torque_regressor",
+        worst([by_parameter_type(x, regressor, *size.regressor_columns) for x in ours.regressor]),
+    )
     if forward:
         solved = [forward_dynamics(model, case.q, case.v, tau, loads, method=method).a for method in COUPLED_METHODS]
-        scale = acceleration_scale(mass, case.a, tau, ref.joint_wrenches_external)
-        yield "coupled_acceleration", worst([largest(a - case.a) / scale for a in solved])
+        scale = acceleration_scale(mass, case.a, tau, ref.joint_wrenches)
+        yield "coupled_forward_dynamics", worst([largest(a - case.a) / scale for a in solved])

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.comparison import QuantityResult, WorstState
-from crosscheck.quantities.errors import Conditioning
-from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED
+from crosscheck.comparing.conditioning import Conditioning
+from crosscheck.quantities import COMPARED, COUPLED, LOOPED
 from crosscheck.quantities.states import Case
 from graphdyn.layout import Array
 
@@ -66,7 +66,7 @@ class ErrorRecord:
                 self._by_route[name],
                 self._worst[name][1],
             )
-            for name, quantity in {**BY_NAME, **COUPLED, **LOOPED}.items()
+            for name, quantity in {**COMPARED, **COUPLED, **LOOPED}.items()
             if name in self._worst
         }
 

@@ -65,11 +65,11 @@ def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Ar
     condition = 1 / spaces.distance  # of the rows that hold something
     mass = mass_matrix(model, case.q)
     scale = acceleration_scale(mass, a, case.tau, wrenches) * condition
-    yield "closed_acceleration", np.maximum.reduce([largest(answer.a - a) / scale for answer in ours])
+    yield "closed_forward_dynamics", np.maximum.reduce([largest(answer.a - a) / scale for answer in ours])
     inherited = np.abs(mass).sum(axis=-1).max(axis=-1) * scale * (ACCELERATION.bound / AGREEMENT.bound)
     pins, size = _along_pins(case, wrenches), largest(wrenches) * condition + inherited + missing / AGREEMENT.bound
     determined = [np.nan_to_num(answer.joint_wrenches - pins, nan=0.0) for answer in ours]
-    yield "closed_joint_wrench", np.maximum.reduce([largest(difference) / size for difference in determined])
+    yield "closed_joint_wrenches", np.maximum.reduce([largest(difference) / size for difference in determined])
     if model.actuated is None:
         return
     try:
@@ -80,7 +80,7 @@ def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Ar
         [closed_dynamics(referee, model.chords, *state)[0] for state in zip(case.q, case.v, tau, loads, strict=True)]
     )
     scale = acceleration_scale(mass, case.a, tau, wrenches) * condition
-    yield "motor_torque", largest(moved - case.a) / scale
+    yield "closed_inverse_dynamics", largest(moved - case.a) / scale
 
 
 def _along_pins(case: Case, wrenches: Array) -> Array:

@@ -10,8 +10,6 @@ from typing import Any, Unpack
 
 from threadpoolctl import threadpool_limits
 
-from crosscheck.judging.functions.known_function import LOADS
-from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
 from crosscheck.judging.observing.conventions import check_declared
 from crosscheck.judging.observing.function_under_test import BatchFunction, ForeignFunction, joint_order
@@ -21,6 +19,7 @@ from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged
+from crosscheck.quantities import FUNCTIONS, LOADS, known_function
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
@@ -125,7 +124,7 @@ def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Pr
             say(f"judging {name}")
             known = FUNCTIONS[name]
             function = ForeignFunction(known, f, order, setting.batched, setting.external_wrenches)
-            against = references if LOADS in known.arguments else loaded if known.takes_loads else unloaded
+            against = references if LOADS in known.arguments else loaded if known.ours.takes_loads else unloaded
             answers = function.ask(*known.arguments_at(against.states))
             declared = {x: way for x, way in setting.conventions.items() if x in known.conventions}
             found = judged(function, answers, against, declared, setting.bound)
@@ -185,7 +184,7 @@ def _check(given: Mapping[str, Foreign], setting: Setting) -> None:
 
 def check_frame(names: Collection[str], frame: str | None, model: RobotModel) -> None:
     """Raises UnknownFrame, and InvalidInput where functions need a frame and there is none."""
-    of_frames = [name for name in names if FUNCTIONS[name].needs_frame]
+    of_frames = [name for name in names if FUNCTIONS[name].of_frame]
     if of_frames and frame is None:
         raise InvalidInput(f"{', '.join(of_frames)} belong to one frame of the robot: give frame=, the name of a link")
     if frame is not None:

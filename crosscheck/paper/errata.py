@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import urdf
-from crosscheck.quantities.quantities import kkt_batch
 from crosscheck.quantities.states import ACCELERATION_RANGE, Case, turned, unit_turn
-from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.quantities.system import kkt_batch
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn import KKTSystem, MaximalState, Placement, RobotModel, inverse_dynamics, kr500, maximal_state
 from graphdyn.equations import (
     bias_acceleration,
@@ -172,9 +172,8 @@ class _Sample:
         self.case, model = case, case.model
         self.tau = inverse_dynamics(model, case.q, case.v, case.a).tau if case.tau is None else case.tau
         self.state = maximal_state(model, case.q, case.v)
-        self.twist = kkt_batch(case, self.tau)
-        referee = PinocchioModel.from_model(model)
-        self.reference = referee.evaluate(case.q, case.v, case.a, self.tau, case.external_wrenches)
+        self.twist = kkt_batch(model, case.q, case.v, self.tau)
+        self.reference = PinocchioAnswers(PinocchioModel.from_model(model), model, case.q, case.v, case.a, self.tau)
 
     def error_of(self, system: KKTSystem) -> Array:
         """‖δa‖∞ / ‖a‖∞ against aba of the accelerations that a system gives (N,)."""

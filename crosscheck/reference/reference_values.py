@@ -6,7 +6,7 @@ The reference values of Pinocchio, in the order and the axes of graphdyn.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,43 +37,6 @@ def multipliers_of(model: RobotModel, rotation: NDArray[Any], wrenches: NDArray[
 
 
 @dataclass(frozen=True, eq=False)
-class RefereeValues:
-    """What Pinocchio computes at N states; bodies and joints in graphdyn's order.
-
-    rotation, position: link frames in the world            (N, n, 3, 3), (N, n, 3)
-    velocity, acceleration: ṙ, r̈ of the centers of mass in world axes, ω, ω̇ in body axes   (N, n, 6)
-    tau, joint_wrenches: rnea and its data.f                (N, n), (N, n, 6)
-    a: aba at the given torques                             (N, n)
-    mass_matrix: crba                                       (N, n, n)
-    torque_regressor, body_regressor: computeJointTorqueRegressor, jointBodyRegressor   (N, n, 10n), (N, n, 6, 10)
-    tau_external, joint_wrenches_external, a_external: rnea, data.f and aba with the external wrenches
-    a_wrenches, a_body_accelerations: data.f and body accelerations at a, the solution of forward dynamics
-    a_wrenches_external: data.f at a_external with the external wrenches
-    """
-
-    rotation: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
-    tau: Array
-    joint_wrenches: Array
-    a: Array
-    a_wrenches: Array
-    a_body_accelerations: Array
-    mass_matrix: Array
-    torque_regressor: Array
-    body_regressor: Array
-    tau_external: Array
-    joint_wrenches_external: Array
-    a_external: Array
-    a_wrenches_external: Array
-
-    def rows(self, selected: slice | NDArray[np.bool_]) -> RefereeValues:
-        """The values at some of the states."""
-        return RefereeValues(**{field.name: getattr(self, field.name)[selected] for field in fields(self)})
-
-
-@dataclass(frozen=True, eq=False)
 class CarriedValues:
     """Pinocchio's values for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
 
@@ -89,7 +52,7 @@ class BareCalls:
     One state: function(model, data, q, v, …). Many states on several threads: function(threads, pool(threads), q, v, …,
     out), with arrays (n, N) stored by columns, the memory layout of (N, n) by rows.
 
-    tip: the last arguments of frame_jacobian: the frame of this name (crosscheck.reference.subject), and
+    tip: the last arguments of functions of a frame: the frame of this name (crosscheck.reference.subject), and
         LOCAL_WORLD_ALIGNED
     """
 
@@ -100,10 +63,6 @@ class BareCalls:
     torque_regressor: Callable[..., Array]
     rnea_derivatives: Callable[..., tuple[Array, Array, Array]]
     aba_derivatives: Callable[..., tuple[Array, Array, Array]]
-    mass_matrix_inverse: Callable[..., Array]
-    coriolis_matrix: Callable[..., Array]
-    kinetic_energy: Callable[..., float]
-    frame_jacobian: Callable[..., Array]
     tip: tuple[Any, Any]
     rnea_in_parallel: Callable[..., None]
     aba_in_parallel: Callable[..., None]

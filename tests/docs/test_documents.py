@@ -12,7 +12,7 @@ from shared_data import REPOSITORY
 
 import graphdyn
 from crosscheck.paper.errata import ERRATA
-from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities import COMPARED
 from crosscheck.quantities.tolerances import EPS
 from crosscheck.recordings.mapping import mapping
 from crosscheck.recordings.mapping.mapping import mapping_of
@@ -85,16 +85,16 @@ def test_code_blocks_run(block, capsys, tmp_path, monkeypatch):
 
 
 def agreement(document):
-    return {row[0]: row[1:] for row in table_rows(document, r"[a-z0-9_]+") if row[0] in BY_NAME}
+    return {row[0]: row[1:] for row in table_rows(document, r"[a-z0-9_]+") if row[0] in COMPARED}
 
 
 def test_the_table_of_agreement_has_every_quantity_within_its_bound():
     rows = agreement("docs/agreement.md")
-    assert list(rows) == list(BY_NAME)
+    assert list(rows) == list(COMPARED)
     for name, (bound, *errors) in rows.items():
-        assert bound == f"{BY_NAME[name].tolerance.bound:.1e}"
+        assert bound == f"{COMPARED[name].tolerance.bound:.1e}"
         assert len(errors) == 6
-        assert all(error == "–" or float(error) <= BY_NAME[name].tolerance.bound for error in errors)
+        assert all(error == "–" or float(error) <= COMPARED[name].tolerance.bound for error in errors)
 
 
 def test_the_readme_shows_the_rows_that_come_closest_to_their_bounds():

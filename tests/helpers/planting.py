@@ -8,9 +8,11 @@ import numpy as np
 from random_trees import random_tree
 
 import crosscheck
-from crosscheck.comparing import compare as comparing
-from crosscheck.quantities import answers, quantities
-from crosscheck.reference.pinocchio_model import PinocchioModel
+import graphdyn
+from crosscheck.comparing.compared_states import ComparedStates
+from crosscheck.quantities import QUANTITIES, system
+from crosscheck.quantities.scaled_states import ScaledStates
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn import RobotModel
 from graphdyn.equations.system.kkt import KKTSystem
 
@@ -35,28 +37,24 @@ def flagged(comparison: crosscheck.Comparison) -> set[str]:
     return {name for name, result in comparison.quantities.items() if not result.agrees}
 
 
-def _remembered(function: Callable) -> Callable:
-    """The function, computed once for each content of its arguments."""
-    known = {}
-
-    def answer(*arguments, **options):
-        key = pickle.dumps((arguments, options))
-        if key not in known:
-            known[key] = function(*arguments, **options)
-        return known[key]
-
-    return answer
+KNOWN: dict[bytes, object] = {}
 
 
-OUR_ANSWERS = {
-    name: _remembered(getattr(comparing, name)) for name in ("passive_answers", "forward_answers", "derived_answers")
-}
+def _remembered(states, verb, method="auto", *, loaded=False, **options):
+    """What graphdyn answers, computed once for each content of the arguments."""
+    arrays = (states.q, states.v, states.a, states.tau, states.loads)
+    key = pickle.dumps((states.model, arrays, verb, method, loaded, options))
+    if key not in KNOWN:
+        KNOWN[key] = ANSWER(states, verb, method, loaded=loaded, **options)
+    return KNOWN[key]
+
+
+ANSWER = ScaledStates.answer
 
 
 def remember_our_answers(patch) -> None:
     """Let our side answer the same question once, however often a robot is compared."""
-    for name, answer in OUR_ANSWERS.items():
-        patch.setattr(comparing, name, answer)
+    patch.setattr(ScaledStates, "answer", _remembered)
 
 
 class Plant:
@@ -65,59 +63,49 @@ class Plant:
     def __init__(self, monkeypatch):
         self._patch = monkeypatch
 
-    def _in_the_referee(self, name: str, function: object) -> None:
+    def _in_the_referee(self, place: object, name: str, function: object) -> None:
         """Put the function into Pinocchio's side, which leaves our answers as they are: they are computed once."""
-        self._patch.setattr(PinocchioModel, name, function)
+        self._patch.setattr(place, name, function)
         remember_our_answers(self._patch)
 
-    def referee_value(self, field: str, change: Callable[[float], float]) -> dict:
-        """Change the largest entry of one field of RefereeValues, in the last state of the first call of evaluate.
+    def referee_value(self, field: str, change: Callable[[float], float]) -> None:
+        """Change the largest entry of one field of PinocchioAnswers, of the last state, where it is first asked for."""
+        original, planted = getattr(PinocchioAnswers, field), []
 
-        Returns a dictionary that holds q of that state once the comparison has run.
+        def value(there):
+            planted.append(there)
+            return _changed(original.fget(there), change) if there is planted[0] else original.fget(there)
+
+        self._in_the_referee(PinocchioAnswers, field, property(value))
+
+    def referee_quantity(self, name: str, change: Callable[[float], float], loaded: bool = False) -> dict:
+        """Change the largest entry of Pinocchio's answer for a quantity, in the last of the first states.
+
+        loaded: with external wrenches. Returns a dictionary that holds q of that state once the comparison has run.
         """
-        original, planted = PinocchioModel.evaluate, {}
+        row, planted = QUANTITIES[name], {}
+        original = row.pinocchio
 
-        def evaluate(referee, q, v, a, tau, external_wrenches):
-            values = original(referee, q, v, a, tau, external_wrenches)
-            if planted:
+        def answer(there, chosen):
+            values = original(there, chosen)
+            if (there.loads is not None) != loaded or planted.setdefault("there", there) is not there:
                 return values
-            planted["q"] = tuple(q[-1].tolist())
-            return dataclasses.replace(values, **{field: _changed(getattr(values, field), change)})
+            planted["q"] = tuple(there.q[-1].tolist())
+            return _changed(values, change)
 
-        self._in_the_referee("evaluate", evaluate)
+        self._patch.setitem(row.__dict__, "pinocchio", answer)
+        remember_our_answers(self._patch)
         return planted
-
-    def referee_torque(self, function: str, change: Callable[[float], float]) -> dict:
-        """Change the largest torque that this function of Pinocchio gives in the last state of its first call.
-
-        Returns a dictionary that holds q of that state once the comparison has run.
-        """
-        original, planted = PinocchioModel.joint_torques, {}
-
-        def joint_torques(referee, name, q, *rates):
-            torques = original(referee, name, q, *rates)
-            if name != function or planted:
-                return torques
-            planted["q"] = tuple(q[-1].tolist())
-            return _changed(torques, change)
-
-        self._in_the_referee("joint_torques", joint_torques)
-        return planted
-
-    def referee_derived(self, name: str, change: Callable[[float], float]) -> None:
-        """Change the largest entry of one of the values of derive or derive_twice, in the last state."""
-        for function in ("derive", "derive_twice"):
-            self._in_the_referee(function, _with_changed(getattr(PinocchioModel, function), name, change))
 
     def referee_required(self, loaded: bool, change: Callable[[float], float]) -> None:
         """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
-        original = PinocchioModel.inverse_dynamics
+        original = ComparedStates.required
 
-        def inverse_dynamics(referee, q, v, a, *external):
-            torques, wrenches = original(referee, q, v, a, *external)
-            return (_changed(torques, change) if bool(external) == loaded else torques), wrenches
+        def required(states, a):
+            torques, wrenches = original(states, a)
+            return (_changed(torques, change) if (states.loads is not None) == loaded else torques), wrenches
 
-        self._in_the_referee("inverse_dynamics", inverse_dynamics)
+        self._in_the_referee(ComparedStates, "required", required)
 
     def referee_frames(self, which: int, change: Callable[[float], float]) -> None:
         """Change the largest entry of the frames' rotations (0) or positions (1)."""
@@ -128,22 +116,24 @@ class Plant:
             placements[which] = _changed(placements[which], change)
             return tuple(placements)
 
-        self._in_the_referee("frame_placements", frame_placements)
+        self._in_the_referee(PinocchioModel, "frame_placements", frame_placements)
 
     def referee_model(self, change: Callable[[RobotModel], RobotModel]) -> None:
         """Pinocchio is built from a changed robot."""
         original = PinocchioModel.from_model
-        self._in_the_referee("from_model", staticmethod(lambda model: original(change(model))))
+        self._in_the_referee(PinocchioModel, "from_model", staticmethod(lambda model: original(change(model))))
 
     def referee_gravity(self, factor: float) -> None:
         """Pinocchio computes under another gravity."""
         original = PinocchioModel.turned
-        self._in_the_referee("turned", lambda self, base, gravity: original(self, base, factor * gravity))
+        self._in_the_referee(
+            PinocchioModel, "turned", lambda self, base, gravity: original(self, base, factor * gravity)
+        )
 
     def referee_regressor(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         """Pinocchio's regressor of the baseline identification; the one of evaluate stays."""
         original = PinocchioModel.torque_regressor
-        self._in_the_referee("torque_regressor", lambda *arguments: change(original(*arguments)))
+        self._in_the_referee(PinocchioModel, "torque_regressor", lambda *arguments: change(original(*arguments)))
 
     def projected_accelerations(self, factor: float) -> None:
         """Our forward dynamics in the null space are off; the others are right."""
@@ -154,13 +144,13 @@ class Plant:
         self._accelerations("recursive", factor)
 
     def _accelerations(self, wrong: str, factor: float) -> None:
-        original = answers.forward_dynamics
+        original = graphdyn.forward_dynamics
 
         def forward_dynamics(*arguments, method="projected"):
             answer = original(*arguments, method=method)
             return dataclasses.replace(answer, a=answer.a * factor) if method == wrong else answer
 
-        self._patch.setattr(answers, "forward_dynamics", forward_dynamics)
+        self._patch.setattr(graphdyn, "forward_dynamics", forward_dynamics)
 
     def dense_solution(self, acceleration: float = 1.0, multipliers: float = 1.0) -> None:
         """The solution of Eq. (111) is off by these factors."""
@@ -176,16 +166,9 @@ class Plant:
 
         self._patch.setattr(KKTSystem, "solve_unchecked", solve_unchecked)
 
-    def in_quantities(self, name: str, replacement: Callable) -> None:
-        """Replace a function that crosscheck.quantities.quantities calls."""
-        self._patch.setattr(quantities, name, replacement)
-
-
-def _with_changed(original: Callable[..., dict], name: str, change: Callable[[float], float]) -> Callable[..., dict]:
-    def changed(*arguments):
-        return {key: _changed(x, change) if key == name else x for key, x in original(*arguments).items()}
-
-    return changed
+    def in_system(self, name: str, replacement: Callable) -> None:
+        """Replace a function that crosscheck.quantities.system calls."""
+        self._patch.setattr(system, name, replacement)
 
 
 def _changed(values: np.ndarray, change: Callable[[float], float]) -> np.ndarray:

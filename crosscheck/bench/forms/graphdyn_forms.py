@@ -70,7 +70,7 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
     return [*_recursive(into, threads, states.acceleration_errors), _projected(projected, states.acceleration_errors)]
 
 
-def everything(states: States, threads: Sequence[int]) -> list[Contender]:
+def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:
     """All accelerations and all multipliers; the multipliers are judged."""
     n = states.model.n_bodies
     out = aligned((len(states), n, BODY_FREEDOMS)), aligned((len(states), n, JOINT_CONSTRAINTS))
@@ -125,7 +125,7 @@ def verb(name: str, answer: Callable[..., Any] | None = None) -> Forms:
             function(states.model, *(x[:count] for x in inputs), method="recursive", threads=used, out=memory)
             return written
 
-        return _recursive(into, threads, states.derived_errors(outputs))
+        return _recursive(into, threads, states.quantity_errors(outputs))
 
     return forms
 
@@ -193,10 +193,8 @@ def _streamed(states: States, threads: Sequence[int]) -> list[Contender]:
         return np.concatenate([matrix.ravel() for matrix in matrices])
 
     def errors(_: Array) -> Array:
-        judged = len(states.values.tau)
-        equations = np.concatenate(
-            [states.values.torque_regressor[..., columns], states.torque[:judged, :, None]], axis=-1
-        )
+        judged = len(states.regressor)
+        equations = np.concatenate([states.regressor[..., columns], states.torque[:judged, :, None]], axis=-1)
         return _gram_errors(run(judged, 1), gram, equations)
 
     name = f"{our_name()}, streamed"

@@ -8,6 +8,8 @@ import numpy as np
 
 from crosscheck.bench.contender import UNLIMITED_SAMPLES, Contender, Forms
 from crosscheck.bench.states import States
+from crosscheck.quantities import QUANTITIES
+from crosscheck.reference.pinocchio_model import FrameFunction, NativeFunction
 from graphdyn.compiler import aligned
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.recursions import ARRAY_SPECS
@@ -62,7 +64,7 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
     ]
 
 
-def everything(states: States, threads: Sequence[int]) -> list[Contender]:
+def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:
     """aba, then rnea at its acceleration, which leaves the joint wrenches in data.f. They are not copied."""
     bare, out = states.bare, np.empty(states.q.shape)
     aba, rnea, model, data = bare.aba, bare.rnea, bare.model, bare.data
@@ -117,14 +119,18 @@ def _derivatives(
             by_q[k], by_v[k], by_given[k] = function(model, data, q, v, x)
         return out[:, :count]
 
-    return [Contender(PINOCCHIO_LOOP, 1, loop, states.derived_errors(names), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
+    return [
+        Contender(PINOCCHIO_LOOP, 1, loop, states.quantity_errors(names), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)
+    ]
 
 
 def quantity(name: str) -> Forms:
-    """A loop of the function of BareCalls that has the name of this verb and takes the same arrays."""
+    """A loop of the function of Pinocchio that the table of quantities has for this verb; it takes the same arrays."""
+    theirs = QUANTITIES[name].pinocchio
+    assert isinstance(theirs, NativeFunction | FrameFunction)
 
     def forms(states: States, threads: Sequence[int]) -> list[Contender]:
-        function, model, data = getattr(states.bare, name), states.bare.model, states.bare.data
+        function, model, data = theirs.native, states.bare.model, states.bare.data
         further = states.bare.tip if VERBS[name].of_frame else ()
         inputs = [getattr(states, array) for array in VERBS[name].inputs]
         (output,) = VERBS[name].outputs
@@ -137,7 +143,7 @@ def quantity(name: str) -> Forms:
 
         return [
             Contender(
-                PINOCCHIO_LOOP, 1, loop, states.derived_errors([output]), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES
+                PINOCCHIO_LOOP, 1, loop, states.quantity_errors([output]), PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES
             )
         ]
 

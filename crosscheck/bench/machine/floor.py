@@ -11,11 +11,13 @@ from typing import Any
 
 from crosscheck.bench.machine.instructions import floating_point_operations, fused_instructions
 from crosscheck.bench.states import JACOBIAN_REFERENCE
+from crosscheck.quantities import QUANTITIES
 from crosscheck.reference.subject import tip
 from graphdyn import RobotModel
 from graphdyn.arguments import frame_choice
 from graphdyn.compiler import MachineCode, Request, VectorCode, aligned, chosen_backend, host_lanes, in_threads, record
 from graphdyn.recursions import RECURSIONS
+from graphdyn.verbs import VERBS
 
 N_INDEPENDENT_SUMS = 12
 """Number of independent sums: enough to keep every pipeline of a processor busy, fewer than AVX2 has registers."""
@@ -32,23 +34,23 @@ STREAM_DOUBLES = 4_000_000
 N_MEASUREMENTS = 5
 """Number of measurements, of which the fastest counts, because a limit is measured."""
 
-REQUESTS = {
-    "inverse_dynamics": Request("inverse_dynamics", ("tau",)),
-    "forward_dynamics": Request("forward_dynamics", ("a",)),
-    "everything": Request("forward_dynamics", ("body_accelerations", "multipliers")),
-    "regressor": Request("joint_torque_regressor", ("joint_torque_regressor",)),
+_VERBS = {
+    "inverse_dynamics": "joint_torques",
+    "forward_dynamics": "joint_accelerations",
     **{
-        name: Request(name, RECURSIONS[name].outputs)
+        name: name
         for name in (
+            "solve_kkt",
+            "joint_torque_regressor",
             "inverse_dynamics_derivatives",
             "forward_dynamics_derivatives",
-            "mass_matrix_inverse",
-            "coriolis_matrix",
-            "kinetic_energy",
-            "frame_jacobian",
+            *(name for name, row in QUANTITIES.items() if row.benchmark),
         )
     },
 }
+"""The verb that answers what a work computes, and no more."""
+
+REQUESTS = {work: Request(VERBS[verb].recursion, VERBS[verb].outputs) for work, verb in _VERBS.items()}
 """The compiled program of each work."""
 
 

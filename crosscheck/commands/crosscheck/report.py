@@ -9,7 +9,7 @@ from pathlib import Path
 from crosscheck.commands.crosscheck.record import record
 from crosscheck.commands.crosscheck.robot_report import robot_section
 from crosscheck.comparing.comparison import Comparison, QuantityResult
-from crosscheck.quantities.quantities import BY_NAME, COUPLED, LOOPED
+from crosscheck.quantities import COMPARED, COUPLED, LOOPED
 from crosscheck.report.error_tables import ERROR_FORMAT, error_text, verdict_of
 from crosscheck.report.report import Column, Facts, Note, Notes, Prose, Report, Row, Section, Table, Verdict
 
@@ -88,7 +88,7 @@ def _within(comparison: Comparison) -> str:
 def _overview(comparisons: Sequence[Comparison]) -> Table:
     """Quantities by robots, for the terminal."""
     rows = []
-    for name, quantity in {**BY_NAME, **COUPLED, **LOOPED}.items():
+    for name, quantity in {**COMPARED, **COUPLED, **LOOPED}.items():
         results = [comparison.quantities.get(name) for comparison in comparisons]
         if any(results):
             agrees = all(result.agrees for result in results if result)

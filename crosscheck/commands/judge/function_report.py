@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judgment import JudgedFunction, Judgment
+from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.error_tables import ERROR_FORMAT, distribution, over_states, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
 from crosscheck.report.report import Code, Column, Row, Section, Table

@@ -63,7 +63,7 @@ def foreign_programs(options: ProgramOptions) -> Iterator[Mapping[str, ProgramFu
     from crosscheck.judging.exchange.library import library_function
     from crosscheck.judging.exchange.program import ProgramFunction
     from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
-    from crosscheck.judging.functions.table import FUNCTIONS
+    from crosscheck.quantities import FUNCTIONS
 
     found: dict[str, ProgramFunction] = {}
     for name, text in pairs("--command", options.command, "NAME='PROGRAM …'"):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 from crosscheck.judging.exchange.questions import Question
-from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.record_fields import FORMAT, Keywords, Versions
 from crosscheck.report.versions import versions
 

@@ -134,8 +134,8 @@ def _table(name: str, table: VectorTable, content: bytes) -> VectorTableRecord:
         argument_count=argument_count,
         shape=list(table.answer.shape[1:]),
         answer_count=answer_count,
-        unit=table.known.unit,
-        scale=table.known.scale,
+        unit=table.known.ours.unit,
+        scale=table.known.judged_relative_to,
         conventions=dict(table.conventions),
         references=table.references,
     )

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from crosscheck.judging.exchange.protocols import number_text
-from crosscheck.judging.functions.known_function import LOADS
 from crosscheck.judging.observing.function_under_test import ForeignFunction
+from crosscheck.quantities import LOADS
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 

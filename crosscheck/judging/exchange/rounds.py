@@ -11,13 +11,12 @@ import numpy as np
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.questions import Question, once, questions
 from crosscheck.judging.exchange.replay import QUESTION_STAGES, AnswersPending, Replay, listed
-from crosscheck.judging.functions.known_function import LOADS, KnownFunction
-from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.judge import Progress, check_frame, judge_functions
 from crosscheck.judging.judgment import Judgment
 from crosscheck.judging.observing.function_under_test import ForeignFunction, joint_order
 from crosscheck.judging.setting import Foreign, Setting
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.reference.subject import check_counts, refuse_chords, subject
 from graphdyn import RobotModel
 
@@ -31,7 +30,7 @@ class FirstRound:
     questions: tuple[Question, ...]
 
 
-def drawn_states(setting: Setting, functions: Collection[KnownFunction]) -> JudgedStates:
+def drawn_states(setting: Setting, functions: Collection[Quantity]) -> JudgedStates:
     """The judged states. Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded."""
     check_counts(setting.samples, setting.seed)
     given = subject(setting.robot, setting.reading)
@@ -49,7 +48,7 @@ def drawn_states(setting: Setting, functions: Collection[KnownFunction]) -> Judg
     )
 
 
-def states_of(known: KnownFunction, states: JudgedStates, setting: Setting) -> JudgedStates:
+def states_of(known: Quantity, states: JudgedStates, setting: Setting) -> JudgedStates:
     """The states of one function: without external wrenches, where it is not called with them."""
     return states if LOADS in known.called_with(setting.external_wrenches) else replace(states, loads=None)
 
@@ -71,7 +70,7 @@ def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
 
 def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> list[str]:
     """Names of the functions to whose questions there are answers. Raises BadAnswers where there is none."""
-    candidates = [name for name, known in FUNCTIONS.items() if setting.frame is not None or not known.needs_frame]
+    candidates = [name for name, known in FUNCTIONS.items() if setting.frame is not None or not known.of_frame]
     known = first_round(setting, candidates).questions
     found = {one.function for one in known if one.id in given}
     if not found:

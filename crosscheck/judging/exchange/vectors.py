@@ -9,12 +9,12 @@ import numpy as np
 
 from crosscheck.judging.exchange.protocols import number_text
 from crosscheck.judging.exchange.rounds import drawn_states, states_of
-from crosscheck.judging.functions.known_function import Chosen, KnownFunction
-from crosscheck.judging.functions.table import FUNCTIONS, known_function
 from crosscheck.judging.observing.conventions import check_declared, relative_errors
 from crosscheck.judging.observing.references import References
 from crosscheck.judging.setting import Setting
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities import FUNCTIONS, Quantity, known_function
+from crosscheck.quantities.measures import Chosen
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.layout import Array
@@ -33,7 +33,7 @@ class VectorTable:
     references: whose answers agree within the tolerance
     """
 
-    known: KnownFunction
+    known: Quantity
     conventions: Chosen
     arguments: Mapping[str, Array]
     answer: Array
@@ -60,7 +60,7 @@ def confirmed_functions(frame: str | None) -> list[str]:
     return [
         name
         for name, known in FUNCTIONS.items()
-        if known.pinocchio is not None and "p" not in known.shape and (frame is not None or not known.needs_frame)
+        if "p" not in known.shape and (frame is not None or not known.of_frame)
     ]
 
 
@@ -83,7 +83,7 @@ def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTa
         references = of_states[loaded]
         own = {name: way for name, way in setting.conventions.items() if name in known.conventions}
         chosen = next(known.readings(own))
-        ours = known.ours(references.states, chosen)
+        ours = known.of_graphdyn(references.states, chosen)
         tolerance = tolerances(known, ours, references.states, chosen, setting.bound)
         answers = references.answers(known, chosen, ours)
         for referee, theirs in answers.items():
@@ -103,7 +103,7 @@ def _references(states: JudgedStates) -> References:
         return References(states, mujoco=False)
 
 
-def tolerances(known: KnownFunction, answer: Array, states: JudgedStates, chosen: Chosen, bound: float) -> Array:
+def tolerances(known: Quantity, answer: Array, states: JudgedStates, chosen: Chosen, bound: float) -> Array:
     """How far each number may be from the answer: where it alone differs, the relative error is the bound (N, …)."""
     flat = answer.reshape(len(answer), -1)
     found = np.empty_like(flat)

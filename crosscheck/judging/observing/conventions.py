@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities import Quantity
+from crosscheck.quantities.measures import Chosen
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
@@ -30,14 +31,14 @@ class FoundConventions:
 
 
 def found_conventions(
-    function: KnownFunction, answer: Array, states: JudgedStates, declared: Chosen, tolerance: float
+    function: Quantity, answer: Array, states: JudgedStates, declared: Chosen, tolerance: float
 ) -> FoundConventions:
     """The conventions with which most answers agree with graphdyn's; else those that are nearest to them.
 
     answer: (N, …); declared: conventions that are known
     """
     readings = list(function.readings(declared))
-    ours = [function.ours(states, chosen) for chosen in readings]
+    ours = [function.of_graphdyn(states, chosen) for chosen in readings]
     errors = [relative_errors(function, answer, x, states, chosen) for x, chosen in zip(ours, readings, strict=True)]
     deviating = np.array([(error > tolerance).sum() for error in errors])
     middle = np.array([np.median(error) for error in errors])
@@ -54,11 +55,9 @@ def found_conventions(
     return FoundConventions(readings[first], True, said, ours[first])
 
 
-def relative_errors(
-    function: KnownFunction, answer: Array, reference: Array, states: JudgedStates, chosen: Chosen
-) -> Array:
+def relative_errors(function: Quantity, answer: Array, reference: Array, states: JudgedStates, chosen: Chosen) -> Array:
     """Relative errors (N,) on the scale of the function; entries that are not finite count as infinite."""
-    return finite(function.errors(answer, reference, states, chosen))
+    return finite(function.judged_by(answer, reference, states, chosen))
 
 
 def finite(errors: Array) -> Array:
@@ -66,7 +65,7 @@ def finite(errors: Array) -> Array:
     return np.where(np.isfinite(errors), errors, np.inf)
 
 
-def check_declared(declared: Chosen, functions: list[KnownFunction]) -> None:
+def check_declared(declared: Chosen, functions: list[Quantity]) -> None:
     """Raise InvalidInput for a convention that no judged function has, or a way that it does not know."""
     known: dict[str, tuple[str, ...]] = {}
     for function in functions:

@@ -10,7 +10,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.functions.known_function import KnownFunction
+from crosscheck.quantities import Quantity
 from graphdyn import GraphDynError, InvalidInput, RobotModel
 from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, Array
 
@@ -67,7 +67,7 @@ class ForeignFunction:
     loaded: it takes external wrenches as its last argument, where functions of its kind do
     """
 
-    known: KnownFunction
+    known: Quantity
     function: Callable[..., object] | BatchFunction
     order: NDArray[np.intp]
     batched: bool = False

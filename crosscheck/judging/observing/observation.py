@@ -130,7 +130,7 @@ def of_judged(name: str, answer: Array, states: JudgedStates) -> Observation | N
     known: Mapping[str, Callable[[], tuple[State, Array]]] = {
         "inverse_dynamics": lambda: ((states.q, states.v, states.a), answer + loads),
         "forward_dynamics": lambda: ((states.q, states.v, answer), states.tau + loads),
-        "regressor": lambda: ((states.q, states.v, states.a), answer @ states.model.inertial_parameters),
+        "joint_torque_regressor": lambda: ((states.q, states.v, states.a), answer @ states.model.inertial_parameters),
         "bias_torque": lambda: ((states.q, states.v, zero), answer),
         "gravity_torque": lambda: ((states.q, zero, zero), answer),
     }

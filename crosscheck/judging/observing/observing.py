@@ -21,7 +21,7 @@ def observe(foreign: ForeignFunction, model: RobotModel, trial: TrialStates, tor
     acceleration = usual_acceleration(model, trial)
     if foreign.name == "forward_dynamics":
         return _of_accelerations(foreign, trial, torque, acceleration)
-    if foreign.name == "regressor":
+    if foreign.name == "joint_torque_regressor":
         return split(lambda q, v, a: foreign(q, v, a) @ model.inertial_parameters, trial, acceleration)
     if foreign.name == "inverse_dynamics":
         return split(foreign, trial, acceleration)

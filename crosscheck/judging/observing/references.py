@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 import graphdyn
-from crosscheck.judging.functions.known_function import Chosen, KnownFunction
-from crosscheck.judging.functions.pinocchio_answers import PinocchioAnswers
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities import Quantity
+from crosscheck.quantities.measures import Chosen
 from crosscheck.quantities.scales import backward_error
 from crosscheck.reference.mujoco_model import MujocoModel
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn.layout import Array
 
 BACKWARD_SCALE = "largest of τ, the joint wrenches, the external wrenches and ∣M∣ ∣a∣"
@@ -27,7 +29,6 @@ class References:
 
     def __init__(self, states: JudgedStates, mujoco: bool):
         self.states = states
-        self.pinocchio = PinocchioAnswers(states)
         self._mujoco = MujocoModel(states.model) if mujoco else None
 
     def at(self, selected: NDArray[np.bool_]) -> References:
@@ -35,17 +36,33 @@ class References:
         return self if selected.all() else References(self.states.rows(selected), self._mujoco is not None)
 
     @cached_property
+    def pinocchio(self) -> PinocchioAnswers:
+        """Pinocchio's answers; the frame is one of its own, also where it is a body."""
+        states, model, frame = self.states, self.states.model, None
+        if states.frame is not None:
+            chosen = model.frame(states.frame)
+            frame = f"{chosen.name}, judged"
+            model = replace(model, frames=(replace(chosen, name=frame, aliases=()),))
+        robot = PinocchioModel.from_model(model)
+        return PinocchioAnswers(robot, model, states.q, states.v, states.a, states.tau, states.loads, frame)
+
+    def _has(self, function: Quantity) -> bool:
+        """Whether Pinocchio has an answer: it has no motion of what is fixed in the ground."""
+        states = self.states
+        in_motion = function.of_frame and "reference" in function.conventions
+        return not in_motion or (states.frame is not None and states.model.frame(states.frame).body > 0)
+
+    @cached_property
     def _mujoco_answers(self) -> dict[str, Array]:
         assert self._mujoco is not None
         states = self.states
         return self._mujoco.evaluate(states.q, states.v, states.a, states.tau)
 
-    def answers(self, function: KnownFunction, chosen: Chosen, ours: Array) -> dict[str, Array]:
+    def answers(self, function: Quantity, chosen: Chosen, ours: Array) -> dict[str, Array]:
         """By name of the reference implementation, of those that have the function. ours: graphdyn's."""
         found = {"graphdyn": ours}
-        theirs = function.pinocchio(self.pinocchio, chosen)
-        if theirs is not None:
-            found["pinocchio"] = theirs
+        if self._has(function):
+            found["pinocchio"] = function.of_pinocchio(self.pinocchio, self.states, chosen)
         if function.mujoco is not None and self._mujoco is not None and self.states.loads is None:
             found["mujoco"] = self._mujoco_answers[function.mujoco]
         return found
@@ -54,7 +71,7 @@ class References:
         """Torques of accelerations (N, n) by one reference implementation."""
         states = self.states
         if referee == "pinocchio":
-            return self.pinocchio.required
+            return lambda a: self.pinocchio.required(a)[0]
         if referee == "mujoco":
             assert self._mujoco is not None
             mujoco = self._mujoco

@@ -14,10 +14,10 @@ from itertools import chain, combinations
 
 import numpy as np
 
-from crosscheck.judging.functions.known_function import Chosen, KnownFunction
-from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.observing.conventions import relative_errors
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities import FUNCTIONS, Quantity
+from crosscheck.quantities.measures import Chosen
 from graphdyn import Joint, Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array
 
@@ -38,34 +38,35 @@ class AnswerFault:
     answers: Answering
 
 
-def faults(known: KnownFunction, states: JudgedStates) -> Iterator[AnswerFault]:
+def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     """All faults without free numbers."""
-    yield AnswerFault("sign", "all answers have the opposite sign", "negate them", lambda s, c: -known.ours(s, c))
+    ours = known.of_graphdyn
+    yield AnswerFault("sign", "all answers have the opposite sign", "negate them", lambda s, c: -ours(s, c))
     yield from _layouts(known)
     yield from _other_arguments(known)
     if states.loads is not None:
         yield from _other_loads(known)
     yield from _other_functions(known)
-    if known.needs_frame:
+    if known.of_frame:
         yield from _other_frames(known, states)
     yield from _other_models(known, states.model)
 
 
-def _layouts(known: KnownFunction) -> Iterator[AnswerFault]:
+def _layouts(known: Quantity) -> Iterator[AnswerFault]:
     if len(known.shape) == 2 and known.shape[0] == known.shape[1]:
         yield AnswerFault(
             "transposed", "the matrix is transposed", "transpose it",
-            lambda s, c: np.swapaxes(known.ours(s, c), -1, -2),
+            lambda s, c: np.swapaxes(known.of_graphdyn(s, c), -1, -2),
         )  # fmt: skip
         for name, part in (("lower", np.tril), ("upper", np.triu)):
             yield AnswerFault(
                 "triangle", f"only the {name} triangle of the matrix is filled in", "copy it to the other side",
-                lambda s, c, part=part: part(known.ours(s, c)),  # type: ignore[misc]
+                lambda s, c, part=part: part(known.of_graphdyn(s, c)),  # type: ignore[misc]
             )  # fmt: skip
     elif len(known.shape) >= 2:
         yield AnswerFault(
             "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
-            lambda s, c: np.swapaxes(x := known.ours(s, c), -1, -2).reshape(x.shape),
+            lambda s, c: np.swapaxes(x := known.of_graphdyn(s, c), -1, -2).reshape(x.shape),
         )  # fmt: skip
     if BODY_FREEDOMS in known.shape:
         axis = known.shape.index(BODY_FREEDOMS) - len(known.shape)
@@ -76,8 +77,8 @@ def _layouts(known: KnownFunction) -> Iterator[AnswerFault]:
             )  # fmt: skip
 
 
-def _with_signs(known: KnownFunction, linear: float, angular: float, axis: int) -> Answering:
-    return lambda states, chosen: known.ours(states, chosen) * _halves(linear, angular, chosen, axis)
+def _with_signs(known: Quantity, linear: float, angular: float, axis: int) -> Answering:
+    return lambda states, chosen: known.of_graphdyn(states, chosen) * _halves(linear, angular, chosen, axis)
 
 
 def _halves(linear: float, angular: float, chosen: Chosen, axis: int) -> Array:
@@ -86,7 +87,7 @@ def _halves(linear: float, angular: float, chosen: Chosen, axis: int) -> Array:
     return np.repeat(parts, 3).reshape(-1, *[1] * (-axis - 1))
 
 
-def _other_arguments(known: KnownFunction) -> Iterator[AnswerFault]:
+def _other_arguments(known: Quantity) -> Iterator[AnswerFault]:
     moving = [name for name in known.arguments if name in "qva"]
     subsets = [x for size in range(len(moving), 0, -1) for x in combinations(moving, size)]
     for names in subsets:
@@ -99,14 +100,14 @@ def _other_arguments(known: KnownFunction) -> Iterator[AnswerFault]:
             yield AnswerFault(
                 "unit" if change is _as_degrees else "sign" if change is np.negative else "argument",
                 f"{are} {what}", remedy,
-                lambda s, c, names=names, change=change: known.ours(  # type: ignore[misc]
+                lambda s, c, names=names, change=change: known.of_graphdyn(  # type: ignore[misc]
                     s.but(**{name: change(getattr(s, name)) for name in names}), c
                 ),
             )  # fmt: skip
     for x, y in combinations(moving, 2):
         yield AnswerFault(
             "argument", f"{x} and {y} are exchanged", f"the arguments are {', '.join(known.arguments)}",
-            lambda s, c, x=x, y=y: known.ours(s.but(**{x: getattr(s, y), y: getattr(s, x)}), c),  # type: ignore[misc]
+            lambda s, c, x=x, y=y: known.of_graphdyn(s.but(**{x: getattr(s, y), y: getattr(s, x)}), c),  # type: ignore[misc]
         )  # fmt: skip
 
 
@@ -114,7 +115,7 @@ def _as_degrees(x: Array) -> Array:
     return np.deg2rad(x)
 
 
-def _other_loads(known: KnownFunction) -> Iterator[AnswerFault]:
+def _other_loads(known: Quantity) -> Iterator[AnswerFault]:
     for message, change in (
         ("are left out", lambda s: 0 * s.all_loads),
         ("have the opposite sign", lambda s: -s.all_loads),
@@ -125,13 +126,13 @@ def _other_loads(known: KnownFunction) -> Iterator[AnswerFault]:
         yield AnswerFault(
             "external_wrenches", f"the external wrenches {message}",
             "they are force, then moment, on each body, at its link origin, in link axes",
-            lambda s, c, change=change: known.ours(s.but(loads=change(s)), c),  # type: ignore[misc]
+            lambda s, c, change=change: known.of_graphdyn(s.but(loads=change(s)), c),  # type: ignore[misc]
         )  # fmt: skip
 
 
 def _in_link_axes(states: JudgedStates, loads: Array) -> Array:
     halves = loads.reshape(*loads.shape[:-1], 2, 3)
-    turned: Array = np.einsum("...iba,...ihb->...iha", states.motion.rotation, halves).reshape(loads.shape)
+    turned: Array = np.einsum("...iba,...ihb->...iha", states.rotations, halves).reshape(loads.shape)
     return turned
 
 
@@ -141,21 +142,21 @@ def _at_origins(states: JudgedStates, loads: Array) -> Array:
     return np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
 
 
-def _other_functions(known: KnownFunction) -> Iterator[AnswerFault]:
+def _other_functions(known: Quantity) -> Iterator[AnswerFault]:
     for other in FUNCTIONS.values():
         alike = other.shape == known.shape and set(other.arguments) <= set(known.arguments)
-        if other is not known and alike and not (other.needs_frame or other.conventions):
+        if other is not known and alike and not (other.of_frame or other.conventions):
             yield AnswerFault(
                 "other_function", f"the answers are those of {other.name}", f"{known.name} is asked for",
-                lambda s, c, other=other: other.ours(s, {}),  # type: ignore[misc]
+                lambda s, c, other=other: other.of_graphdyn(s, {}),  # type: ignore[misc]
             )  # fmt: skip
 
 
-def _other_frames(known: KnownFunction, states: JudgedStates) -> Iterator[AnswerFault]:
+def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     if known.name == "frame_placement":
         yield AnswerFault(
             "frame", "the placement is inverted: the world seen from the frame", "invert it",
-            lambda s, c: np.asarray(np.linalg.inv(known.ours(s, c)), dtype=float),
+            lambda s, c: np.asarray(np.linalg.inv(known.of_graphdyn(s, c)), dtype=float),
         )  # fmt: skip
         yield AnswerFault(
             "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
@@ -167,22 +168,23 @@ def _other_frames(known: KnownFunction, states: JudgedStates) -> Iterator[Answer
         if other != own.name:
             yield AnswerFault(
                 "frame", f"the answers are those of frame '{other}'", f"frame '{own.name}' is asked for",
-                lambda s, c, name=other: known.ours(dataclasses.replace(s, frame=name), c),  # type: ignore[misc]
+                lambda s, c, name=other: known.of_graphdyn(dataclasses.replace(s, frame=name), c),  # type: ignore[misc]
             )  # fmt: skip
 
 
-def _rotation_transposed(known: KnownFunction) -> Answering:
+def _rotation_transposed(known: Quantity) -> Answering:
     def answers(states: JudgedStates, chosen: Chosen) -> Array:
-        placed = known.ours(states, chosen).copy()
+        placed = known.of_graphdyn(states, chosen).copy()
         placed[:, :3, :3] = np.swapaxes(placed[:, :3, :3], -1, -2)
         return placed
 
     return answers
 
 
-def _other_models(known: KnownFunction, model: RobotModel) -> Iterator[AnswerFault]:
+def _other_models(known: Quantity, model: RobotModel) -> Iterator[AnswerFault]:
     def of(message: str, kind: str, remedy: str, other: RobotModel) -> AnswerFault:
-        return AnswerFault(kind, message, remedy, lambda s, c: known.ours(dataclasses.replace(s, model=other), c))
+        ours = known.of_graphdyn
+        return AnswerFault(kind, message, remedy, lambda s, c: ours(dataclasses.replace(s, model=other), c))
 
     if model.gravity.any():
         remedy = "use the gravity of the model"
@@ -211,7 +213,7 @@ def _back(joint: Joint) -> Joint:
 
 
 def fitted_faults(
-    known: KnownFunction, answer: Array, ours: Array, chosen: Chosen, model: RobotModel
+    known: Quantity, answer: Array, ours: Array, chosen: Chosen, model: RobotModel
 ) -> Iterator[AnswerFault]:
     """Factors on the answers, fitted to those of the foreign function.
 
@@ -221,12 +223,12 @@ def fitted_faults(
     yield from _per_joint(known, answer, ours, model)
 
 
-def _scaled(known: KnownFunction, answer: Array, ours: Array, chosen: Chosen) -> Iterator[AnswerFault]:
+def _scaled(known: Quantity, answer: Array, ours: Array, chosen: Chosen) -> Iterator[AnswerFault]:
     """One factor on all answers; one each on the linear and angular parts."""
     remedy = "compare units and formula"
     factor = _factor(answer, ours)
     message = f"all answers are multiplied by {factor:.6g}" if factor else "all answers are zero"
-    yield AnswerFault("unit" if factor else "zero", message, remedy, lambda s, c: factor * known.ours(s, c))
+    yield AnswerFault("unit" if factor else "zero", message, remedy, lambda s, c: factor * known.of_graphdyn(s, c))
     if BODY_FREEDOMS in known.shape:
         axis = known.shape.index(BODY_FREEDOMS) - len(known.shape)
         halves = (_halves(1.0, 0.0, chosen, axis), _halves(0.0, 1.0, chosen, axis))
@@ -239,7 +241,7 @@ def _scaled(known: KnownFunction, answer: Array, ours: Array, chosen: Chosen) ->
         )
 
 
-def _per_joint(known: KnownFunction, answer: Array, ours: Array, model: RobotModel) -> Iterator[AnswerFault]:
+def _per_joint(known: Quantity, answer: Array, ours: Array, model: RobotModel) -> Iterator[AnswerFault]:
     """A factor on what belongs to each joint."""
     for axis, size in enumerate(known.shape, start=1):
         if size != "n":
@@ -255,7 +257,7 @@ def _per_joint(known: KnownFunction, answer: Array, ours: Array, model: RobotMod
         kind = "sign" if all(abs(x + 1) <= SIGN_FACTOR_TOLERANCE for x in wrong.values()) else "unit"
         yield AnswerFault(
             kind, f"the {what} of a joint multiplied: {said}", "compare the sense and the unit of the joint",
-            lambda s, c, scale=scale: known.ours(s, c) * scale,  # type: ignore[misc]
+            lambda s, c, scale=scale: known.of_graphdyn(s, c) * scale,  # type: ignore[misc]
         )  # fmt: skip
 
 
@@ -281,12 +283,12 @@ class FoundFault:
 
 
 def answer_fault(
-    known: KnownFunction, answer: Array, states: JudgedStates, declared: Chosen, bound: float
+    known: Quantity, answer: Array, states: JudgedStates, declared: Chosen, bound: float
 ) -> FoundFault | None:
     """The first fault that leaves no more than the bound, by any reading in keeping with the declared conventions."""
     few = np.arange(len(states.q)) < FIRST_TRIAL_STATES
     for chosen in known.readings(declared):
-        ours = known.ours(states, chosen)
+        ours = known.of_graphdyn(states, chosen)
         for fault in chain(faults(known, states), fitted_faults(known, answer, ours, chosen, states.model)):
 
             def left(some: JudgedStates, given: Array, fault: AnswerFault = fault, chosen: Chosen = chosen) -> float:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from crosscheck.judging.functions.spans import column_space, outside_of
 from crosscheck.judging.observing.columns import column_fault
 from crosscheck.judging.searching.answer_faults import FoundFault
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities.scales import largest
+from crosscheck.quantities.spans import column_space, outside_of
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES
@@ -65,7 +65,7 @@ def _listed(names: list[str]) -> str:
 
 
 OWN_FAULTS: Mapping[str, OwnFault] = {
-    "regressor": _of_columns,
+    "joint_torque_regressor": _of_columns,
     "base_regressor": _of_base_regressor,
     "coriolis_matrix": _of_coriolis_matrix,
 }

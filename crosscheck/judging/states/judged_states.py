@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 import graphdyn
 from crosscheck.judging.states.experiments import TrialStates
-from crosscheck.quantities.scales import Sizes, term_sizes
+from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD
-from graphdyn import InverseDynamics, MaximalState, RobotModel
+from graphdyn import ForwardDynamics, InverseDynamics, MaximalState, RobotModel
 from graphdyn.equations import link_origins
 from graphdyn.layout import Array
 
@@ -32,22 +32,8 @@ MAX_WHOLE_TURNS = 2
 """Largest number of whole turns added, in either direction."""
 
 
-@dataclass(frozen=True, eq=False)
-class JudgedStates:
-    """The judged states, and what graphdyn computes there for several functions and scales.
-
-    q, v, a, tau: joint states, torques of forward dynamics  (N, n)
-    loads: external wrenches, None where functions are called without   (N, n, 6)
-    frame: the link of functions of one frame, None where there is no such function
-    """
-
-    model: RobotModel
-    q: Array
-    v: Array
-    a: Array
-    tau: Array
-    loads: Array | None = None
-    frame: str | None = None
+class JudgedStates(ScaledStates):
+    """The judged states; the sizes of errors are graphdyn's."""
 
     @classmethod
     def draw(
@@ -93,11 +79,6 @@ class JudgedStates:
         return replace(self, **arrays)  # type: ignore[arg-type]
 
     @property
-    def all_loads(self) -> Array:
-        """External wrenches, zeros where there are none (N, n, 6)."""
-        return np.zeros((*self.q.shape, 6)) if self.loads is None else self.loads
-
-    @property
     def trial(self) -> TrialStates:
         """States for the experiments: random ones, then ones with whole turns added."""
         rows = [*range(N_EXPERIMENT_STATES // 2), *range(-N_TURNED_STATES, -N_TURNED_STATES + N_EXPERIMENT_STATES // 2)]
@@ -110,30 +91,44 @@ class JudgedStates:
 
     @cached_property
     def origins(self) -> Array:
-        """Of the links, in the world (N, n, 3)."""
         return link_origins(self.motion)
 
-    @cached_property
+    @property
+    def rotations(self) -> Array:
+        return self.motion.rotation
+
+    @property
+    def body_velocities(self) -> Array:
+        return self.motion.velocity
+
+    @property
+    def body_accelerations(self) -> Array:
+        assert self.motion.acceleration is not None
+        return self.motion.acceleration
+
+    @property
     def inverse(self) -> InverseDynamics:
         """Inverse dynamics, with the external wrenches."""
-        return graphdyn.inverse_dynamics(self.model, self.q, self.v, self.a, self.loads)
+        found: InverseDynamics = self.answer("inverse_dynamics", loaded=True)
+        return found
 
-    @cached_property
-    def accelerations(self) -> Array:
-        """Of the given torques, with the external wrenches (N, n)."""
-        return graphdyn.forward_dynamics(self.model, self.q, self.v, self.tau, self.loads).a
+    @property
+    def wrenches(self) -> Array:
+        return self.inverse.joint_wrenches
 
-    @cached_property
+    @property
     def mass(self) -> Array:
-        """M (N, n, n)."""
-        return graphdyn.mass_matrix(self.model, self.q)
+        found: Array = self.answer("mass_matrix")
+        return found
 
     @cached_property
-    def sizes(self) -> Sizes:
-        """Of the summed terms, at the given accelerations."""
-        assert self.motion.acceleration is not None
-        sizes = term_sizes(self.model, self.v, self.a, self.origins, self.motion.velocity, self.motion.acceleration)
-        return sizes if self.loads is None else sizes.loaded(self.loads)
+    def solved(self) -> tuple[Array, Array, Array]:
+        found: ForwardDynamics = self.answer("forward_dynamics", loaded=True)
+        return found.a, found.body_accelerations, self.required(found.a)[1]
+
+    def required(self, a: Array) -> tuple[Array, Array]:
+        found = graphdyn.inverse_dynamics(self.model, self.q, self.v, a, self.loads)
+        return found.tau, found.joint_wrenches
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:

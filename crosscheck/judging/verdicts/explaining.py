@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from crosscheck.judging.functions.known_function import Chosen
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.conventions import found_conventions, relative_errors
 from crosscheck.judging.observing.deviation import MAX_NOISE_FACTOR, Deviation
@@ -21,6 +20,7 @@ from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.verdicts.diagnosis import diagnose
 from crosscheck.judging.verdicts.repetition import earlier_arguments, kept_between_calls
 from crosscheck.judging.verdicts.verdicts import Judged
+from crosscheck.quantities.measures import Chosen
 from urdf.reading import Misreadings
 
 Readings = Callable[[], Misreadings | None]
@@ -140,7 +140,7 @@ def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
     differing = {name: other.said[name] for name, way in declared.items() if way not in other.said[name].split(" or ")}
     said = ", ".join(f"{name} is '{way}', not '{declared[name]}'" for name, way in differing.items())
     left = relative_errors(
-        found.known, found.answer, found.known.ours(found.states, other.chosen), found.states, other.chosen
+        found.known, found.answer, found.known.of_graphdyn(found.states, other.chosen), found.states, other.chosen
     )
     message = f"the answers follow another convention: {said}"
     return FoundFault("convention", message, "convert them", float(left.max()))

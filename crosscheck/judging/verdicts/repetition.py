@@ -9,12 +9,13 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.functions.known_function import LOADS, Chosen, argument_at
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.conventions import relative_errors
 from crosscheck.judging.observing.function_under_test import Answers, ForeignFailure, ForeignFunction
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities import LOADS, argument_at
+from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
 
 N_REPEATS = 3
@@ -97,7 +98,7 @@ def earlier_arguments(
     for message, stale in _stale(function, states):
 
         def left(rows: NDArray[np.bool_], stale: JudgedStates = stale) -> float:
-            answer, expected = first.values[rows[first.answered]], function.known.ours(stale.rows(rows), chosen)
+            answer, expected = first.values[rows[first.answered]], function.known.of_graphdyn(stale.rows(rows), chosen)
             errors = relative_errors(function.known, answer, expected, states.rows(rows), chosen)
             return float(errors.max(initial=0.0))
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from crosscheck.judging.functions.known_function import Chosen, KnownFunction
 from crosscheck.judging.judgment import FailedState, JudgedFunction, WorstCall, largest_errors
 from crosscheck.judging.observing.conventions import FoundConventions, found_conventions, relative_errors
 from crosscheck.judging.observing.function_under_test import Answers, ForeignFunction
 from crosscheck.judging.observing.references import BACKWARD_SCALE, References, backward_errors
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.repetition import repeated
+from crosscheck.quantities import Quantity
+from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
 
 
@@ -24,7 +25,7 @@ class Judged:
     answer: the answers there                               (N, …)
     """
 
-    known: KnownFunction
+    known: Quantity
     verdict: JudgedFunction
     asked: JudgedStates
     answers: Answers
@@ -66,7 +67,7 @@ def judged(
         backward_errors=backward_of,
         referees_differ_backward={referee: backward(x, "graphdyn") for referee, x in others.items() if solved},
         bound=tolerance,
-        scale=known.scale,
+        scale=known.judged_relative_to,
         backward_scale=BACKWARD_SCALE if solved else "",
         worst=WorstCall(
             {argument: tuple(x.ravel().tolist()) for argument, x in function.foreign_arguments(row).items()},

@@ -8,13 +8,11 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.reference.pinocchio_model.derivation import derive, second_derivatives
-from crosscheck.reference.pinocchio_model.evaluation import evaluate
 from crosscheck.reference.pinocchio_model.frames import frame_placements
 from crosscheck.reference.pinocchio_model.moving_base import carried
 from crosscheck.reference.pinocchio_model.native import PinocchioRefuses, built, held, moved, read, se3
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
-from crosscheck.reference.reference_values import BareCalls, CarriedValues, RefereeValues
+from crosscheck.reference.reference_values import BareCalls, CarriedValues
 from crosscheck.reference.standard_error import kept_standard_error
 from crosscheck.reference.subject import tip
 from graphdyn import BaseMotion, Placement, RobotModel
@@ -69,29 +67,6 @@ class PinocchioModel(OrderedModel):
     def turned(self, base: Placement, gravity: Array) -> PinocchioModel:
         """The same robot with its ground frame moved by the placement base, under another gravity."""
         return PinocchioModel(moved(self.native, base), self.model.with_gravity(gravity))
-
-    def evaluate(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> RefereeValues:
-        """All reference values at N states: q, v, a, tau (N, n), external_wrenches (N, n, 6)."""
-        return evaluate(self, q, v, a, tau, external_wrenches)
-
-    def derive(self, q: Array, v: Array, a: Array, tau: Array, external_wrenches: Array) -> dict[str, Array]:
-        """Values of those of quantities.DERIVED that are no second derivatives, at N states.
-
-        q, v, a, tau (N, n), external_wrenches (N, n, 6)
-        """
-        weightless = self.turned(Placement(), np.zeros(3))
-        return derive(self, self._rooted(), weightless, q, v, a, tau, external_wrenches)
-
-    def derive_twice(self, q: Array, v: Array, a: Array) -> dict[str, Array]:
-        """Second derivatives of the torques (N, n, n, n), by the names of their quantities: q, v, a (N, n)."""
-        rooted = self._rooted()
-        rows = [second_derivatives(rooted, *state) for state in zip(q, v, a, strict=True)]
-        return {name: np.array([row[name] for row in rows]) for name in rows[0]}
-
-    def _rooted(self) -> PinocchioModel:
-        """The robot with its first joint at the world's origin."""
-        first_joint = self.native.jointPlacements[self.ids[0]].translation
-        return self.turned(Placement(np.eye(3), -first_joint), self.model.gravity)
 
     def carried(self, q: Array, v: Array, a: Array, tau: Array, motion: BaseMotion) -> CarriedValues:
         """Values of the robot on a carriage that moves as prescribed: q, v, a, tau (N, n)."""
@@ -156,10 +131,6 @@ class PinocchioModel(OrderedModel):
             torque_regressor=pin.computeJointTorqueRegressor,
             rnea_derivatives=pin.computeRNEADerivatives,
             aba_derivatives=pin.computeABADerivatives,
-            mass_matrix_inverse=pin.computeMinverse,
-            coriolis_matrix=pin.computeCoriolisMatrix,
-            kinetic_energy=pin.computeKineticEnergy,
-            frame_jacobian=pin.computeFrameJacobian,
             tip=(number, pin.LOCAL_WORLD_ALIGNED),
             rnea_in_parallel=pin.rneaInParallel,
             aba_in_parallel=pin.abaInParallel,

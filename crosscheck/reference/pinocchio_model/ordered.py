@@ -65,6 +65,10 @@ class OrderedModel:
         """A matrix (6, n) with a column per joint, in our order; the bindings flatten matrices of one column."""
         return np.array(np.reshape(matrix, (-1, self.native.nv))[:, self.columns])
 
+    def torques(self, values: Array) -> Array:
+        """A joint-space vector in our order."""
+        return np.array(np.reshape(values, -1)[self.columns])
+
     def forces(self, external: Array) -> pin.StdVec_Force:
         """External wrenches (n, 6) as Pinocchio takes them, one for each of its joints."""
         forces = pin.StdVec_Force()

@@ -19,7 +19,7 @@ from crosscheck.identifying import Preparation
 from crosscheck.recordings import BadRecordingFile, load_recording, load_virtual_recording
 from crosscheck.recordings.formats.table import motion_document
 from crosscheck.reference.mujoco_model import MujocoModel
-from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn import ComputedTorqueControl, Friction, InvalidInput, kr500, rollout, simulate
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
@@ -175,12 +175,13 @@ def test_the_same_motion_with_pinocchio():
     from scipy.integrate import solve_ivp
 
     model = kr500()
-    referee, unloaded = PinocchioModel.from_model(model), np.zeros((1, 6, 6))
+    referee = PinocchioModel.from_model(model)
     q, v = np.array([0.2, 0.5, -0.3, 0.4, 0.6, -0.2]), np.zeros(6)
 
     def rates(t, y):
         at_rest = np.zeros((1, 6))
-        return np.concatenate([y[6:], referee.evaluate(y[None, :6], y[None, 6:], at_rest, at_rest, unloaded).a[0]])
+        there = PinocchioAnswers(referee, model, y[None, :6], y[None, 6:], at_rest, at_rest)
+        return np.concatenate([y[6:], there.a[0]])
 
     theirs = solve_ivp(rates, (0.0, 0.5), np.concatenate([q, v]), method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     ours = simulate(model, q, v, 0.5, rtol=1e-12, atol=1e-12)

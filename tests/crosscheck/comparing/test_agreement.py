@@ -17,7 +17,7 @@ from shared_data import ARMS
 import crosscheck
 import urdf
 from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
-from crosscheck.quantities.quantities import BY_NAME, DERIVED, RECURSIVE
+from crosscheck.quantities import COMPARED, DERIVED, RECURSIVE
 from crosscheck.quantities.states import RANDOM, cases
 from graphdyn import Body, Joint, Placement, RobotModel
 from graphdyn.model.parts import JOINT_KINDS
@@ -67,11 +67,11 @@ class TestRobotsOfTheCommandLine:
         assert comparison.notes == ()
 
     def test_nothing_is_left_out(self, robot):
-        expected = set(BY_NAME) - ({"frame_placement"} if not model_of(robot).frames else set())
+        expected = set(COMPARED) - ({"frame_placement"} if not model_of(robot).frames else set())
         comparison = comparison_of(robot)
         assert set(comparison.quantities) == expected
         assert comparison.not_compared == {}
-        assert list(comparison.quantities) == [name for name in BY_NAME if name in expected]
+        assert list(comparison.quantities) == [name for name in COMPARED if name in expected]
 
     def test_both_routes(self, robot):
         comparison = comparison_of(robot)
@@ -203,12 +203,12 @@ def test_vendor_arm(path):
     assert comparison.routes == (("model",) if refused else ("urdf", "model"))
     assert refused == any("route 'urdf' not taken" in note and path.name in note for note in comparison.notes)
     assert ("frame_placement" in comparison.quantities) == (bool(model.frames) and not refused)
-    absent = set(BY_NAME) - set(comparison.quantities) - {"frame_placement"}
+    absent = set(COMPARED) - set(comparison.quantities) - {"frame_placement"}
     assert absent == set(comparison.not_compared)
-    forward = {name for name, quantity in BY_NAME.items() if quantity.forward}
+    forward = {name for name, quantity in COMPARED.items() if quantity.solves}
     massless = not any(body.mass for body in model.bodies)
     if massless:
-        assert absent == forward | {name for name, quantity in BY_NAME.items() if quantity.massive}
+        assert absent == forward | {name for name, quantity in COMPARED.items() if quantity.massive}
         assert comparison.identification is None
         assert any("no body has mass" in note for note in comparison.notes)
     else:

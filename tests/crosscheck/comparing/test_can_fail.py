@@ -1,11 +1,11 @@
 """The comparison can fail: for every quantity an error is planted, and that quantity, no other, disagrees."""
 
-import dataclasses
 import math
 import sys
 
 import numpy as np
 import pytest
+from pages import first_cells
 from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
 
 import crosscheck
@@ -16,10 +16,9 @@ from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.error_record import ErrorRecord
 from crosscheck.paper.errata import world_axis_rows
-from crosscheck.quantities.quantities import BY_NAME, DERIVED, QUANTITIES, RECURSIVE
+from crosscheck.quantities import COMPARED, QUANTITIES
 from crosscheck.quantities.states import cases
-from crosscheck.reference.pinocchio_model import PinocchioModel
-from crosscheck.reference.reference_values import RefereeValues
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from crosscheck.report.json import plain
 from graphdyn import Placement, inverse_dynamics, kr500
 from graphdyn.equations.system.constraints import constraints
@@ -38,7 +37,7 @@ PHYSICAL = 1e-9
 MEASURED = 1e-3
 """How well an error of 1e-9 is measured: rounding is 1e-15 to 1e-13 of the same scale."""
 
-VISIBLE_IN = {
+SHARED = {
     "rotation": {
         "link_placement",
         "multipliers",
@@ -46,104 +45,90 @@ VISIBLE_IN = {
         "forward_multipliers",
         "forward_multipliers_recursive",
     },
-    "position": {"link_placement"},
-    "velocity": {"link_twist"},
-    "acceleration": {"body_acceleration"},
-    "tau": {"torque", "torque_recursive"},
-    "joint_wrenches": {"joint_wrench", "joint_wrench_recursive", "multipliers", "multipliers_recursive"},
-    "a": {"acceleration", "acceleration_projected", "acceleration_recursive"},
-    "a_wrenches": {
-        "forward_joint_wrench",
-        "forward_joint_wrench_recursive",
-        "forward_multipliers",
-        "forward_multipliers_recursive",
-    },
-    "a_body_accelerations": {"forward_body_acceleration", "forward_body_acceleration_recursive"},
-    "mass_matrix": {"mass_matrix", "mass_matrix_recursive"},
-    "torque_regressor": {"torque_regressor", "torque_regressor_recursive"},
-    "body_regressor": {"body_regressor"},
-    "tau_external": {"torque_external"},
-    "joint_wrenches_external": {"joint_wrench_external"},
-    "a_external": {"acceleration_external"},
-    "a_wrenches_external": {"forward_joint_wrench_external"},
+    "joint_wrenches": {"joint_wrenches", "joint_wrenches_recursive", "multipliers", "multipliers_recursive"},
 }
-"""Which quantities a wrong number of Pinocchio's shows in."""
+"""Numbers of Pinocchio that several quantities take, and which these are."""
 
 OURS_ALONE = {"dynamics_residual", "constraint_residual", "constraint_rank", "kkt_rank"}
 """Judged without the referee."""
 
-TORQUES = {quantity.against: quantity.name for quantity in QUANTITIES if quantity.verb}
-"""Quantities that name their verb, by the function of Pinocchio that they ask for."""
+DERIVED = [name for name, row in QUANTITIES.items() if row.when != "all" and row.forms]
+"""Quantities that are compared at the first random states only, by two methods."""
 
-BACKWARD = {name for name in BY_NAME if name.startswith("backward_error")}
+BACKWARD = {name for name in COMPARED if name.startswith("backward_error")}
 """Judged by the torques that Pinocchio computes at our accelerations."""
 
-OWN_TEST = {
-    "frame_placement",
-    "base_parameters",
-    *TORQUES.values(),
-    *BACKWARD,
-    *DERIVED,
-    *(f"{name}{RECURSIVE}" for name in DERIVED),
+SOLVED = {name for name, row in QUANTITIES.items() if row.solves} | {"multipliers", "link_placement"}
+"""Their bounds grow with cond(M), or their scales with the terms that were summed."""
+
+VISIBLE_IN = {
+    (name, loaded): {f"{name}{form.suffix}" for form in row.forms if form.loaded == loaded}
+    for name, row in QUANTITIES.items()
+    for loaded in (False, True)
+    if name not in OURS_ALONE and not row.from_file and any(form.loaded == loaded for form in row.forms)
 }
-"""Judged by other functions of the referee than evaluate."""
+"""Which quantities a wrong answer of Pinocchio shows in, without and with external wrenches."""
 
-FORWARD_FIELDS = {"a", "a_external", "a_body_accelerations", "a_wrenches", "a_wrenches_external", "rotation"}
-KINEMATIC = {"link_placement", "link_twist", "body_acceleration"}
+OWN_TEST = {"frame_placement", "base_parameters"}
+"""Judged otherwise."""
 
-fields = pytest.mark.parametrize("field", VISIBLE_IN)
+KINEMATIC = {"link_placement", "body_velocities", "body_accelerations"}
+
+answers = pytest.mark.parametrize(("name", "loaded"), VISIBLE_IN)
 numbered = pytest.mark.parametrize("number", [1, 2, 3])
 
 
-def test_every_number_of_the_referee_is_planted():
-    assert set(VISIBLE_IN) == {field.name for field in dataclasses.fields(RefereeValues)}
-
-
 def test_every_quantity_is_planted():
-    assert set().union(*VISIBLE_IN.values()) | OURS_ALONE | OWN_TEST == set(BY_NAME)
+    assert set().union(*VISIBLE_IN.values()) | OURS_ALONE | OWN_TEST == set(COMPARED)
 
 
 def test_without_a_plant_it_agrees(tree):
     comparison = crosscheck.assert_agrees(tree, SAMPLES, SEED)
     assert flagged(comparison) == set()
-    assert set(comparison.quantities) == set(BY_NAME) - {"frame_placement"}  # no file, no frames
+    assert set(comparison.quantities) == set(COMPARED) - {"frame_placement"}  # no file, no frames
 
 
-@fields
-def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, field):
+@answers
+def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, name, loaded):
     """Flagged in its quantities only and in its case only; named by every channel that reports it."""
-    size = PLANTED_FORWARD if field in FORWARD_FIELDS else PLANTED
-    planted = plant.referee_value(field, lambda x: x * (1 + size))
+    size = PLANTED_FORWARD if name in {*DERIVED, *SOLVED} else PLANTED
+    planted, visible = plant.referee_quantity(name, lambda x: x * (1 + size), loaded), VISIBLE_IN[name, loaded]
     with pytest.raises(crosscheck.Disagreement) as caught:
         crosscheck.assert_agrees(tree, SAMPLES, SEED)
     comparison = caught.value.comparison
     assert not comparison.agrees
-    assert flagged(comparison) == VISIBLE_IN[field]
-    for name in VISIBLE_IN[field]:
-        result = comparison.quantities[name]
+    assert flagged(comparison) == visible
+    for one in visible:
+        result = comparison.quantities[one]
         wrong = {case for case, error in result.by_case.items() if error > result.quantity.tolerance.bound}
         assert wrong == {"random"}
         assert result.worst.case == "random"
         assert result.worst.q == planted["q"]
     assert isinstance(caught.value, AssertionError)
     assert f"'{tree.name}'" in str(caught.value).splitlines()[0]
-    assert rows_that_disagree(str(caught.value)) == VISIBLE_IN[field]
-    assert exit_code(monkeypatch, comparison) == DISAGREED
+    assert set(first_cells(str(caught.value), "DISAGREES")) == visible
+    if name == "inverse_dynamics":
+        assert exit_code(monkeypatch, comparison) == DISAGREED
 
 
-@pytest.mark.parametrize("name", DERIVED)
-def test_one_wrong_derivative(tree, plant, name):
-    plant.referee_derived(name, lambda x: x * (1 + PLANTED_FORWARD))
-    assert flagged(compared(tree)) == {name, f"{name}{RECURSIVE}"}
+@pytest.mark.parametrize("field", SHARED)
+def test_one_wrong_number_of_several_quantities(tree, plant, field):
+    plant.referee_value(field, lambda x: x * (1 + PLANTED_FORWARD))
+    assert flagged(compared(tree)) == SHARED[field]
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # arithmetic with infinities
-def test_derivatives_that_are_not_finite(tree, plant, value):
-    """All of them at once."""
-    for name in DERIVED:
-        plant.referee_derived(name, lambda _: value)
-    assert flagged(compared(tree)) == {*DERIVED, *(f"{name}{RECURSIVE}" for name in DERIVED)}
+def test_answers_that_are_not_finite(tree, plant, value):
+    """All of them at once: each disagrees, and none hides another."""
+    for name, loaded in VISIBLE_IN:
+        plant.referee_quantity(name, lambda _: value, loaded)
+    comparison = compared(tree)
+    assert not comparison.agrees
+    assert flagged(comparison) >= set().union(*VISIBLE_IN.values())
+    for name in set().union(*VISIBLE_IN.values()):
+        assert comparison.quantities[name].max_relative_error == math.inf
+        assert plain(robot_record(comparison))["quantities"][name]["max_relative_error"] is None
 
 
 @pytest.mark.parametrize("value", [1 + PLANTED_FORWARD, math.nan, math.inf])
@@ -153,21 +138,6 @@ def test_one_wrong_torque_at_our_accelerations(tree, plant, loaded, value):
     assert flagged(compared(tree)) == {name for name in BACKWARD if ("external" in name) == loaded}
 
 
-@pytest.mark.parametrize("function", TORQUES)
-def test_one_wrong_torque_of_a_function_of_pinocchio(tree, plant, function):
-    planted = plant.referee_torque(function, lambda x: x * (1 + PLANTED))
-    comparison = compared(tree)
-    assert flagged(comparison) == {TORQUES[function]}
-    result = comparison.quantities[TORQUES[function]]
-    assert [case for case, error in result.by_case.items() if error > result.quantity.tolerance.bound] == ["random"]
-    assert result.worst.q == planted["q"]
-
-
-def rows_that_disagree(text):
-    """First cells of the rows of the table with the verdict DISAGREES."""
-    return {row.split("│")[1].strip() for row in text.splitlines() if row.startswith("│") and "DISAGREES" in row}
-
-
 def exit_code(monkeypatch, comparison):
     """Of the program when its comparison comes out like this one."""
     monkeypatch.setattr(comparing, "compare", lambda *arguments, **options: comparison)
@@ -175,21 +145,6 @@ def exit_code(monkeypatch, comparison):
     with pytest.raises(SystemExit) as caught:
         main()
     return caught.value.code
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [*((field, math.nan) for field in VISIBLE_IN), ("position", math.inf), ("mass_matrix", math.inf), ("a", math.inf)],
-)
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")  # arithmetic with infinities
-def test_nan_and_infinity_of_the_referee_disagree(tree, plant, field, value):
-    plant.referee_value(field, lambda _: value)
-    comparison = compared(tree)
-    assert not comparison.agrees
-    assert flagged(comparison) >= VISIBLE_IN[field]
-    for name in VISIBLE_IN[field]:
-        assert comparison.quantities[name].max_relative_error == math.inf
-        assert plain(robot_record(comparison))["quantities"][name]["max_relative_error"] is None
 
 
 @pytest.mark.parametrize("which", [0, 1], ids=["rotation", "position"])
@@ -206,7 +161,7 @@ class TestOursAlone:
     def test_projected_accelerations(self, tree, plant):
         plant.projected_accelerations(1 + PLANTED_FORWARD)
         assert flagged(compared(tree)) == {
-            "acceleration_projected",
+            "forward_dynamics_projected",
             "backward_error_projected",
             "backward_error_projected_external",
         }
@@ -214,7 +169,7 @@ class TestOursAlone:
     def test_recursive_accelerations(self, tree, plant):
         plant.recursive_accelerations(1 + PLANTED_FORWARD)
         assert flagged(compared(tree)) == {
-            "acceleration_recursive",
+            "forward_dynamics_recursive",
             "backward_error_recursive",
             "backward_error_external_recursive",
         }
@@ -222,11 +177,11 @@ class TestOursAlone:
     def test_dense_accelerations(self, tree, plant):
         plant.dense_solution(acceleration=1 + PLANTED_FORWARD)
         assert flagged(compared(tree)) == {
-            "acceleration",
-            "acceleration_external",
+            "forward_dynamics",
+            "forward_dynamics_external",
             "backward_error",
             "backward_error_external",
-            "forward_body_acceleration",
+            "forward_body_accelerations",
             "dynamics_residual",
             "constraint_residual",
         }
@@ -234,8 +189,8 @@ class TestOursAlone:
     def test_dense_multipliers(self, tree, plant):
         plant.dense_solution(multipliers=1 + PLANTED_FORWARD)
         assert flagged(compared(tree)) == {
-            "forward_joint_wrench",
-            "forward_joint_wrench_external",
+            "forward_joint_wrenches",
+            "forward_joint_wrenches_external",
             "forward_multipliers",
             "dynamics_residual",
         }
@@ -248,7 +203,7 @@ class TestOursAlone:
             mass[..., -6:, :] = mass[..., :, -6:] = 0
             return mass
 
-        plant.in_quantities("mass_terms", massless)
+        plant.in_system("mass_terms", massless)
         comparison = compared(tree)
         assert not comparison.quantities["kkt_rank"].agrees
         assert comparison.quantities["constraint_rank"].agrees
@@ -256,14 +211,14 @@ class TestOursAlone:
 
     def test_printed_constraint_rows(self, plant):
         """World x and y rows of Eq. (71), (72) lose rank where an axis is horizontal (docs/deviations.md, A2)."""
-        plant.in_quantities("constraints", lambda state: (world_axis_rows(state), constraints(state)[1]))
+        plant.in_system("constraints", lambda state: (world_axis_rows(state), constraints(state)[1]))
         robot = kr500()
         comparison = compared(robot)
         assert flagged(comparison) >= {"constraint_rank", "kkt_rank"}
         assert comparison.conditioning.constraint_rank[0] < 5 * robot.n_bodies
         assert comparison.conditioning.kkt_rank[0] < 11 * robot.n_bodies
         # nothing else is computed from these rows
-        passive = {quantity.name for quantity in QUANTITIES if not quantity.forward} & set(comparison.quantities)
+        passive = {name for name, quantity in COMPARED.items() if not quantity.solves} & set(comparison.quantities)
         assert all(comparison.quantities[name].agrees for name in passive - {"constraint_rank"})
 
 
@@ -274,7 +229,7 @@ class TestBaseParameters:
         plant.referee_regressor(lambda w: w * (1 + PLANTED_FORWARD))
         comparison = compared(tree)
         assert flagged(comparison) == {"base_parameters"}
-        assert comparison.identification.difference > BY_NAME["base_parameters"].tolerance.bound
+        assert comparison.identification.difference > COMPARED["base_parameters"].tolerance.bound
         assert comparison.identification.rank == comparison.identification.rank_there
 
     def test_rank(self, tree, plant):
@@ -299,7 +254,7 @@ class TestBaseParameters:
         """The estimates are judged against the model itself too: both cannot be wrong together."""
         plant.referee_model(lambda model: heavier(model, 2))
         identification = compared(tree).identification
-        bound = BY_NAME["base_parameters"].tolerance.bound
+        bound = COMPARED["base_parameters"].tolerance.bound
         assert identification.difference <= bound < identification.error
 
 
@@ -340,23 +295,23 @@ class TestAnotherRobot:
         """Visible in every force, in no motion, and not in W of τ = W π."""
         plant.referee_model(lambda model: heavier(model, number))
         found = flagged(compared(tree))
-        assert found >= {"torque", "joint_wrench", "multipliers", "joint_wrench_external", "bias_torque"}
-        assert not found & (KINEMATIC | {"torque_regressor", "body_regressor", "constraint_rank"})
+        assert found >= {"inverse_dynamics", "joint_wrenches", "multipliers", "joint_wrenches_external", "bias_torque"}
+        assert not found & (KINEMATIC | {"joint_torque_regressor", "body_regressor", "constraint_rank"})
 
     @numbered
     def test_inertia(self, tree, plant, number):
         """Visible as a reaction even where no torque feels it."""
         plant.referee_model(lambda model: skewed(model, number))
         found = flagged(compared(tree))
-        assert found >= {"joint_wrench", "multipliers", "joint_wrench_external"}
-        assert not found & (KINEMATIC | {"torque_regressor", "body_regressor", "constraint_rank"})
+        assert found >= {"joint_wrenches", "multipliers", "joint_wrenches_external"}
+        assert not found & (KINEMATIC | {"joint_torque_regressor", "body_regressor", "constraint_rank"})
 
     @numbered
     def test_placement(self, tree, plant, number):
         """Moving the first joint moves the whole robot: it is elsewhere, and not another robot."""
         plant.referee_model(lambda model: longer(model, number))
         found = flagged(compared(tree))
-        everywhere = {"link_twist", "body_acceleration", "torque", "mass_matrix", "torque_regressor"}
+        everywhere = {"body_velocities", "body_accelerations", "inverse_dynamics", "mass_matrix"}
         assert "link_placement" in found
         assert (found >= everywhere) if number > 1 else not (found & everywhere)
 
@@ -364,14 +319,26 @@ class TestAnotherRobot:
     @numbered
     def test_direction_of_an_axis(self, tree, plant, change, number):
         plant.referee_model(lambda model: change(model, number))
-        assert flagged(compared(tree)) >= KINEMATIC | {"torque", "joint_wrench", "torque_regressor", "body_regressor"}
+        assert flagged(compared(tree)) >= KINEMATIC | {
+            "inverse_dynamics",
+            "joint_wrenches",
+            "joint_torque_regressor",
+            "body_regressor",
+        }
 
     def test_gravity(self, tree, plant):
         """Only what is weighed: inertia and kinematics do not know gravity, and without gravity all agree."""
         plant.referee_gravity(1 + PHYSICAL)
         comparison = compared(tree)
         found = flagged(comparison)
-        assert found >= {"torque", "joint_wrench", "multipliers", "bias_torque", "torque_regressor", "body_regressor"}
+        assert found >= {
+            "inverse_dynamics",
+            "joint_wrenches",
+            "multipliers",
+            "bias_torque",
+            "joint_torque_regressor",
+            "body_regressor",
+        }
         assert not found & (KINEMATIC | {"mass_matrix", "constraint_rank", "kkt_rank"})
         for name in found - {"base_parameters"}:
             result = comparison.quantities[name]
@@ -387,8 +354,8 @@ class TestAnotherRobot:
         quantities = compared(tree).quantities
         assert quantities["mass_matrix"].max_relative_error == pytest.approx(PHYSICAL, rel=MEASURED)
         # the scale of a wrench is that of the terms that are summed, a little above the largest wrench
-        assert PHYSICAL / 2 < quantities["joint_wrench"].max_relative_error <= PHYSICAL * (1 + MEASURED)
-        assert quantities["torque"].max_relative_error <= PHYSICAL * (1 + MEASURED)
+        assert PHYSICAL / 2 < quantities["joint_wrenches"].max_relative_error <= PHYSICAL * (1 + MEASURED)
+        assert quantities["inverse_dynamics"].max_relative_error <= PHYSICAL * (1 + MEASURED)
 
     def test_the_file_differs_from_the_model(self, small_arm, monkeypatch):
         """The two routes are two witnesses: a wrong import shows on one of them only."""
@@ -399,7 +366,7 @@ class TestAnotherRobot:
             return original(path, model, reading)
 
         monkeypatch.setattr(PinocchioModel, "from_urdf", staticmethod(another_file))
-        torque = compared(small_arm).quantities["torque"]
+        torque = compared(small_arm).quantities["inverse_dynamics"]
         assert torque.worst.route == "urdf"
         assert torque.by_route["urdf"] > torque.quantity.tolerance.bound > torque.by_route["model"]
 
@@ -407,11 +374,11 @@ class TestAnotherRobot:
 def test_worst_state_reproduces_the_error(tree, plant):
     """The state in the record, fed back, gives the recorded error."""
     plant.referee_model(lambda model: heavier(model, 1))
-    result = compared(tree).quantities["torque"]
+    result = compared(tree).quantities["inverse_dynamics"]
     case = next(case for case in cases(tree, SAMPLES, SEED) if case.name == result.worst.case)
     q, v, a = (np.array([x]) for x in (result.worst.q, result.worst.v, result.worst.a))
     referee = PinocchioModel.from_model(case.model)  # the heavier one
-    values = referee.evaluate(q, v, a, np.zeros_like(q), np.zeros((*q.shape, 6)))
+    values = PinocchioAnswers(referee, case.model, q, v, a, np.zeros_like(q))
     error = np.abs(inverse_dynamics(case.model, q, v, a).tau - values.tau).max()
     scale = max(np.abs(values.tau).max(), np.abs(values.joint_wrenches).max())
     assert error / scale == pytest.approx(result.max_relative_error, rel=MEASURED)

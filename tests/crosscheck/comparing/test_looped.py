@@ -10,7 +10,7 @@ import crosscheck
 import urdf
 from crosscheck.commands.program.exits import BAD_INPUT
 from crosscheck.comparing import looped
-from crosscheck.quantities.quantities import BY_NAME, LOOPED
+from crosscheck.quantities import COMPARED, LOOPED
 from graphdyn import Chord
 
 SAMPLES = 2
@@ -20,13 +20,13 @@ def test_a_palletizing_arm_agrees():
     model, _ = palletizer(existing(DATA / "loops").parent)
     comparison = crosscheck.compare(model, samples=SAMPLES)
     assert comparison.agrees
-    assert set(comparison.quantities) - set(BY_NAME) == set(LOOPED)
+    assert set(comparison.quantities) - set(COMPARED) == set(LOOPED)
     assert comparison.model.chords == ()
     assert any(note.endswith("are those of the robot, all others of its tree") for note in comparison.notes)
 
 
 @pytest.mark.parametrize(
-    ("value", "seen"), [(0, {"closed_acceleration", "motor_torque"}), (1, {"closed_joint_wrench"})]
+    ("value", "seen"), [(0, {"closed_forward_dynamics", "closed_inverse_dynamics"}), (1, {"closed_joint_wrenches"})]
 )
 def test_an_error_of_pinocchio_is_seen(monkeypatch, value, seen):
     original = looped.closed_dynamics
@@ -45,12 +45,14 @@ def test_redundant_rows_in_space_and_loops_that_pinocchio_has_not():
     model = bricard()
     comparison = crosscheck.compare(model, samples=SAMPLES)
     assert comparison.agrees
-    assert "motor_torque" not in comparison.quantities  # no motors are known
+    assert "closed_inverse_dynamics" not in comparison.quantities  # no motors are known
     (hinge,) = model.chords
     ends = (hinge.body_i, hinge.placement_i, hinge.body_j, hinge.placement_j)
     slide = replace(model, chords=(Chord("slide", "slide", *ends),))
     told = crosscheck.compare(slide, samples=SAMPLES)
-    assert told.not_compared["closed_acceleration"] == "Pinocchio has no constraint for a slide that keeps its digits"
+    assert (
+        told.not_compared["closed_forward_dynamics"] == "Pinocchio has no constraint for a slide that keeps its digits"
+    )
 
 
 def test_loops_are_not_identified_from_recordings_nor_exported(program, tmp_path, monkeypatch):

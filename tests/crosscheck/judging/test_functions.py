@@ -18,7 +18,7 @@ from crosscheck.commands.application import app
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.commands.program.judged_functions import FUNCTIONS_HELP
 from crosscheck.judging import judge as judging
-from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.html import page as page_of
 from crosscheck.report.snippets import worst_call
 from crosscheck.report.text import as_text

@@ -6,8 +6,8 @@ from shown.pages import COMMAND
 
 import graphdyn
 from crosscheck.commands.judge.report import judge_report
-from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment, WorstCall
+from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.html import page as page_of
 from crosscheck.report.versions import versions
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 import graphdyn
-from crosscheck.judging.functions.known_function import LOADS
-from crosscheck.judging.functions.table import FUNCTIONS
+from crosscheck.quantities import FUNCTIONS, LOADS
 from graphdyn.arguments.choices import frame_choice
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.programs import Request, record
@@ -33,7 +32,7 @@ def single_precision(model: graphdyn.RobotModel, name: str, frame: str | None = 
     """A function of the table, of states (N, n): the recursion in float32."""
     recursion, output = RECURSION.get(name, (name, name))
     known = FUNCTIONS[name]
-    choice = frame_choice(model, frame, "local") if known.needs_frame else None
+    choice = frame_choice(model, frame, "local") if known.of_frame else None
     loaded = LOADS in known.arguments
     run = Interpreter(record(model, Request(recursion, (output,), loaded, frame=choice)))
     shape = ARRAY_SPECS[output].shape_for(model)

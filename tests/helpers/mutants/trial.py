@@ -14,9 +14,8 @@ import numpy as np
 from inspected.mends import MENDS, NEW_NAME, mended
 
 import urdf
-from crosscheck.quantities.answers import passive_answers
-from crosscheck.quantities.errors import frame_errors, passive_errors, torque_errors
-from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.comparing.compared_states import ComparedStates
+from crosscheck.quantities import COMPARED, RECURSIVE, TabulatedQuantity
 from crosscheck.quantities.scales import SHORTEST_LEVER, relative
 from crosscheck.quantities.states import Case
 from crosscheck.quantities.tolerances import AGREEMENT
@@ -160,13 +159,17 @@ def _difference(path: Path, model: RobotModel) -> str | None:
 def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
     """The quantities that miss their bound, and how far off they are."""
     case = _case(model)
-    reference = referee.turned(case.turn, model.gravity).evaluate(*_states(case))
-    ours = passive_answers(case)
-    errors = passive_errors(case, ours, reference) | torque_errors(ours, referee.turned(case.turn, model.gravity))
-    if model.frames:
-        errors |= frame_errors(case, referee)
+    states = ComparedStates.of(case, np.ones(len(case.q), dtype=bool))(referee)
+    errors = {
+        name: states.errors(quantity)
+        for name, quantity in COMPARED.items()
+        if isinstance(quantity, TabulatedQuantity)
+        and quantity.row.when == "all"
+        and not (quantity.solves or name.endswith(RECURSIVE))
+        and (model.frames or not quantity.row.from_file)
+    }
     worst = {name: float(np.where(np.isnan(x), np.inf, x).max()) for name, x in errors.items()}
-    return {name: error for name, error in worst.items() if error > BY_NAME[name].tolerance.bound}
+    return {name: error for name, error in worst.items() if error > COMPARED[name].tolerance.bound}
 
 
 def _is_rounding(path: Path, model: RobotModel) -> bool:
@@ -200,11 +203,6 @@ def _case(model: RobotModel) -> Case:
     q, v = model.random_state(rng, STATES)
     a, tau = rng.uniform(-10, 10, (2, *q.shape))
     return Case("random", model, Placement(), q, v, a, tau, rng.normal(size=(*q.shape, 6)))
-
-
-def _states(case: Case) -> tuple[Array, ...]:
-    assert case.tau is not None
-    return case.q, case.v, case.a, case.tau, case.external_wrenches
 
 
 def _place(error: BaseException) -> str:

@@ -148,13 +148,13 @@ class TestOutcomes:
         assert done.code == DISAGREED
         row = done.row("good.urdf")
         assert row[1] == "DISAGREES"
-        assert row[3] in ("torque", "torque_recursive")  # the same wrong number, up to rounding
+        assert row[3] in ("inverse_dynamics", "inverse_dynamics_recursive")  # the same wrong number, up to rounding
         assert row[6] == "beyond the bound: torque, torque_recursive"
         assert "agrees 0, DISAGREES 1, kinematics only 1, refused 0" in done.out
 
     def test_not_finite_is_nearest(self, program, here, good_folder, plant: Plant):
         plant.referee_value("tau", lambda _: float("nan"))
-        assert program(good_folder, "--samples", 1).row("good.urdf")[3:5] == ["torque", "∞"]
+        assert program(good_folder, "--samples", 1).row("good.urdf")[3:5] == ["inverse_dynamics", "∞"]
 
     def test_refused_outweighs_disagreement(self, program, here, folder, plant: Plant):
         plant.referee_value("tau", lambda x: x * (1 + 1e-9))

@@ -104,14 +104,14 @@ class TestComparison:
         )
 
     def test_infinite_error_and_missing_identification(self, small_comparison):
-        torque = small_comparison.quantities["torque"]
+        torque = small_comparison.quantities["inverse_dynamics"]
         broken = dataclasses.replace(torque, errors=np.array([math.inf]), max_relative_error=math.inf)
-        quantities = {**small_comparison.quantities, "torque": broken}
+        quantities = {**small_comparison.quantities, "inverse_dynamics": broken}
         text = comparison_page(
             [dataclasses.replace(small_comparison, quantities=quantities, identification=None)], COMMAND
         )
         first, cells = next(iter(rows(text, "Largest relative errors").items()))
-        assert first == "torque"
+        assert first == "inverse_dynamics"
         assert cells[:3] == ["✗ DISAGREES", "∞", "1.0e-13"]
         assert "Not identified: the robot has no mass." in text
 

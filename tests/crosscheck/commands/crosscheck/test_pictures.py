@@ -10,7 +10,7 @@ import crosscheck
 import graphdyn
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.comparing.comparison import QUANTILES
-from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities import COMPARED
 from crosscheck.report.json import plain
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT_ANGLE, pose, pose_text, stick_figure
@@ -19,28 +19,28 @@ from graphdyn import Joint, Placement
 
 class TestQuantiles:
     def test_errors_of_all_routes_and_states(self, small_comparison):
-        torque, base = small_comparison.quantities["torque"], small_comparison.quantities["base_parameters"]
+        torque, base = small_comparison.quantities["inverse_dynamics"], small_comparison.quantities["base_parameters"]
         assert torque.errors.max() == torque.max_relative_error
         assert len(torque.errors) == 2 * len(small_comparison.quantities["constraint_rank"].errors)
         assert base.errors.tolist() == [base.max_relative_error]
 
     def test_are_errors_that_occurred(self):
         result = crosscheck.QuantityResult(
-            BY_NAME["torque"], np.array([4.0, 0.0, math.inf, 1.0]), math.inf, {}, {}, None
+            COMPARED["inverse_dynamics"], np.array([4.0, 0.0, math.inf, 1.0]), math.inf, {}, {}, None
         )
         assert result.quantiles == {"0": 0.0, "0.5": 4.0, "0.9": math.inf, "0.99": math.inf, "1": math.inf}
 
     def test_in_json_instead_of_the_errors(self, small_comparison):
-        record = plain(robot_record(small_comparison))["quantities"]["torque"]
+        record = plain(robot_record(small_comparison))["quantities"]["inverse_dynamics"]
         assert list(record["quantiles"]) == [f"{part:g}" for part in QUANTILES]
         assert record["quantiles"]["1"] == record["max_relative_error"]
-        assert record["scale"] == BY_NAME["torque"].scale
+        assert record["scale"] == COMPARED["inverse_dynamics"].scale
         assert "errors" not in record
         assert "model" not in plain(robot_record(small_comparison))
         json.dumps(record, allow_nan=False)
 
     def test_every_quantity_names_its_scale(self):
-        assert all(quantity.scale for quantity in BY_NAME.values())
+        assert all(quantity.scale for quantity in COMPARED.values())
 
 
 class TestPictures:

@@ -11,9 +11,9 @@ from planting import PLANTED, Plant
 import urdf
 from crosscheck.commands.program import output_files
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities import COMPARED
 from crosscheck.quantities.states import cases
-from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from crosscheck.report.versions import versions
 from graphdyn import inverse_dynamics
 
@@ -34,9 +34,9 @@ class TestJson:
         (robot,) = record["robots"]
         assert robot["robot"] == str(small_arm)
         assert robot["routes"] == ["urdf", "model"]
-        assert set(robot["quantities"]) == set(BY_NAME)
+        assert set(robot["quantities"]) == set(COMPARED)
         for name, result in robot["quantities"].items():
-            tolerance = BY_NAME[name].tolerance
+            tolerance = COMPARED[name].tolerance
             assert (result["bound"], result["bound_reason"]) == (tolerance.bound, tolerance.why)
             assert result["agrees"] is (result["max_relative_error"] <= result["bound"]) is True
         assert robot["identification"]["rank"] == robot["identification"]["rank_there"]
@@ -51,14 +51,14 @@ class TestJson:
         path = tmp_path / "result.json"
         assert program("crosscheck", small_arm, "--samples", 3, "--seed", 2, "--json", path).code == DISAGREED
         (record,) = json.loads(path.read_text(encoding="utf-8"))["robots"]
-        torque = record["quantities"]["torque"]
+        torque = record["quantities"]["inverse_dynamics"]
         worst = torque["worst"]
         assert worst["route"] == "model"  # the file itself is right
         model = urdf.load(record["robot"])
         case = next(c for c in cases(model, record["samples"], record["seed"]) if c.name == worst["case"])
         q, v, a = (np.array([worst[name]]) for name in "qva")
         referee = PinocchioModel.from_model(case.model)
-        reference = referee.evaluate(q, v, a, np.zeros_like(q), np.zeros((*q.shape, 6)))
+        reference = PinocchioAnswers(referee, case.model, q, v, a, np.zeros_like(q))
         error = np.abs(inverse_dynamics(case.model, q, v, a).tau - reference.tau).max()
         scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
         assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
@@ -77,7 +77,7 @@ class TestJson:
         assert program("crosscheck", pendulum, "--samples", 1, "--json", os.devnull).code == AGREED
 
     def test_infinite_error_is_null(self, program, pendulum, plant, tmp_path):
-        plant.referee_torque("nonLinearEffects", lambda _: np.nan)
+        plant.referee_quantity("bias_torque", lambda _: np.nan)
         path = tmp_path / "result.json"
         assert program("crosscheck", pendulum, "--samples", 1, "--json", path).code == DISAGREED
         result = json.loads(path.read_text(encoding="utf-8"))["robots"][0]["quantities"]["bias_torque"]

@@ -14,7 +14,7 @@ from rich.cells import cell_len
 import crosscheck
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.crosscheck.report import crosscheck_report
-from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities import COMPARED
 from crosscheck.report.json import as_bytes, plain
 from crosscheck.report.report import WIDE_LINE_CHARACTERS
 from crosscheck.report.text import as_text
@@ -73,18 +73,18 @@ class TestText:
 
     def test_what_is_left_out_is_said_once(self, massless):
         text = " ".join(printed(massless).split())
-        forward = [name for name, quantity in BY_NAME.items() if quantity.forward]
+        forward = [name for name, quantity in COMPARED.items() if quantity.solves]
         assert text.count(f"not compared: {', '.join(forward)}: ") == 1
         assert "singular" in text
-        massive = [name for name, quantity in BY_NAME.items() if quantity.massive]
+        massive = [name for name, quantity in COMPARED.items() if quantity.massive]
         assert text.count(f"not compared: {', '.join(massive)}: no body has mass: kinematics only") == 1
 
     def test_massless_robot_agrees_in_what_it_has(self, massless):
         """Torques vanish on both sides: zero differs from zero by zero, not by 0/0."""
         assert massless.agrees
-        assert massless.quantities["torque"].max_relative_error == 0
+        assert massless.quantities["inverse_dynamics"].max_relative_error == 0
         assert massless.identification is None
-        assert set(massless.quantities) | set(massless.not_compared) == set(BY_NAME) - {"frame_placement"}
+        assert set(massless.quantities) | set(massless.not_compared) == set(COMPARED) - {"frame_placement"}
 
 
 class TestOverview:
@@ -109,11 +109,11 @@ class TestOverview:
         assert cells(printed(comparison, massless, width=120))["backward_error"][-1] == "–"
 
     def test_a_disagreement_comes_first_and_is_marked(self, comparison):
-        torque = dataclasses.replace(comparison.quantities["torque"], max_relative_error=math.inf)
-        broken = dataclasses.replace(comparison, quantities={**comparison.quantities, "torque": torque})
+        torque = dataclasses.replace(comparison.quantities["inverse_dynamics"], max_relative_error=math.inf)
+        broken = dataclasses.replace(comparison, quantities={**comparison.quantities, "inverse_dynamics": torque})
         rows = cells(printed(comparison, broken, width=120))
-        assert next(iter(rows)) == "torque"
-        assert rows["torque"][-1] == "∞ ✗"
+        assert next(iter(rows)) == "inverse_dynamics"
+        assert rows["inverse_dynamics"][-1] == "∞ ✗"
         assert rows["verdict"] == ["", "agrees", "DISAGREES"]
 
 
@@ -128,16 +128,16 @@ class TestData:
 
     def test_infinities_become_null(self, comparison):
         """The condition number of a singular matrix; an error that could not be measured."""
-        torque = dataclasses.replace(comparison.quantities["torque"], max_relative_error=math.inf)
+        torque = dataclasses.replace(comparison.quantities["inverse_dynamics"], max_relative_error=math.inf)
         broken = dataclasses.replace(
             comparison,
             conditioning=dataclasses.replace(comparison.conditioning, kkt_condition=(1.0, math.inf)),
-            quantities={**comparison.quantities, "torque": torque},
+            quantities={**comparison.quantities, "inverse_dynamics": torque},
         )
         record = plain(robot_record(broken))
         assert record["conditioning"]["kkt_condition"] == [1.0, None]
-        assert record["quantities"]["torque"]["max_relative_error"] is None
-        assert record["agrees"] is record["quantities"]["torque"]["agrees"] is False
+        assert record["quantities"]["inverse_dynamics"]["max_relative_error"] is None
+        assert record["agrees"] is record["quantities"]["inverse_dynamics"]["agrees"] is False
         json.dumps(record, allow_nan=False)
 
 

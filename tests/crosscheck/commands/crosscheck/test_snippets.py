@@ -9,7 +9,7 @@ from shown.pages import COMMAND, comparison_page, executed, snippets
 
 import urdf
 from crosscheck.comparing.comparison import WorstState
-from crosscheck.quantities.quantities import BY_NAME
+from crosscheck.quantities import COMPARED
 from crosscheck.quantities.states import cases
 from crosscheck.report.snippets import CALLS, worst_state
 
@@ -32,7 +32,7 @@ class TestSnippets:
 
     def test_every_quantity_with_a_state_has_one(self, small_comparison):
         with_state = {name for name, result in small_comparison.quantities.items() if result.worst}
-        assert with_state == set(CALLS) == set(BY_NAME) - {"base_parameters"}
+        assert with_state == set(CALLS) == set(COMPARED) - {"base_parameters"}
 
     def test_the_first_of_the_page_shows_the_disagreement(self, wrong_comparison, tree, plant, capsys):
         """A RobotModel was compared: the reader puts it into `model`."""
@@ -48,7 +48,7 @@ class TestSnippets:
         assert same < 1e-3 * PLANTED < PLANTED < different
 
     @pytest.mark.parametrize("case", ["gimbal lock of fore", "zero gravity", "torques of a"])
-    @pytest.mark.parametrize("name", ["torque", "acceleration_external", "forward_multipliers"])
+    @pytest.mark.parametrize("name", ["inverse_dynamics", "forward_dynamics_external", "forward_multipliers"])
     def test_turned_weightless_and_balanced_states(self, small_comparison, case, name, capsys):
         """The snippet carries the base, the gravity and the torques of its case."""
         state = state_of(small_comparison.model, case)
@@ -58,7 +58,7 @@ class TestSnippets:
         assert difference < PLANTED
 
     def test_numbers_survive(self, small_comparison, capsys):
-        result = small_comparison.quantities["torque"]
+        result = small_comparison.quantities["inverse_dynamics"]
         names, _ = executed(worst_state(small_comparison, result), capsys)
         for name in ("q", "v", "a"):
             assert tuple(names[name].tolist()) == getattr(result.worst, name)
@@ -67,7 +67,9 @@ class TestSnippets:
         kr500 = next(entry for entry in urdf.robots() if entry.name == "kr500")
         renamed = dataclasses.replace(small_comparison, robot="kr500", file=str(kr500.path.resolve()))
         assert "urdf.load('kr500', gravity=[0.0, 0.0, -9.81])" in worst_state(
-            renamed, small_comparison.quantities["torque"]
+            renamed, small_comparison.quantities["inverse_dynamics"]
         )
         elsewhere = dataclasses.replace(small_comparison, robot="kr500")  # a file of that name
-        assert f"urdf.load({small_comparison.file!r}, " in worst_state(elsewhere, small_comparison.quantities["torque"])
+        assert f"urdf.load({small_comparison.file!r}, " in worst_state(
+            elsewhere, small_comparison.quantities["inverse_dynamics"]
+        )

@@ -17,9 +17,9 @@ from crosscheck.commands.program.output_files import write_folder
 from crosscheck.commands.schemas import schemas
 from crosscheck.judging.exchange.rounds import drawn_states
 from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
-from crosscheck.judging.functions.table import FUNCTIONS
 from crosscheck.judging.observing.conventions import relative_errors
 from crosscheck.judging.setting import Setting
+from crosscheck.quantities import FUNCTIONS
 from graphdyn import InvalidInput
 
 BOUND = 1e-9
@@ -94,7 +94,7 @@ class TestTolerances:
         known = FUNCTIONS[name]
         states = drawn_states(Setting(robot="ur5", samples=1, frame="tool0"), [known])
         chosen = next(known.readings({}))
-        answer = known.ours(states, chosen)
+        answer = known.of_graphdyn(states, chosen)
         tolerance = tolerances(known, answer, states, chosen, BOUND)
         rng = np.random.default_rng(0)
         for k in rng.choice(answer[0].size, min(6, answer[0].size), replace=False):

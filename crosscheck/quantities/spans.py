@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.judging.functions.known_function import Chosen
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.quantities.measures import Chosen
+from crosscheck.quantities.scaled_states import ScaledStates
 from graphdyn.layout import Array
 
 ZERO_DIRECTION_SHARE = 1e-10
@@ -16,7 +16,7 @@ WEAK_COLUMN_SHARE = 0.1
 zeros does not count as a direction."""
 
 
-def span_errors(answer: Array, reference: Array, states: JudgedStates, chosen: Chosen) -> Array:
+def span_errors(answer: Array, reference: Array, states: ScaledStates, chosen: Chosen) -> Array:
     """Per state, the largest entry of either regressor that no combination of the other's columns gives (N,).
 
     answer (N, n, p), reference (N, n, m); their columns over all states are brought to largest entries of 1.

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from crosscheck.judging.functions.known_function import Chosen, Measure
-from crosscheck.judging.states.judged_states import JudgedStates
-from crosscheck.quantities.scales import by_parameter_type, by_part, largest, ratio, relative
+from crosscheck.quantities.scaled_states import ScaledStates
+from crosscheck.quantities.scales import acceleration_scale, by_parameter_type, by_part, largest, ratio, relative
 from graphdyn.layout import Array
 
-Size = Callable[[JudgedStates], Array]
+Chosen = Mapping[str, str]
+"""One way to read an answer: for each convention of the quantity, which one is followed."""
+
+Measure = Callable[[Array, Array, ScaledStates, Chosen], Array]
+"""(answer, reference, states, chosen) → relative error per state (N,)."""
+
+Size = Callable[[ScaledStates], Array]
 """Size of the summed terms at N states (N,)."""
 
 ORDER = {"order": ("linear first", "angular first")}
@@ -20,7 +25,7 @@ ORDER = {"order": ("linear first", "angular first")}
 
 def linear_first(x: Array, chosen: Chosen, axis: int = -1) -> Array:
     """A twist or wrench of one order in the usual one; and back: both exchange the halves."""
-    return np.roll(x, 3, axis=axis) if chosen["order"] == "angular first" else x
+    return np.roll(x, 3, axis=axis) if chosen.get("order") == "angular first" else x
 
 
 def relative_to(*sizes: Size) -> Measure:
@@ -31,7 +36,7 @@ def relative_to(*sizes: Size) -> Measure:
 def parts_relative_to(linear: Size, angular: Size, axis: int = -1) -> Measure:
     """The larger error of the linear and angular parts: the first and last three entries of an axis of six."""
 
-    def measure(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
+    def measure(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
         x, y = (np.moveaxis(linear_first(z, chosen, axis), axis, -1) for z in (x, y))
         return by_part(x, y, linear(states), angular(states))
 
@@ -47,22 +52,37 @@ def columns_relative_to(mass: Size, first_moment: Size, tensor: Size) -> Measure
 def through_mass_matrix(*sizes: Size) -> Measure:
     """Of accelerations in columns (N, n, p): M × the error, over the largest of ∣M∣ ∣reference∣ and the given sizes."""
 
-    def measure(x: Array, y: Array, states: JudgedStates, chosen: Chosen) -> Array:
+    def measure(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
         required = [largest(np.abs(states.mass) @ np.abs(y)), *(size(states) for size in sizes)]
         return ratio(largest(states.mass @ (x - y)), np.maximum.reduce(required))
 
     return measure
 
 
-def wrench_size(states: JudgedStates) -> Array:
-    """Largest entry of the joint wrenches."""
-    return largest(states.inverse.joint_wrenches)
+def acceleration_bound(states: ScaledStates) -> Array:
+    """scales.acceleration_scale of the accelerations at tau (N,)."""
+    a, _, wrenches = states.solved
+    size = largest(wrenches) if states.loads is None else np.maximum(largest(wrenches), largest(states.loads))
+    return acceleration_scale(states.mass, a, states.tau, size)
 
 
-def rate_size(states: JudgedStates) -> Array:
+def largest_wrench(states: ScaledStates) -> Array:
+    return largest(states.wrenches)
+
+
+def spin(states: ScaledStates) -> Array:
+    return states.sizes.spin
+
+
+def rate_size(states: ScaledStates) -> Array:
     """Largest entry of M × largest velocity."""
     return largest(states.mass) * largest(states.v)
 
 
-def nothing(states: JudgedStates) -> Array:
-    return np.zeros(len(states.q))
+def total_mass(states: ScaledStates) -> float:
+    return sum(body.mass for body in states.model.bodies)
+
+
+def constant(number: float, states: ScaledStates) -> Array:
+    """The same size at every state."""
+    return np.full(len(states.q), number)

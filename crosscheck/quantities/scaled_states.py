@@ -1,0 +1,120 @@
+"""States of a robot, what graphdyn answers there, and the sizes that errors are relative to."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+import graphdyn
+from crosscheck.quantities.scales import Sizes, largest, term_sizes
+from graphdyn import RobotModel
+from graphdyn.arguments import Method
+from graphdyn.layout import Array
+from graphdyn.verbs import VERBS
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledStates(ABC):
+    """N states of a robot; what is not given is computed by graphdyn or by a reference implementation.
+
+    q, v, a, tau: joint states, torques of forward dynamics  (N, n)
+    loads: external wrenches, None where functions are called without   (N, n, 6)
+    frame: the link of functions of one frame, None where there is no such function
+    """
+
+    model: RobotModel
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+    loads: Array | None = None
+    frame: str | None = None
+    _answers: dict[object, Any] = field(init=False, default_factory=dict, repr=False)
+
+    @property
+    @abstractmethod
+    def origins(self) -> Array:
+        """Of the links, in the world (N, n, 3)."""
+
+    @property
+    @abstractmethod
+    def rotations(self) -> Array:
+        """Of the links, in the world (N, n, 3, 3)."""
+
+    @property
+    @abstractmethod
+    def body_velocities(self) -> Array:
+        """ṙ of the centers of mass in world axes, ω in body axes (N, n, 6)."""
+
+    @property
+    @abstractmethod
+    def body_accelerations(self) -> Array:
+        """r̈ of the centers of mass in world axes, ω̇ in body axes, at a (N, n, 6)."""
+
+    @property
+    @abstractmethod
+    def wrenches(self) -> Array:
+        """Joint wrenches at a, with the external wrenches (N, n, 6)."""
+
+    @property
+    @abstractmethod
+    def mass(self) -> Array:
+        """M (N, n, n)."""
+
+    @property
+    @abstractmethod
+    def solved(self) -> tuple[Array, Array, Array]:
+        """Accelerations at tau, with the external wrenches (N, n), body accelerations and joint wrenches (N, n, 6)."""
+
+    @abstractmethod
+    def required(self, a: Array) -> tuple[Array, Array]:
+        """Torques (N, n) and joint wrenches (N, n, 6) of other accelerations, with the external wrenches."""
+
+    @property
+    def all_loads(self) -> Array:
+        """External wrenches, zeros where there are none (N, n, 6)."""
+        return np.zeros((*self.q.shape, 6)) if self.loads is None else self.loads
+
+    @cached_property
+    def sizes(self) -> Sizes:
+        """Of the summed terms, at a."""
+        return self._with_loads(
+            term_sizes(self.model, self.v, self.a, self.origins, self.body_velocities, self.body_accelerations)
+        )
+
+    @cached_property
+    def solved_sizes(self) -> Sizes:
+        """Of the summed terms, at the accelerations that belong to tau."""
+        a, body_accelerations, _ = self.solved
+        return self._with_loads(
+            term_sizes(self.model, self.v, a, self.origins, self.body_velocities, body_accelerations)
+        )
+
+    def _with_loads(self, sizes: Sizes) -> Sizes:
+        return sizes if self.loads is None else sizes.loaded(self.loads)
+
+    def answer(self, verb: str, method: Method = "auto", *, loaded: bool = False, **options: Any) -> Any:
+        """What a verb of graphdyn answers, computed once. loaded: with the external wrenches; options: its keywords"""
+
+        def compute() -> Any:
+            given = [getattr(self, name) for name in VERBS[verb].inputs]
+            given += [self.loads] if loaded and self.loads is not None else []
+            return getattr(graphdyn, verb)(self.model, *given, method=method, **options)
+
+        return self.once((verb, method, loaded, *sorted(options.items())), compute)
+
+    def once(self, key: object, compute: Callable[[], Any]) -> Any:
+        """What a function answers that is called where the key is new."""
+        if key not in self._answers:
+            self._answers[key] = compute()
+        return self._answers[key]
+
+    def largest_wrench(self, v: Array, loads: Array | None = None) -> Array:
+        """Largest entry of the joint wrenches at these velocities and without acceleration (N,)."""
+        at_rest = graphdyn.inverse_dynamics(self.model, self.q, v, np.zeros_like(v), loads)
+        return largest(at_rest.joint_wrenches)

@@ -1,0 +1,126 @@
+"""The table of quantities, and the forms of it that the cross-check and the judge take."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from crosscheck.quantities.derivatives import DERIVATIVES
+from crosscheck.quantities.dynamics import DYNAMICS, SOLVED_SCALE, TORQUE
+from crosscheck.quantities.energies import ENERGIES, MOMENTA
+from crosscheck.quantities.frames import FRAMES
+from crosscheck.quantities.matrices import MATRICES
+from crosscheck.quantities.quantity import Form, Quantity
+from crosscheck.quantities.regressors import BY_TYPE, REGRESSORS
+from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, IDENTIFICATION, RANK, Tolerance
+from graphdyn import InvalidInput
+
+QUANTITIES: dict[str, Quantity] = {
+    row.name: row for row in (*DYNAMICS, *MATRICES, *FRAMES, *MOMENTA, *ENERGIES, *DERIVATIVES, *REGRESSORS)
+}
+
+FUNCTIONS: dict[str, Quantity] = {name: row for name, row in QUANTITIES.items() if row.judged}
+"""The functions that can be judged."""
+
+
+def known_function(name: str) -> Quantity:
+    """Raises InvalidInput with the known names."""
+    if name in FUNCTIONS:
+        return FUNCTIONS[name]
+    near = get_close_matches(name, FUNCTIONS, n=1)
+    raise InvalidInput(
+        f"there is no function {name!r} to judge{f'; did you mean {near[0]!r}?' if near else ''}; "
+        f"known are {', '.join(FUNCTIONS)}"
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class ComparedQuantity:
+    """A quantity as the cross-check reports it.
+
+    against: the function of Pinocchio it is compared with, and the method of graphdyn
+    scale: besides the largest reference value, what the error is relative to, in the terms of docs/notation.md
+    solves: whether it needs a regular mass matrix; massive: whether it needs a body with mass
+    """
+
+    name: str
+    against: str
+    scale: str
+    tolerance: Tolerance
+    solves: bool = False
+    massive: bool = False
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TabulatedQuantity(ComparedQuantity):
+    """A row of the table in one form."""
+
+    row: Quantity
+    form: Form
+
+    @classmethod
+    def of(cls, row: Quantity, form: Form) -> TabulatedQuantity:
+        function, *own = row.function.split("; ")
+        words = [form.words] if form.words else own
+        function = f"{function} with fext" if form.loaded and form.suffix else function
+        return cls(
+            name=f"{row.name}{form.suffix}",
+            against="; ".join([function, *words]),
+            scale=row.scale,
+            tolerance=row.tolerance,
+            solves=row.solves,
+            massive=row.massive,
+            row=row,
+            form=form,
+        )
+
+
+COMPARED: dict[str, ComparedQuantity] = {
+    quantity.name: quantity
+    for quantity in (
+        *(TabulatedQuantity.of(row, form) for row in QUANTITIES.values() for form in row.forms),
+        ComparedQuantity("constraint_rank", "φ_q has rank 5n", "full rank", RANK),
+        ComparedQuantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, solves=True),
+        ComparedQuantity(
+            "base_parameters",
+            "same least squares with Pinocchio's regressor",
+            "only cond(W) ‖x‖ × rounding of a column, columns of W at unit length",
+            IDENTIFICATION,
+            massive=True,
+        ),
+    )
+}
+
+_SUM = "largest entry of a tensor × (Σ∣K∣)²"
+_CLOSED = "that of forward_dynamics × largest over smallest singular value of J"
+_CLOSED_WRENCH = (
+    "largest joint wrench × largest over smallest singular value of J; ∣M∣ × the error of a; Pinocchio's own residual"
+)
+
+COUPLED = {
+    quantity.name: quantity
+    for quantity in (
+        ComparedQuantity("coupled_inverse_dynamics", "rnea with fext at K q + o, times Kᵀ", TORQUE, AGREEMENT),
+        ComparedQuantity("coupling_multipliers", "what rnea with fext needs at driven joints", TORQUE, AGREEMENT),
+        ComparedQuantity("coupled_mass_matrix", "Kᵀ crba K", _SUM, AGREEMENT),
+        ComparedQuantity("coupled_joint_torque_regressor", "Kᵀ computeJointTorqueRegressor", BY_TYPE, AGREEMENT),
+        ComparedQuantity("coupled_forward_dynamics", "a for which rnea gives τ", SOLVED_SCALE, ACCELERATION, True),
+    )
+}
+"""Compared in addition where joints drive each other; the others are then those of the robot without couplings."""
+
+LOOPED = {
+    quantity.name: quantity
+    for quantity in (
+        ComparedQuantity(
+            "closed_forward_dynamics", "constraintDynamics, of points held together", _CLOSED, ACCELERATION
+        ),
+        ComparedQuantity(
+            "closed_joint_wrenches", "rnea with its forces; what is determined", _CLOSED_WRENCH, AGREEMENT
+        ),
+        ComparedQuantity(
+            "closed_inverse_dynamics", "a for which constraintDynamics moves as given", _CLOSED, ACCELERATION
+        ),
+    )
+}
+"""Compared in addition where chords close loops; the others are then those of the tree."""
