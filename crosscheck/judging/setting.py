@@ -80,7 +80,7 @@ class FunctionsUnderTest(TypedDict, total=False):
     dwrenches_dq: Foreign | None
     dwrenches_dv: Foreign | None
     dwrenches_da: Foreign | None
-    regressor: Foreign | None
+    joint_torque_regressor: Foreign | None
     base_regressor: Foreign | None
     momentum_regressor: Foreign | None
     kinetic_energy_regressor: Foreign | None

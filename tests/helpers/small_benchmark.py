@@ -30,8 +30,8 @@ DERIVED = {
 WORKS = (
     "inverse_dynamics",
     "forward_dynamics",
-    "everything",
-    "regressor",
+    "solve_kkt",
+    "joint_torque_regressor",
     *DERIVED,
     "simulation",
     *CALL_WORKS,

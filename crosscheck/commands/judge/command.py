@@ -51,7 +51,9 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
     ] = None
     forward_dynamics: Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, τ) → a.")] = None
     mass_matrix: Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="q → M, shape (n, n).")] = None
-    regressor: Annotated[str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → W, shape (n, 10n).")] = None
+    joint_torque_regressor: Annotated[
+        str | None, typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → W, shape (n, 10n).")
+    ] = None
     function: Annotated[
         list[str] | None,
         typer.Option(metavar=f"NAME={FUNCTION_FORM}", help="Any function of the list below, by its name. Repeatable."),
@@ -92,7 +94,7 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             "inverse_dynamics": self.inverse_dynamics,
             "forward_dynamics": self.forward_dynamics,
             "mass_matrix": self.mass_matrix,
-            "regressor": self.regressor,
+            "joint_torque_regressor": self.joint_torque_regressor,
         }
         options = {name: f"--{name.replace('_', '-')}" for name in given}
         named = {name: (options[name], text) for name, text in given.items() if text is not None}

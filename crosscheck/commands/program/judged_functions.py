@@ -18,7 +18,7 @@ Functions, after their arguments:
   q, v, a               inverse_dynamics power joint_wrenches multipliers frame_acceleration
                         dtau_dq dtau_dv dwrenches_dq dwrenches_dv dwrenches_da
                         dmultipliers_dq dmultipliers_dv dmultipliers_da
-                        regressor base_regressor body_regressor
+                        joint_torque_regressor base_regressor body_regressor
   q, v, tau             forward_dynamics da_dq da_dv forward_dynamics_parameter_derivatives
   q, v                  bias_torque coriolis_matrix frame_velocity frame_jacobian_derivative
                         center_of_mass_velocity momentum kinetic_energy

@@ -39,7 +39,7 @@ class TestNumbers:
             assert {("pinocchio loop", 1), ("pinocchio InParallel", 1), ("pinocchio InParallel", 2)} <= names[work]
             assert ("graphdyn projected", 1) in names[work]
         assert {("dense NumPy", 1), ("pinocchio loop (aba + rnea)", 1)} <= names["everything"]
-        assert {("graphdyn compiled, streamed", 2), ("pinocchio loop", 1)} <= names["regressor"]
+        assert {("graphdyn compiled, streamed", 2), ("pinocchio loop", 1)} <= names["joint_torque_regressor"]
         for work in DERIVED:
             assert names[work] == {
                 ("graphdyn compiled", 1), ("graphdyn compiled", 2), ("graphdyn NumPy", 1), ("pinocchio loop", 1)

@@ -49,7 +49,7 @@ class TestInput:
         with pytest.raises(ForeignFailure, match=r"inverse_dynamics returned shape \(6, 1\), expected \(6,\)"):
             crosscheck.judge("ur5", inverse_dynamics=lambda q, v, a: q[:, None])
         with pytest.raises(ForeignFailure, match=r"regressor returned shape \(6, 6\), expected \(6, 60\)"):
-            crosscheck.judge("ur5", regressor=lambda q, v, a: np.eye(6))
+            crosscheck.judge("ur5", joint_torque_regressor=lambda q, v, a: np.eye(6))
 
     def test_foreign_exception_without_a_message(self):
         def silent(q, v, a):

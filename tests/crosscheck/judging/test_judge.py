@@ -59,7 +59,7 @@ class TestAgreement:
             inverse_dynamics=lambda q, v, a: pinocchio.rnea(native, data, q, v, a),
             forward_dynamics=lambda q, v, tau: pinocchio.aba(native, data, q, v, tau),
             mass_matrix=lambda q: pinocchio.crba(native, data, q),
-            regressor=lambda q, v, a: pinocchio.computeJointTorqueRegressor(native, data, q, v, a),
+            joint_torque_regressor=lambda q, v, a: pinocchio.computeJointTorqueRegressor(native, data, q, v, a),
             joint_names=list(native.names[1:]),
             samples=SAMPLES,
         )
@@ -112,7 +112,7 @@ class TestAgreement:
             ours = joint_torque_regressor(ur5, q[back], v[back], a[back]).reshape(6, 6, 10)
             return ours[np.ix_(order, order)].reshape(6, 60)
 
-        given = {"inverse_dynamics": foreign, "mass_matrix": mass_matrix, "regressor": regressor}
+        given = {"inverse_dynamics": foreign, "mass_matrix": mass_matrix, "joint_torque_regressor": regressor}
         assert crosscheck.judge("ur5", **given, joint_names=names, samples=SAMPLES).agrees
         assert not crosscheck.judge("ur5", inverse_dynamics=foreign, samples=1).agrees
 

@@ -193,14 +193,18 @@ PRECISION = [
 
 COLUMNS = [
     Case(
-        "columns by type", "ur5", regressor(lambda w: np.swapaxes(w, 1, 2)), ("by type|grouped",), function="regressor"
+        "columns by type",
+        "ur5",
+        regressor(lambda w: np.swapaxes(w, 1, 2)),
+        ("by type|grouped",),
+        function="joint_torque_regressor",
     ),
     Case(
         "bodies reversed",
         "kr210",
         regressor(lambda w: w[:, ::-1]),
         ("bodies.*order|order.*bodies|reversed",),
-        function="regressor",
+        function="joint_torque_regressor",
     ),
 ]
 

@@ -23,7 +23,7 @@ def judged(model, name, factor=1.0, referees_differ=0.0, order=None):
         "inverse_dynamics": lambda: graphdyn.inverse_dynamics(model, q, v, a).tau,
         "forward_dynamics": lambda: graphdyn.forward_dynamics(model, q, v, tau).a,
         "mass_matrix": lambda: graphdyn.mass_matrix(model, q),
-        "regressor": lambda: graphdyn.joint_torque_regressor(model, q, v, a),
+        "joint_torque_regressor": lambda: graphdyn.joint_torque_regressor(model, q, v, a),
     }[name]().ravel()
     names = {"forward_dynamics": ("q", "v", "tau"), "mass_matrix": ("q",)}.get(name, ("q", "v", "a"))
     values = {"q": q, "v": v, "a": a, "tau": tau}

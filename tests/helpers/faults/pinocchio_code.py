@@ -66,7 +66,7 @@ class PinocchioCode:
             "dtau_dv": lambda q, v, a: pin.computeRNEADerivatives(native, data, q, v, a)[1],
             "da_dq": lambda q, v, tau: pin.computeABADerivatives(native, data, q, v, tau)[0],
             "da_dv": lambda q, v, tau: pin.computeABADerivatives(native, data, q, v, tau)[1],
-            "regressor": self.regressor,
+            "joint_torque_regressor": self.regressor,
             "base_regressor": self.base_regressor(),
             "kinetic_energy_regressor": lambda q, v: pin.computeKineticEnergyRegressor(native, data, q, v),
             "potential_energy_regressor": lambda q: pin.computePotentialEnergyRegressor(native, data, q),

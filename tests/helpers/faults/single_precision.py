@@ -14,7 +14,7 @@ RECURSION = {
     "forward_dynamics": ("forward_dynamics", "a"),
     "joint_wrenches": ("inverse_dynamics", "joint_wrenches"),
     "multipliers": ("inverse_dynamics", "multipliers"),
-    "regressor": ("joint_torque_regressor", "joint_torque_regressor"),
+    "joint_torque_regressor": ("joint_torque_regressor", "joint_torque_regressor"),
     "base_regressor": ("joint_torque_regressor", "joint_torque_regressor"),
     "momentum": ("momentum", "about_center_of_mass"),
     "kinetic_energy_regressor": ("energy_regressor", "kinetic"),

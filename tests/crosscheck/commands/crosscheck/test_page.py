@@ -203,8 +203,8 @@ class TestForm:
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
 def test_in_a_browser(tmp_path, page, wrong_comparison, tree):
     """No page is wider than its window, no script fails, and the buttons appear."""
-    function = judged(tree, "regressor", 1.5)
-    verdict = judgment(tree, function, diagnoses=(DIAGNOSIS,))
+    function = judged(tree, "joint_torque_regressor", 1.5)
+    verdict = judgement(tree, function, diagnoses=(DIAGNOSIS,))
     identified = identified_arm.compared()
     pages = {
         "small.html": page,
