@@ -214,10 +214,8 @@ def test_mass_matrices_are_diagnosed_too(kind):
     ],
 )  # fmt: skip
 def test_columns_of_a_regressor(change, message):
-    model = MODELS["ur5"]
-    judgement = judge(
-        "ur5",
-        joint_torque_regressor=lambda q, v, a: change(joint_torque_regressor(model, q, v, a)).reshape(6, 60),
+    judgment = judged(
+        joint_torque_regressor=lambda q, v, a: change(joint_torque_regressor(model(), q, v, a)).reshape(4, 40),
         samples=3,
     )
     (diagnosis,) = judgment.diagnoses
@@ -225,6 +223,6 @@ def test_columns_of_a_regressor(change, message):
 
 
 def test_a_regressor_under_the_wrong_gravity():
-    model = MODELS["ur5"].with_gravity(-MODELS["ur5"].gravity)
-    judgement = judge("ur5", joint_torque_regressor=lambda *state: joint_torque_regressor(model, *state), samples=3)
-    assert kinds(judgement) == {"gravity"}
+    upside_down = model().with_gravity(-model().gravity)
+    judgment = judged(joint_torque_regressor=lambda *state: joint_torque_regressor(upside_down, *state), samples=3)
+    assert kinds(judgment) == {"gravity"}

@@ -204,7 +204,7 @@ class TestForm:
 def test_in_a_browser(tmp_path, page, wrong_comparison, tree):
     """No page is wider than its window, no script fails, and the buttons appear."""
     function = judged(tree, "joint_torque_regressor", 1.5)
-    verdict = judgement(tree, function, diagnoses=(DIAGNOSIS,))
+    verdict = judgment(tree, function, diagnoses=(DIAGNOSIS,))
     identified = identified_arm.compared()
     pages = {
         "small.html": page,
