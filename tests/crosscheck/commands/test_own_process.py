@@ -78,8 +78,8 @@ class TestEnds:
     """Each would be exit code 0, or a disagreement, of a program that runs the code itself."""
 
     @pytest.mark.parametrize("name", few(["ends", "closes"], "ends"))
-    def test_at_once(self, folder, script, name):
-        done = script(*judge(name))
+    def test_at_once(self, judged, name):
+        done = judged(name)
         assert (done.code, done.out) == (BAD_INPUT, "")
         assert done.err == (
             f"error: the process ended itself with exit code 0 while it ran --inverse-dynamics own.py:{name}; there is "
@@ -120,8 +120,8 @@ class TestEnds:
 
 
 class TestOutput:
-    def test_what_the_code_prints_is_no_result(self, folder, script):
-        done = script(*judge("talks", "--json", "-"))
+    def test_what_the_code_prints_is_no_result(self, judged):
+        done = judged("talks", "--json", "-")
         assert done.code == AGREED
         assert json.loads(done.out)["verdict"] == "agrees"
         assert done.err.count("printed\n") == done.err.count("written\n") > 1
