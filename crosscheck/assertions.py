@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from inspect import signature
+from typing import Any, ParamSpec, TypeVar
 
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.commands.judge.report import judge_report
@@ -10,8 +12,22 @@ from crosscheck.comparing.compare import compare
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.judging.judge import judge
 from crosscheck.judging.judgment import Judgment
-from crosscheck.reference.subject import Robot
 from crosscheck.report.text import as_text
+
+P = ParamSpec("P")
+Answer = TypeVar("Answer")
+
+
+def with_arguments_of(other: Callable[P, object]) -> Callable[[Callable[..., Answer]], Callable[P, Answer]]:
+    """A decorator: the function takes what another takes, for type checkers, editors and inspect.signature."""
+
+    def declared(function: Callable[..., Answer]) -> Callable[P, Answer]:
+        function.__signature__ = signature(other).replace(  # type: ignore[attr-defined]
+            return_annotation=signature(function).return_annotation
+        )
+        return function
+
+    return declared
 
 
 class Disagreement(AssertionError):
@@ -32,17 +48,19 @@ class WrongDynamics(AssertionError):
         super().__init__(as_text(judge_report(judgment)))
 
 
-def assert_agrees(robot: Robot, samples: int = 1000, seed: int = 0, **options: Any) -> Comparison:
+@with_arguments_of(compare)
+def assert_agrees(*arguments: Any, **options: Any) -> Comparison:
     """compare, for test suites: returns the Comparison, or raises Disagreement (an AssertionError) with the table."""
-    comparison = compare(robot, samples, seed, **options)
+    comparison = compare(*arguments, **options)
     if not comparison.agrees:
         raise Disagreement(comparison)
     return comparison
 
 
-def assert_correct(robot: Robot, **options: Any) -> Judgment:
+@with_arguments_of(judge)
+def assert_correct(*arguments: Any, **options: Any) -> Judgment:
     """judge, for test suites: returns the Judgment, or raises WrongDynamics (an AssertionError) with the diagnoses."""
-    judgment = judge(robot, **options)
+    judgment = judge(*arguments, **options)
     if not (judgment.agrees and judgment.decided):
         raise WrongDynamics(judgment)
     return judgment

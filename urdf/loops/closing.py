@@ -93,12 +93,13 @@ def closure_faults(
             yield place.error(
                 UnsupportedConstraint,
                 f"{closure.problem}, which is not modeled",
-                "remove it to load the robot without it, or let one body carry the links that it joins (chain=, lock=)",
+                "remove it to load the robot without it, or let one body carry the links that it joins (chain=, lock=; "
+                "--chain, --lock)",
             )
         elif left_out and held is not None:
             yield place.error(
                 UnsupportedConstraint,
-                f"{closure.problem}, and chain= leaves out link '{shortened(left_out[0])}'",
+                f"{closure.problem}, and the chain leaves out link '{shortened(left_out[0])}'",
                 "take a chain that has both links, or remove it to load the arm without it",
             )
         elif isinstance(says, Loop):
@@ -106,8 +107,8 @@ def closure_faults(
             if still:
                 yield place.error(
                     UnsupportedConstraint,
-                    f"{closure.problem}, and chain= holds its joint '{shortened(still[0])}' still",
-                    "lock it yourself if that is meant (lock=), or load the whole robot",
+                    f"{closure.problem}, and the chain holds its joint '{shortened(still[0])}' still",
+                    "lock it yourself if that is meant (lock=, --lock), or load the whole robot",
                 )
             if says.name in names:
                 problem = f"the name '{shortened(str(says.name))}' is already used by another loop"

@@ -73,8 +73,9 @@ def resolve(
         if unknown:
             raise relation.place.error(
                 InvalidMimic,
-                f"it mimics joint '{shortened(unknown[0])}', which the robot lacks or chain= leaves out",
-                "correct the name, take a longer chain, lock it, or load with mimic='independent'",
+                f"it mimics joint '{shortened(unknown[0])}', which the robot lacks or the chain leaves out",
+                "correct the name, take a longer chain, lock it, or load with mimic='independent' (--mimic "
+                "independent)",
             )
         terms = [(ratio, value(other, (*on_the_way, name))) for other, ratio in relation.ratios.items()]
         if any(at is None and ratio != 0 for ratio, at in terms):
@@ -98,7 +99,7 @@ def resolve(
             if name in stated and locked[name] != at:
                 raise InvalidLock(
                     f"cannot lock '{name}' at {locked[name]:.9g}: {relation.cause}, and stands at {at:.9g}",
-                    f"leave it out of lock=, or {relation.instead}",
+                    f"leave it out of lock= (--lock), or {relation.instead}",
                     path=source.path,
                 )
             held[name] = at
@@ -115,7 +116,7 @@ def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Re
             element = elements[joint.name]
             place = SourceLocation(source.path, line_of(element), describe(element))
             cause = f"it mimics joint '{shortened(joint.mimic.joint)}'"
-            instead = "load with mimic='independent'"
+            instead = "load with mimic='independent' (--mimic independent)"
             found[joint.name] = Relation(joint.name, {joint.mimic.joint: ratio}, offset, cause, instead, place)
     return found
 

@@ -116,7 +116,7 @@ def _limit_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
     crossed, limit = crossed_limits(joint), joint.find("limit")
     if crossed is not None and limit is not None:
         problem = f"lower limit {crossed[0]:g} is above upper limit {crossed[1]:g}"
-        remedy = "swap them, or load the file with repair=('limits',)"
+        remedy = "swap them, or load the file with repair=['limits'] (--repair limits)"
         yield source.error(InvalidRobot, "limits-crossed", limit, problem, remedy)
 
 

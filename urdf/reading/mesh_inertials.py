@@ -90,7 +90,9 @@ def _density(source: Source, total: float, found: dict[str, FilledLink], failed:
     volume = sum(link.filled.volume for link in found.values())
     if total <= kept:
         problem = f"total_mass is {total:g} kg, but the links that keep their <inertial> have {kept:g} kg"
-        raise _error(source, problem, "give the mass of the whole robot, or links='all'")
+        raise _error(
+            source, problem, "give the mass of the whole robot, or links='all' (--repair inertials-from-meshes=…,all)"
+        )
     return (total - kept) / volume
 
 

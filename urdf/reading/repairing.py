@@ -38,10 +38,12 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     names = [one for one in wanted if not isinstance(one, InertialsFromMeshes)]
     unknown = [name for name in names if name not in REPAIRS]
     if FROM_MESHES in unknown:
-        remedy = "give urdf.InertialsFromMeshes(density=…) or (total_mass=…)"
+        remedy = (
+            f"give urdf.InertialsFromMeshes(density=…) or (total_mass=…); --repair {FROM_MESHES}=DENSITY or =MASSkg"
+        )
         raise InvalidRepair(f"'{FROM_MESHES}' needs a density or a total mass", remedy, path=source.path)
     if unknown:
-        known = ", ".join((*REPAIRS, "urdf.InertialsFromMeshes(…)"))
+        known = ", ".join((*REPAIRS, "urdf.InertialsFromMeshes(…) (--repair inertials-from-meshes=…)"))
         raise InvalidRepair(f"no repair is called {unknown[0]!r}", f"known: {known}", path=source.path)
     changes = [change for name in REPAIRS if name in names for change in REPAIRS[name](source)]
     for one in wanted:

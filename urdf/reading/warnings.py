@@ -42,7 +42,7 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
     _tell(RepairWarning, parsed, "repaired: ", parsed.changes)
     held = [f"'{name}'" for name in cut.held if parsed.locked.get(name) == 0 and name not in parsed.stated]
-    after = "; the chain carries their links; lock= locks them at other values"
+    after = "; the chain carries their links; lock= (--lock) locks them at other values"
     _tell(ChainWarning, parsed, "movable joints beside the chain are locked at 0: ", held, after)
     left_out = [f"'{name}'" for name in cut.left_out]
     after = "; the base link supports what they carry, not the chain"
@@ -56,7 +56,13 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     _tell(AxisNotNormalizedWarning, parsed, "axis not of unit length, normalized: ", odd)
     aside = {*parsed.locked, *(coupling.joint for coupling in parsed.couplings)}
     mimics = [f"'{joint.name}'" for joint in joints if joint.mimic is not None and joint.name not in aside]
-    _tell(MimicJointWarning, parsed, "mimic joints are loaded as independent joints: ", mimics, "; lock= locks them")
+    _tell(
+        MimicJointWarning,
+        parsed,
+        "mimic joints are loaded as independent joints: ",
+        mimics,
+        "; lock= (--lock) locks them",
+    )
     massless = [f"'{name}'" for names in assembly.massless for name in names]
     after = "; their mass is zero and forward dynamics are not determined"
     _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
@@ -34,7 +34,25 @@ STEP = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
-class SimulateOptions(ReadingOptions, PageOptions):
+class IntegrationOptions:
+    """How the motion is integrated, and what limits it."""
+
+    PANEL: ClassVar[str] = "Integration, friction and limits"
+
+    rate: Annotated[float, typer.Option(metavar="HZ", help="Rows per second of the result.")] = 1000.0
+    method: Annotated[
+        str, typer.Option(metavar="dop853|rk8|rk4|euler", help="Integrator; dop853 adapts its step, the others do not.")
+    ] = "dop853"
+    step: Annotated[
+        float | None, typer.Option(metavar="S", show_default=str(STEP), help="Step of the other integrators [s].")
+    ] = None
+    friction: Annotated[bool, typer.Option("--friction", help="Include the file's damping and friction.")] = False
+    limits: Annotated[bool, typer.Option("--limits", help="Stop at a position limit of the file.")] = False
+    efforts: Annotated[bool, typer.Option("--efforts", help="Limit torques to the efforts of the file.")] = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulateOptions(IntegrationOptions, ReadingOptions, PageOptions):
     """What `graphdyn simulate` is asked for."""
 
     robot: RobotArgument
@@ -64,16 +82,6 @@ class SimulateOptions(ReadingOptions, PageOptions):
             metavar="FILE", parser=OutputFile, help="Write the motion to FILE: .parquet, .csv, .npz, or .mcap for ROS."
         ),
     ] = None
-    rate: Annotated[float, typer.Option(metavar="HZ", help="Rows per second of the result.")] = 1000.0
-    method: Annotated[
-        str, typer.Option(metavar="dop853|rk8|rk4|euler", help="Integrator; dop853 adapts its step, the others do not.")
-    ] = "dop853"
-    step: Annotated[
-        float | None, typer.Option(metavar="S", show_default=str(STEP), help="Step of the other integrators [s].")
-    ] = None
-    friction: Annotated[bool, typer.Option("--friction", help="Include the file's damping and friction.")] = False
-    limits: Annotated[bool, typer.Option("--limits", help="Stop at a position limit of the file.")] = False
-    efforts: Annotated[bool, typer.Option("--efforts", help="Limit torques to the efforts of the file.")] = False
 
 
 def run(options: SimulateOptions) -> None:

@@ -408,7 +408,7 @@ class TestOptions:
             crosscheck.judge("ur5", frame_placement=f, frame="no_such_link")
 
     def test_unknown_function(self):
-        with pytest.raises(InvalidInput, match="there is no function 'coriolis' to judge; did you mean 'coriolis_mat"):
+        with pytest.raises(TypeError, match=r"judge\(\) has no option 'coriolis'; did you mean 'coriolis_matrix'\?"):
             crosscheck.judge("ur5", coriolis=lambda q, v: q)
 
     def test_the_help_lists_every_function_with_its_arguments(self):

@@ -33,7 +33,8 @@ JOINTS = {
         "note", "joint 'shoulder'", 18,
         "it mimics joint 'elbow': it has no entry in q, v, a and τ. Pinocchio and yourdfpy load it as an independent "
         "joint unless asked otherwise",
-        "nothing need be done; mimic='independent' makes it a joint of its own, mimic='locked' holds it still",
+        "nothing need be done; mimic='independent' (--mimic independent) makes it a joint of its own, "
+        "mimic='locked' (--mimic locked) holds it still",
     ),
     "axis-missing": Case(
         (AXIS, ""),

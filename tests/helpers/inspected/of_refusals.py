@@ -161,7 +161,7 @@ REFUSALS = {
         ('lower="-1"', 'lower="3"'),
         "error", "<limit> of joint 'shoulder'", 23,
         "lower limit 3 is above upper limit 2. Pinocchio and yourdfpy load it as it stands",
-        "swap them, or load the file with repair=('limits',)",
+        "swap them, or load the file with repair=['limits'] (--repair limits)",
     ),
     "no-moving-joint": Case(
         ('type="revolute"', 'type="fixed"', 'type="revolute"', 'type="fixed"'),
@@ -172,7 +172,7 @@ REFUSALS = {
     "invalid-mimic": Case(
         (AXIS, '<axis xyz="0 0 1"/><mimic joint="knee"/>'),
         "error", "joint 'shoulder'", 18,
-        "it mimics joint 'knee', which the robot lacks or chain= leaves out",
-        "correct the name, take a longer chain, lock it, or load with mimic='independent'",
+        "it mimics joint 'knee', which the robot lacks or the chain leaves out",
+        "correct the name, take a longer chain, lock it, or load with mimic='independent' (--mimic independent)",
     ),
 }  # fmt: skip

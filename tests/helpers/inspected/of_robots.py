@@ -21,7 +21,7 @@ ROBOTS = {
         ("</robot>", f"{PARALLEL}{MOTOR}</robot>"),
         "warning", None, None,
         "freedoms that no motor drives: 1; with all motors held, joints 'elbow' can move",
-        "lock one joint of each (lock=), or state more motors",
+        "lock one joint of each (lock=, --lock), or state more motors",
     ),
     "independent-contradiction": Case(
         (ELBOW, ELBOW.replace(">", ' independent="false">'), "</robot>", f"{PARALLEL}</robot>"),

@@ -91,7 +91,8 @@ def test_detail(inspected):
         "0.0333, 0.113, 0.133, a factor of 2, and its center of mass 0 m away"
     )
     assert finding.remedy == (
-        "correct the inertial where the factor is large, or load with repair=(urdf.InertialsFromMeshes(…),)"
+        "correct the inertial where the factor is large, or load with "
+        "repair=[urdf.InertialsFromMeshes(…)] (--repair inertials-from-meshes=…)"
     )
 
 

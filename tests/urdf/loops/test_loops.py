@@ -229,14 +229,16 @@ def test_what_is_not_known_in_a_loop():
 def test_chains():
     assert urdf.load(arm(loop()), lock=["crank", "elbow", "shoulder"][:2]).n_bodies == 1
     with pytest.raises(
-        urdf.UnsupportedConstraint, match="and chain= leaves out link 'rod'; take a chain that has both"
+        urdf.UnsupportedConstraint, match="and the chain leaves out link 'rod'; take a chain that has both"
     ):
         urdf.load(arm(loop()), chain=("base", "fore"))
     beside = arm(loop(), links=()).replace('"base"/><child link="rod"', '"upper"/><child link="rod"')
-    with pytest.raises(urdf.UnsupportedConstraint, match="and chain= holds its joint 'crank' still; lock it yourself"):
+    with pytest.raises(
+        urdf.UnsupportedConstraint, match="and the chain holds its joint 'crank' still; lock it yourself"
+    ):
         urdf.load(beside, chain=("base", "fore"))
     assert len(urdf.load(beside, chain=("base", "fore"), lock=["crank"]).chords) == 1
-    with pytest.raises(urdf.UnsupportedConstraint, match=r"'c' couples joints .* and chain= leaves out link 'rod'"):
+    with pytest.raises(urdf.UnsupportedConstraint, match=r"'c' couples joints .* and the chain leaves out link 'rod'"):
         urdf.load(arm(coupling()), chain=("base", "fore"))
 
 

@@ -139,7 +139,7 @@ CHANGES = {
         ('lower="-1"', 'lower="3"'),
         urdf.InvalidRobot,
         r"arm.urdf:23: <limit> of joint 'shoulder': lower limit 3 is above upper limit 2; swap them, or load the file "
-        r"with repair=\('limits',\)",
+        r"with repair=\['limits'\] \(--repair limits\)",
     ),
 }
 

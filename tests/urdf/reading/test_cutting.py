@@ -27,8 +27,8 @@ JOINTS = [
     joint("leg", "ground", "other", more='<axis xyz="0 1 0"/>'),
 ]
 HELD = (
-    "movable joints beside the chain are locked at 0: 'grip', 'tip'; the chain carries their links; lock= locks them "
-    "at other values"
+    "movable joints beside the chain are locked at 0: 'grip', 'tip'; the chain carries their links; lock= (--lock) "
+    "locks them at other values"
 )
 LEFT_OUT = (
     "movable joints on the base of the chain are left out: 'nod'; the base link supports what they carry, not the chain"
@@ -167,7 +167,9 @@ def test_new_parameters_for_an_arm_of_the_robot(whole, tmp_path):
 def test_what_mimics_a_joint_that_the_chain_leaves_out(robot):
     mimic = [text.replace("<axis", '<mimic joint="nod"/><axis') if '"grip"' in text else text for text in JOINTS]
     path = robot(*LINKS, *mimic)
-    with pytest.raises(urdf.InvalidMimic, match="joint 'grip': it mimics joint 'nod', which the robot lacks or chain="):
+    with pytest.raises(
+        urdf.InvalidMimic, match="joint 'grip': it mimics joint 'nod', which the robot lacks or the chain"
+    ):
         urdf.load(path, chain=("mount", "hand"))
     model, _ = told(path, chain=("mount", "hand"), lock=["grip"])
     assert (model.n_bodies, model.couplings) == (2, ())
@@ -182,7 +184,7 @@ REFUSED = {
     "other branch": (
         ("head", "hand"),
         r"chain: no path leads from link 'head' to link 'hand': they are on different branches; both branch off at "
-        r"link 'mount'; chain=\('mount', 'hand'\) is a path",
+        r"link 'mount'; chain=\('mount', 'hand'\) \(--chain mount hand\) is a path",
     ),
     "wrong direction": (
         ("hand", "mount"),

@@ -168,7 +168,7 @@ def _coupling(reader: _ElementReader) -> CoupledSums:
     predecessor, successor = reader.joined(*(reader.link(reader.part(tag)) for tag in ("predecessor", "successor")))
     ratio = reader.number("ratio")
     if ratio == 0:
-        raise reader.fault("the ratio is 0", "lock the joints instead (lock=), or give the ratio")
+        raise reader.fault("the ratio is 0", "lock the joints instead (lock=, --lock), or give the ratio")
     return CoupledSums(name, predecessor, successor, ratio)
 
 

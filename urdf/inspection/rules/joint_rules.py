@@ -93,7 +93,8 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
             "note",
             joint,
             f"it mimics joint '{shortened(mimic.get('joint', ''))}': it has no entry in q, v, a and τ",
-            "nothing need be done; mimic='independent' makes it a joint of its own, mimic='locked' holds it still",
+            "nothing need be done; mimic='independent' (--mimic independent) makes it a joint of its own, "
+            "mimic='locked' (--mimic locked) holds it still",
         )
 
 

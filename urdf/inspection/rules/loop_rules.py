@@ -107,7 +107,7 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
             "warning",
             None,
             f"freedoms that no motor drives: {idle.shape[-1]}; with all motors held, joints {listed(names)} can move",
-            "lock one joint of each (lock=), or state more motors",
+            "lock one joint of each (lock=, --lock), or state more motors",
         )
 
 

@@ -146,5 +146,6 @@ def _tensor(each: Compared) -> Finding:
         each.inertial.element,
         f"principal moments {own} kg m²; filled uniformly with {each.inertial.mass:.3g} kg ({each.density:.4g} kg/m³), "
         f"the {each.what} has {filled}, a factor of {each.factor:.3g}, and its center of mass {apart:.3g} m away",
-        "correct the inertial where the factor is large, or load with repair=(urdf.InertialsFromMeshes(…),)",
+        "correct the inertial where the factor is large, or load with "
+        "repair=[urdf.InertialsFromMeshes(…)] (--repair inertials-from-meshes=…)",
     )
