@@ -31,9 +31,12 @@ def part_of_bound(error: float, bound: float) -> float:
 class WorstState:
     """The state at which an error is largest, with the numbers to reproduce it.
 
-    q, v, a: (n,); external_wrenches: (n, 6)
-    tau: given torques (n,), or None for the torques that cause a
-    turn: rotation of base and gravity in the world (3, 3); gravity: in this case (3,) [m/s²]
+    route: of this error; case: kind of state
+    q, v, a: joint positions, velocities, accelerations (n,) [rad or m, …/s, …/s²]
+    tau: given torques or forces; None for the torques that cause a (n,) [N m or N]
+    external_wrenches: force, then moment, on each body at its link origin, in link axes (n, 6) [N, N m]
+    turn: rotation of base and gravity in the world (3, 3)
+    gravity: in this case, world axes (3,) [m/s²]
     """
 
     route: str
@@ -53,7 +56,9 @@ class QuantityResult:
 
     errors: of every route and state, in the order of computation; NaN counts as infinite   (N,)
     max_relative_error: the largest of them, on the scale of crosscheck.quantities
-    by_case: largest error of each case; by_route: of each route
+    by_case: largest relative error of each kind of state
+    by_route: largest relative error of each route
+    worst: where the error is largest; None where the error belongs to all states together
     """
 
     quantity: ComparedQuantity
@@ -85,12 +90,18 @@ class QuantityResult:
 class Comparison(OfReading):
     """The verdict on one robot.
 
-    robot: as given; file: path of its URDF, file_sha256: of its content; both None where a RobotModel was given
+    robot: name or path as given
+    file: path of its URDF; None where a RobotModel was given
+    file_sha256: SHA-256 of the content of that file, in hexadecimal; None where a RobotModel was given
     model: the robot that was compared
+    n_bodies: moving bodies, and joints
+    samples: random states; the awkward ones come on top
+    seed: of the random states
     reading: how the file was read
-    quantities: by name, in the order of the table
+    quantities: what was compared, by name, in the order of the table (docs/notation.md)
     not_compared: quantities left out, with the reason
     routes: "urdf" (Pinocchio reads the same file), "model" (Pinocchio's model is built from ours)
+    identification: of base parameters from simulated torques; None where no body has mass
     notes: what the reader must know (a file that Pinocchio refused, …)
     """
 

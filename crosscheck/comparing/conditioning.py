@@ -15,7 +15,14 @@ from graphdyn.layout import Array
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Extremes of rank and condition number over the samples of one case: (smallest, largest)."""
+    """Extremes of rank and condition number over the samples of one case: (smallest, largest).
+
+    constraint_rank: of φ_q; full: 5n
+    constraint_condition: condition number of φ_q
+    kkt_rank: of the matrix of Eq. (111); full: 11n
+    kkt_condition: condition number of the matrix of Eq. (111)
+    mass_matrix_condition: condition number of the joint-space mass matrix M
+    """
 
     constraint_rank: tuple[int, int]
     constraint_condition: tuple[float, float]

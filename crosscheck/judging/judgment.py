@@ -121,7 +121,12 @@ says where the deviation is, not why; unknown: no explanation."""
 
 @dataclass(frozen=True)
 class FittedNumber:
-    """A number of the robot as the foreign code must have it."""
+    """A number of the robot as the foreign code must have it.
+
+    name: such as m, c_x, I_xx (about the center of mass), or the joint that it belongs to
+    theirs: what the function must have; ours: what the robot has, NaN where there is none, such as a limit
+    unit: of both
+    """
 
     name: str
     theirs: float
@@ -130,6 +135,7 @@ class FittedNumber:
 
     @property
     def difference(self) -> float:
+        """Theirs less ours."""
         return self.theirs - self.ours
 
 
@@ -137,15 +143,18 @@ class FittedNumber:
 class Diagnosis:
     """What is wrong with a foreign function, and the experiment that shows it.
 
+    function: the functions that show it
     kind: one of the table in docs/judge.md, or unknown
     message: one sentence that names the joint, the body, the term
     evidence: the experiment and its numbers
     remedy: what to do about it
     explains: largest relative error that is left, at all judged states and in all experiments, after putting this fault
-        and those named with it into graphdyn
-    standing: holds, candidate, part, located or unknown
-    also: other faults that give the same numbers
-    apart: what would tell them apart
+        and those named with it into graphdyn; NaN where there is no explanation
+    standing: holds: put into graphdyn, the fault gives the function's numbers at all judged states, up to its own
+        precision; candidate: it does, and so do others that are as simple; part: it explains some of the deviation;
+        located: where the deviation is, not why; unknown: no explanation
+    also: other faults that give the same numbers at all states tried
+    apart: what would tell them apart; empty where there are none
     numbers: those that were fitted, theirs and ours
     """
 
@@ -167,6 +176,10 @@ class Judgment(OfReading):
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
     joint_names: the order in which the functions take and return joint quantities
+    samples: random states; special ones come on top
+    seed: of the random states
+    functions: the judged ones, by name
+    diagnoses: what is wrong; empty where nothing is
     reading: how the file was read; frame: of the functions that belong to one
     precision: in which the functions are said to compute; external_wrenches: whether they were called with them
     beyond_limits: whether states outside the limits were added

@@ -12,7 +12,11 @@ EPS = float(np.finfo(float).eps)
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A bound on a relative error, and its reason."""
+    """A bound on a relative error, and its reason.
+
+    bound: largest relative error that counts as agreement
+    why: reason why it is what it is
+    """
 
     bound: float
     why: str

@@ -99,7 +99,8 @@ def run(options: SimulateOptions) -> None:
     if not (options.rate > 0 and options.duration > 0):
         raise typer.BadParameter("--rate and --duration must be above zero")
     import urdf
-    from crosscheck.commands.simulate.report import SimulatedRun, simulate_report
+    from crosscheck.commands.simulate.record import SimulatedRun
+    from crosscheck.commands.simulate.report import simulate_report
     from crosscheck.report.report import with_stage
 
     with warnings_shown():

@@ -1,103 +1,134 @@
-"""The format `graphdyn simulate 1`."""
+"""A simulated motion in short, and the format `graphdyn simulate 1`."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
-from crosscheck.report.record_fields import FORMAT, Command, Count, Index, Number, Versions
+import numpy as np
+
+from crosscheck.reference.subject import OfReading
+from crosscheck.report.record import Record, attribute, written
+from crosscheck.report.record_fields import Command, Count, Index, Number, Versions
 from crosscheck.report.versions import versions
+from graphdyn import Simulation
+from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.simulation import Occurrence
+from urdf import Reading
 
 
-@dataclass(frozen=True, kw_only=True)
-class SimulatedJointRecord:
-    """A joint, over the whole motion."""
+@dataclass(frozen=True)
+class SimulatedJoint:
+    """A joint, over the whole motion.
+
+    number: 1 … n
+    name: as in the file
+    prismatic: it slides; the others turn
+    lowest, highest: positions [rad or m]
+    largest_velocity: largest |v| [rad/s or m/s]
+    largest_torque: largest |τ| of the actuator [N m or N]
+    largest_force: largest size of the force that the joint transmits; None where loops leave a component undetermined
+        [N]
+    largest_moment: largest size of the moment about the joint, that of the actuator included; None as above [N m]
+    """
 
     number: Index
-    """1 … n."""
-
     name: str
-    """As in the file."""
-
     prismatic: bool
-    """It slides; the others turn."""
-
     lowest: float
-    """Position [rad or m]."""
-
     highest: float
-    """Position [rad or m]."""
-
     largest_velocity: float
-    """Largest |v| [rad/s or m/s]."""
-
     largest_torque: float
-    """Largest |τ| of the actuator [N m or N]."""
-
     largest_force: Number
-    """Largest size of the force that the joint transmits [N]; null where loops leave a component undetermined."""
-
     largest_moment: Number
-    """Largest size of the moment about the joint, that of the actuator included [N m]; null as above."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class OccurrenceRecord:
+@dataclass(frozen=True, eq=False)
+class SimulatedRun(OfReading):
+    """A motion and how it came about.
+
+    robot: name or path, as given
+    reading: how the file was read
+    torque: zero, hold, or the function
+    method: dop853, rk8, rk4 or euler
+    step: of a method of fixed step; None where steps adapt [s]
+    out: the file of the motion
+    """
+
+    motion: Simulation
+    robot: str
+    reading: Reading
+    torque: str
+    method: str
+    step: float | None
+    out: str | None
+
+    @property
+    def joints(self) -> list[SimulatedJoint]:
+        """Joints in the order of the robot."""
+        motion = self.motion
+        wrenches, (q, v, tau) = motion.reactions.joint_wrenches, of_all_joints(motion)
+        forces, moments = (np.linalg.norm(wrenches[..., part], axis=-1).max(axis=0) for part in (LINEAR, ANGULAR))
+        return [
+            SimulatedJoint(
+                number=j + 1,
+                name=joint.name,
+                prismatic=joint.is_prismatic,
+                lowest=float(q[:, j].min()),
+                highest=float(q[:, j].max()),
+                largest_velocity=float(np.abs(v[:, j]).max()),
+                largest_torque=float(np.abs(tau[:, j]).max()),
+                largest_force=_determined(forces[j]),
+                largest_moment=_determined(moments[j]),
+            )
+            for j, joint in enumerate(motion.model.joints)
+        ]
+
+
+def _determined(size: float) -> float | None:
+    return None if np.isnan(size) else float(size)
+
+
+def of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
+    """q, v and tau (N, n_bodies), those of joints that others drive included."""
+    freedoms, tau = motion.model.freedoms, np.zeros((len(motion.time), motion.model.n_bodies))
+    tau[:, list(freedoms.independent)] = motion.tau
+    return motion.model.joint_positions(motion.q), motion.v @ freedoms.matrix.T, tau
+
+
+class OccurrenceRecord(Record, of=Occurrence, only=("name", "time")):
     """An event."""
 
-    name: str
-    """Such as "upper limit of joint 'elbow'"."""
 
-    time: float
-    """When it happened [s]."""
+class SimulateRecord(Record, of=SimulatedRun, leave_out=("motion", "reading"), format="graphdyn simulate 1"):
+    """A motion in short; the motion itself is what --out writes.
 
+    duration: that was simulated [s]
+    rows: of the result
+    energy_drift: largest error of the balance of energy as a part of the largest kinetic energy
+    closure_error: largest |φ| of joints [m, -] and loops [m, rad]
+    """
 
-@dataclass(frozen=True, kw_only=True)
-class SimulateRecord:
-    """A motion in short; the motion itself is what --out writes."""
-
-    format: Annotated[Literal["graphdyn simulate 1"], FORMAT] = "graphdyn simulate 1"
-
-    versions: Versions = field(default_factory=versions)
-
+    versions: Versions
     command: Command
-
-    robot: str
-    """Name or path, as given."""
-
-    locked: Mapping[str, float]
-    """Joints held still, with their positions [rad or m]."""
-
-    torque: str
-    """zero, hold, or the function."""
-
-    method: str
-    """dop853, rk8, rk4 or euler."""
-
-    step: Number
-    """Of a method of fixed step [s]; null where steps adapt."""
-
+    locked = attribute()
     duration: float
-    """That was simulated [s]."""
-
     rows: Count
-    """Of the result."""
-
-    ended: str
-    """Name of the event that ended it; empty where it lasted as long as asked for."""
-
-    occurrences: Sequence[OccurrenceRecord]
-    """In their order."""
-
-    energy_drift: float
-    """Largest error of the balance of energy as a part of the largest kinetic energy."""
-
+    ended = attribute("motion.ended")
+    occurrences: Sequence[OccurrenceRecord] = attribute("motion.occurrences")
+    energy_drift: float = attribute("motion.energy.drift")
     closure_error: float
-    """Largest |φ| of joints [m, -] and loops [m, rad]."""
+    joints = attribute()
 
-    joints: Sequence[SimulatedJointRecord]
-    """In the order of the robot."""
 
-    out: str | None
-    """The file of the motion."""
+def record(run: SimulatedRun, command: Sequence[str]) -> dict[str, Any]:
+    return written(
+        SimulateRecord,
+        run,
+        versions=versions(),
+        command=command,
+        duration=run.motion.time[-1],
+        rows=len(run.motion.time),
+        closure_error=run.motion.closure_error().max(),
+    )

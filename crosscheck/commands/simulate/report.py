@@ -2,55 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from crosscheck.commands.simulate.record import OccurrenceRecord, SimulatedJointRecord, SimulateRecord
-from crosscheck.reference.subject import OfReading
+from crosscheck.commands.simulate.record import SimulatedRun, of_all_joints, record
 from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
 from crosscheck.report.robot_parts import locked_text, robot_picture
 from graphdyn import RobotModel, Simulation
-from graphdyn.layout import ANGULAR, LINEAR, Array
-from urdf import Reading
+from graphdyn.layout import Array
 
 MAX_SHOWN_ROWS = 2000
 """Rows of a curve at most: more would be invisible."""
-
-
-@dataclass(frozen=True, eq=False)
-class SimulatedRun(OfReading):
-    """A motion and how it came about."""
-
-    motion: Simulation
-    robot: str
-    reading: Reading
-    torque: str
-    method: str
-    step: float | None
-    out: str | None
-
-    def record(self, command: Sequence[str]) -> SimulateRecord:
-        motion = self.motion
-        return SimulateRecord(
-            command=command,
-            robot=self.robot,
-            locked=self.locked,
-            torque=self.torque,
-            method=self.method,
-            step=self.step,
-            duration=float(motion.time[-1]),
-            rows=len(motion.time),
-            ended=motion.ended,
-            occurrences=[OccurrenceRecord(name=event.name, time=event.time) for event in motion.occurrences],
-            energy_drift=motion.energy.drift,
-            closure_error=float(motion.closure_error().max()),
-            joints=_joints(motion),
-            out=self.out,
-        )
 
 
 def simulate_report(run: SimulatedRun) -> Report:
@@ -59,10 +24,10 @@ def simulate_report(run: SimulatedRun) -> Report:
         f"{name}, simulated",
         None,
         (
-            Section("motion", "", (*_overview(run, model), _loads(motion))),
+            Section("motion", "", (*_overview(run, model), _loads(run))),
             Section("curves", "Curves", (_curves(motion),)),
         ),
-        record=run.record,
+        record=partial(record, run),
     )
 
 
@@ -88,7 +53,7 @@ def _what_closes(model: RobotModel) -> str:
     return "joints and loops" if model.chords else "joints"
 
 
-def _loads(motion: Simulation) -> Table:
+def _loads(run: SimulatedRun) -> Table:
     number: dict[str, Any] = {"kind": "number", "form": ".4g"}
     return Table(
         (
@@ -114,7 +79,7 @@ def _loads(motion: Simulation) -> Table:
                     joint.largest_moment,
                 )
             )
-            for joint in _joints(motion)
+            for joint in run.joints
         ),
         title="Joints, and their largest speeds and loads",
         failures_first=False,
@@ -122,39 +87,9 @@ def _loads(motion: Simulation) -> Table:
     )
 
 
-def _joints(motion: Simulation) -> list[SimulatedJointRecord]:
-    wrenches, (q, v, tau) = motion.reactions.joint_wrenches, _of_all_joints(motion)
-    forces, moments = (np.linalg.norm(wrenches[..., part], axis=-1).max(axis=0) for part in (LINEAR, ANGULAR))
-    return [
-        SimulatedJointRecord(
-            number=j + 1,
-            name=joint.name,
-            prismatic=joint.is_prismatic,
-            lowest=float(q[:, j].min()),
-            highest=float(q[:, j].max()),
-            largest_velocity=float(np.abs(v[:, j]).max()),
-            largest_torque=float(np.abs(tau[:, j]).max()),
-            largest_force=_determined(forces[j]),
-            largest_moment=_determined(moments[j]),
-        )
-        for j, joint in enumerate(motion.model.joints)
-    ]
-
-
-def _determined(size: float) -> float | None:
-    return None if np.isnan(size) else float(size)
-
-
-def _of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
-    """q, v and tau (N, n_bodies), those of joints that others drive included."""
-    freedoms, tau = motion.model.freedoms, np.zeros((len(motion.time), motion.model.n_bodies))
-    tau[:, list(freedoms.independent)] = motion.tau
-    return motion.model.joint_positions(motion.q), motion.v @ freedoms.matrix.T, tau
-
-
 def _curves(motion: Simulation) -> Plot:
     rows = np.unique(np.linspace(0, len(motion.time) - 1, min(MAX_SHOWN_ROWS, len(motion.time))).astype(int))
-    energy, (q, v, tau) = motion.energy, _of_all_joints(motion)
+    energy, (q, v, tau) = motion.energy, of_all_joints(motion)
 
     def series(values: Array) -> tuple[Series, ...]:
         return tuple(Series(name, values[rows, j], color=j) for j, name in enumerate(motion.model.joint_names))

@@ -68,4 +68,4 @@ def run(options: VectorsOptions) -> None:
     listed = vectors.record(robot, model, frame, options.seed, setting.bound, (MODEL, exported), tables, command_line())
     files = {name: content for name, (_, content) in tables.items()}
     write_folder(folder, {**files, MODEL: exported, TABLE: as_bytes(plain(listed))})
-    out.print(f"{len(tables)} functions at {listed.states} states in {folder}, sha256 {listed.sha256}")
+    out.print(f"{len(tables)} functions at {listed['states']} states in {folder}, sha256 {listed['sha256']}")

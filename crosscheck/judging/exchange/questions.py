@@ -42,7 +42,10 @@ class SameId(GraphDynError):
 class Question:
     """One call of a function.
 
-    id: twelve digits; arguments: by name, in the joint order of the foreign code   (n,) or (n, 6)
+    id: twelve digits, to be repeated with the answer: [{"id": …, "answer": […]}, …]
+    function: its name
+    arguments: by name, in the order in which the function takes them and in the joint order of the foreign code; (n,),
+        or (n, 6) for external wrenches [rad or m, …/s, …/s², N m or N]
     """
 
     id: int

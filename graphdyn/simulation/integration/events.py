@@ -41,7 +41,12 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Occurrence:
-    """An event that happened. time [s]; q, v (n,)"""
+    """An event that happened.
+
+    name: of the event, such as "upper limit of joint 'elbow'"
+    time: when it happened [s]
+    q, v: (n,)
+    """
 
     name: str
     time: float

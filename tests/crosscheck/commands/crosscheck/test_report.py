@@ -124,7 +124,7 @@ class TestData:
         assert json.loads(text) == json.loads(json.dumps(record))
         assert record["agrees"] is True
         assert set(record["quantities"]) == set(comparison.quantities)
-        assert {field.name for field in dataclasses.fields(crosscheck.Comparison)} - {"model"} < set(record)
+        assert {field.name for field in dataclasses.fields(crosscheck.Comparison)} - {"model", "reading"} < set(record)
 
     def test_infinities_become_null(self, comparison):
         """The condition number of a singular matrix; an error that could not be measured."""
