@@ -44,6 +44,7 @@ class Interpreter:
     def __init__(self, program: Program) -> None:
         self._program = program
         self._last_uses = _last_uses(program)
+        # how many values are held after each operation: the most of them bound the size of a block
         alive = accumulate(1 - len(finished) for finished in self._last_uses)
         self._block_size = min(BLOCK_SAMPLES, MAX_LIVE_NUMBERS // max(alive, default=1) + 1)
 
@@ -65,6 +66,7 @@ class Interpreter:
         self, first: int, last: int, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
     ) -> dict[Watch, float]:
         values: list[Any] = [None] * len(self._program.operations)
+        # columns one after the other in memory, as every operation reads whole columns
         rows = {name: np.ascontiguousarray(inputs[name][first:last].T) for name in self._program.inputs}
         with np.errstate(all="ignore"):
             for number, (kind, *arguments) in enumerate(self._program.operations):

@@ -52,6 +52,7 @@ class Inertia:
         m = symmetric(place.symmetric_inwards(self.m))
         h = place.matrix_inwards(self.h)
         p = skew(place.translation)
+        # f = M (a - p × α) + H α about the new origin, with p × α = S(p) α; the moment of f by the arm p follows
         shifted = h - m @ p
         return Inertia(m, shifted, symmetric(place.symmetric_inwards(self.j) - h.T @ p + p @ shifted))
 
@@ -154,6 +155,7 @@ def seen_through_joint(
 ) -> SeenThroughJoint:
     """I^a = I^A - U Uᵀ / D and p^a = p^A + U u / D, of I^A (inertia) and p^A (bias)."""
     force, moment = bias
+    # S is the unit vector e_z, of the linear part for a slide and of the angular part for a turn: I^A S is a column
     U_f, U_n = (inertia.m[:, 2], inertia.h[2, :]) if prismatic else (inertia.h[:, 2], inertia.j[:, 2])
     D_inverse = reciprocal((U_f[2] if prismatic else U_n[2]) + rotor) * free
     u = tau - (force[2] if prismatic else moment[2])

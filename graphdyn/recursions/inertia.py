@@ -138,6 +138,7 @@ def _factors(mass: Scalars, inside: Sequence[Sequence[int]]) -> tuple[Scalars, l
         columns = list(inside[j])
         lower[j, columns] = rest[j, columns] * reciprocal(rest[j, j])
         for i in columns:
+            # only where row i has entries: the joints between i and the ground
             for k in (i, *inside[i]):
                 rest[i, k] = rest[i, k] - lower[j, i] * rest[j, k]
     return lower, list(rest.diagonal())
@@ -147,6 +148,7 @@ def _inverted(lower: Scalars, inside: Sequence[Sequence[int]]) -> Scalars:
     """L⁻¹ (n, n), from the ground to the leaves."""
     inverse = np.eye(len(lower)).astype(object)
     for j, given in enumerate(inside):
+        # row j of L⁻¹ from the rows before: L has ones on its diagonal
         columns = list(given)
         inverse[j, columns] = -(lower[j, columns] @ inverse[np.ix_(columns, columns)])
     return inverse

@@ -130,5 +130,6 @@ def _parts(recorder: Recorder, number: int, growth: Any) -> list[tuple[int, Any]
         return [(first, growth), (second, -growth)]
     if kind == "*":
         return [(first, growth * y), (second, growth * x)]
+    # d(x / y) = dx / y - (x / y) dy / y, with x / y as it is recorded
     quotient = growth / y
     return [(first, quotient), (second, -(quotient * recorder.scalar(number)))]

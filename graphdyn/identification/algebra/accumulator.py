@@ -150,6 +150,7 @@ class Accumulator:
         from scipy.linalg.lapack import dtpqrt  # imported where first used: import graphdyn stays light
 
         panel = min(PANEL_COLUMNS, len(self._columns[g]))
+        # QR of the triangle above the block: the new triangle replaces the old one, in place
         self._squares[g], _, _, _ = dtpqrt(0, panel, self._squares[g], block, overwrite_a=1, overwrite_b=1)
 
 

@@ -109,6 +109,7 @@ def rank_revealing_least_squares(
 
     tolerance = rank_tolerance(precision)
     stray = min(np.sqrt(tolerance), MAX_STRAY_SHARE)  # rounding turns null vectors by tolerance / σ_r at most
+    # K = Q R, R = U Σ Vᵀ: the decomposition of a p × p triangle instead of all rows
     q, triangle = np.linalg.qr(matrix / column_scale)
     u, sigma, v_t = np.linalg.svd(triangle)
     sigma = np.append(sigma, np.zeros(len(names) - len(sigma)))
@@ -117,15 +118,18 @@ def rank_revealing_least_squares(
     inverse = v_t[:rank].T / sigma[:rank]  # scaled x = inverse @ uᵀ l
     null = v_t[rank:].T
 
+    # the shortest of all scaled solutions
     smallest = inverse @ (u.T @ right)
     residual = matrix @ (smallest / column_scale) - right
     covariance = _covariance(inverse, u, residual, groups)
 
     determined = np.linalg.norm(null, axis=1) <= stray
+    # p - r parameters that are expressed by the others: pivoting takes the best conditioned rows of the null space
     dependent = qr(null.T, mode="r", pivoting=True)[1][: len(names) - rank]
     independent = np.setdiff1d(np.arange(len(names)), dependent)
     combinations = np.zeros((rank, len(names)))
     combinations[np.arange(rank), independent] = 1.0
+    # B x does not change along the null space: B_dependent = -null_independent null_dependent⁻¹
     folded = -solve(null[dependent].T, null[independent].T).T if dependent.size else np.zeros((rank, 0))
     real = (np.abs(folded) > tolerance) & ~determined[independent, None]
     combinations[:, dependent] = np.where(real, folded, 0.0)
@@ -152,6 +156,7 @@ def _covariance(inverse: Array, u: Array, residual: Array, groups: NDArray[np.in
     covariance = np.zeros((len(inverse), len(inverse)))
     for group in np.unique(groups):
         rows = groups == group
+        # equations of the group, less its share of the r parameters: the trace of its part of the hat matrix U Uᵀ
         spare = np.count_nonzero(rows) - np.sum(u[rows] ** 2)
         part = inverse @ u[rows].T
         if spare > MIN_ROWS_LEFT:

@@ -80,6 +80,7 @@ class RobustConsistent:
         limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
         program = _Program(problem, bodies, limits, self.metric or "pullback", self.margin, huber(self.threshold))
         start, _ = weighted_solution(problem.equations)
+        # weights without a prior first, so that cross-validation compares strengths with the same outliers left out
         state = program.settled(residuals_of(problem, start.x), WEAK_STRENGTH)
         strength, remarks = 0.0 if self.metric is None else self.strength, bodies.remarks
         if strength is None:
@@ -140,6 +141,7 @@ class _Program:
         iteration, converged = 0, False
         while not converged and iteration < MAX_ROBUST_ITERATIONS:
             iteration += 1
+            # noise from the residuals, then weights from both, then the fit, until the torques settle
             scale = robust_scale(self.problem, residuals, used * self.problem.equations.counts)
             weights = self.norm.weight(np.nan_to_num(residuals / scale))
             blocks = weighted_blocks(self.problem, np.sqrt(weights) / scale)

@@ -147,17 +147,21 @@ class ExtendedKalmanFilter:
         a, by_q, by_v, by_x, by_tau = self._acceleration(tau)
         da = np.hstack([by_q, by_v, by_x])
         f = np.eye(2 * n + r)
+        # F = ∂(q⁺, v⁺, x⁺)/∂(q, v, x): q⁺ = q + T v + T²/2 a, v⁺ = v + T a
         f[:n, n : 2 * n] += t * np.eye(n)
         f[:n] += t**2 / 2 * da
         f[n : 2 * n] += t * da
         noise = by_tau * self._torque_noise
+        # B: what the noise of the torques moves during a period, and the drift of the parameters
         b = np.zeros((2 * n + r, n + self._drift.shape[1]))
         b[:n, :n], b[n : 2 * n, :n], b[2 * n :, n:] = t**2 / 2 * noise, t * noise, self._drift
         root = np.vstack([(f @ self._root).T, b.T])
         k = len(measured)
+        # the array of the head; QR leaves T₁₁, T₁₂ and the root of the covariance after the measurement
         before = np.block([[np.diag(self._measured), np.zeros((k, 2 * n + r))], [root[:, :k], root]])
         after = square_triangle(before)
         state = np.concatenate([self._q + t * self._v + t**2 / 2 * a, self._v + t * a, self._x])
+        # K (measured - predicted) = T₁₂ᵀ T₁₁⁻ᵀ (measured - predicted)
         state += after[:k, k:].T @ np.linalg.solve(after[:k, :k].T, measured - state[:k])
         if not np.all(np.isfinite(state)):
             raise EstimationFailed("the filter diverged: its state is no number; give a better start or less spread")
@@ -168,9 +172,12 @@ class ExtendedKalmanFilter:
         """Acceleration in the middle of the period, and its derivatives by q, v, x and τ."""
         n, t = len(self._q), self._period
         a, _ = self._solved(self._q, self._v, tau)
+        # half a period on, with the acceleration at its beginning
         q, v = self._q + t / 2 * self._v + t**2 / 8 * a, self._v + t / 2 * a
         a, inverse = self._solved(q, v, tau)
+        # central differences over a standard deviation of q and v: friction has a slope where v may change its sign
         steps = np.linalg.norm(self._root[: 2 * n], axis=1)
+        # the point itself, then each of the 2 n coordinates a step up, then each a step down
         around = np.vstack([np.zeros((1, 2 * n)), np.diag(steps), -np.diag(steps)])
         points = np.concatenate([q, v]) + around
         here = self._samples(points[:, :n], points[:, n:], np.broadcast_to(a, (4 * n + 1, n)))

@@ -152,10 +152,13 @@ def whitened(problem: Problem, x: Array, part: MeasuredRows, shift: Array, noise
     steps = np.sqrt(np.diag(part.covariance)).reshape(3, -1)
     standard = model_prior(torque_model).nearest(problem.base, x)
     slopes = torque_slopes(torque_model, standard, estimated, steps) * kept
+    # the measured equations are filtered: the difference that the estimated motion makes is added to them
     change = torque_model.rows(estimated, columns) - torque_model.rows(measured, columns)
     known = torque_model.known_torque(estimated) - torque_model.known_torque(measured)
     matrix = (problem.reduced(part.rows) + change) * kept
+    # τ - W(μ) x + G (μ - m): the residual at the measured motion, to first order
     e = (part.rows.right - known)[..., None] * kept - matrix @ x[:, None] + slopes @ shift[..., None]
+    # S = G C Gᵀ + noise²; the motion that fits best is m + C Gᵀ S⁻¹ e
     gain = part.covariance @ np.swapaxes(slopes, 1, 2)
     propagated = slopes @ gain
     covariance = propagated + np.diag(noise**2)

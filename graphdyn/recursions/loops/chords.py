@@ -51,6 +51,7 @@ class ChordRows:
 def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJoint) -> ChordRows:
     """At q, v of all joints that no couplings drive; at: the places of their bodies."""
     paths = [_path(links, body - 1) for body in (chord.body_i, chord.body_j)]
+    # the joints that carry both ends move neither end against the other
     while paths[0] and paths[1] and paths[0][0] == paths[1][0]:
         paths = [path[1:] for path in paths]
     seen_i, seen_j = (_outwards(links, at, path, v) for path in paths)
@@ -65,6 +66,7 @@ def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJ
         for path, seen, sign in ((paths[0], seen_i[1:], 1.0), (paths[1], seen_j[1:], -1.0)):
             for j, body in zip(path, seen, strict=True):
                 line[j] = sign * (u @ _motion(links[j], body, ends.point_j, linear))
+        # a row that no joint can move, as those out of the plane of a plane loop
         if all(is_zero(x) for x in line):
             continue
         jacobian.append(line)
@@ -72,9 +74,11 @@ def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJ
         gaps.append(gap)
         numbers.append(number)
         for store, end, sign in ((on_i, ends.body_i, -1.0), (on_j, ends.body_j, 1.0)):
+            # the multiplier acts on body j along u, and on body i against it; a moment comes without a force
             direction, lever = end.axes.T @ u, end.axes.T @ (ends.point_j - end.origin)
             force = direction * sign
             store.append((force, cross(lever, force)) if linear else (zeros(3), force))
+    # the sines of the gaps vanish for an end turned by 180° too; these cosines then are negative
     agreeing = [] if chord.kind in ("distance", "ball") else [ends.triad_i[:, 2] @ ends.triad_j[:, 2]]
     if chord.kind in ("weld", "slide"):
         agreeing.append(ends.triad_i[:, 0] @ ends.triad_j[:, 0])
@@ -141,6 +145,7 @@ def _row(chord: Chord, ends: _Ends, name: str) -> tuple[Scalars, Any, Any]:
     if what == "moment":
         relative, drifting = omega - ends.body_j.angular, ends.body_i.angular_drift - ends.body_j.angular_drift
         return u, _turned(chord, ends, axis), u @ drifting + u_dot @ relative
+    # φ = u·d with u fixed in body i: φ̈ = u·d̈ + 2 u̇·ḋ + ü·d
     u_ddot = cross(ends.body_i.angular_drift, u) + cross(omega, u_dot)
     return u, u @ apart, u @ drift + 2.0 * (u_dot @ rate) + u_ddot @ apart
 
@@ -148,6 +153,7 @@ def _row(chord: Chord, ends: _Ends, name: str) -> tuple[Scalars, Any, Any]:
 def _turned(chord: Chord, ends: _Ends, axis: int) -> Any:
     """The sine of the angle of body i to body j about an axis of the chord, near enough to tell a closed loop."""
     on_i, on_j = ends.triad_i, ends.triad_j
+    # of a hinge the two axes p must agree, of others the whole triads
     if chord.kind == "hinge":
         return cross(on_j[:, 2], on_i[:, 2]) @ on_i[:, axis]
     a, b = (axis + 1) % 3, (axis + 2) % 3
@@ -171,6 +177,7 @@ def _outwards(links: Links, at: Sequence[JointPlacement], path: Sequence[int], v
         axes = turn_back(place.c, place.s, (inside.axes @ place.rotation).T).T
         arm, omega = inside.axes @ place.translation, inside.angular
         spin = cross(omega, arm)
+        # first as if the joint were locked; then what its rate adds (2 ω × rate for a slide, ω × rate for a turn)
         linear, angular = inside.linear + spin, inside.angular
         drift = inside.linear_drift + cross(inside.angular_drift, arm) + cross(omega, spin)
         angular_drift = inside.angular_drift

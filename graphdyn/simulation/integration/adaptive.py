@@ -73,6 +73,7 @@ def adaptive(
     tau_at, end = _torque_from(torque, tick, equations, y, duration)
     while True:
         q, v = y[:n], y[n : 2 * n]
+        # which joints slide is decided here, and holds until a watch ends the stretch
         contact = equations.contact(t, q, v, tau_at(t, q, v), MAX_SLIDING_PASSES, loose)
         stretch = _Stretch(equations, tau_at, contact, progress)
         watched = stretch.watches() + (_limit_watches(equations) if stop_at_limits else [])
@@ -95,6 +96,7 @@ def adaptive(
         progress(reached)
         if ended or finished:
             break
+        # an event at the very beginning of a stretch is no progress
         idle = idle + 1 if reached <= t else 0
         if idle > MAX_STUCK_STRETCHES:
             raise IntegrationFailed(

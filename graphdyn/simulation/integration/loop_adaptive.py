@@ -128,8 +128,10 @@ class _AdaptiveRun:
                 )
             step = self._tried(h)
             error = np.inf if step is None else self._error(step)
+            # error < 1 is within the tolerances; the error of a step of order 8 grows with the width to the 8th power
             wider = min(MAX_STEP_RATIO, STEP_SAFETY * error ** (-1 / ERROR_ORDER)) if error > 0 else MAX_STEP_RATIO
             near = step is not None and step.distance <= self._steps.wary
+            # near a singular pose a step that is narrow enough is taken as it is
             if step is not None and (error < 1 or (near and h <= self._far_width * MIN_STEP_NEAR_POSE)):
                 break
             self._width = h * max(MIN_STEP_RATIO, wider)
@@ -137,6 +139,7 @@ class _AdaptiveRun:
                 self._width = max(self._width, self._far_width * MIN_STEP_NEAR_POSE)
         if not near:
             self._far_width = h
+        # a step cut short by the target or by a tick says nothing against the width before
         self._width = max(self._width if h < self._width else 0.0, h * wider) if error < 1 else h
         self.t, self.y = end if h == end - self.t else self.t + h, step.y
         self._hold()
@@ -169,6 +172,7 @@ class _AdaptiveRun:
         """Relative to the tolerances; the work follows from the motion, and does not control the steps."""
         moving = slice(0, 2 * self._n)
         size = np.maximum(np.abs(self.y), np.abs(step.y))[moving]
+        # the estimate of the error combines formulas of the third and fifth order, as DOP853 does
         third, fifth = step.errors[:, moving] / (self._tolerances.atol + self._tolerances.rtol * size)
         squares = fifth @ fifth, third @ third
         if not squares[0]:

@@ -134,6 +134,7 @@ class _MaximalRun:
         state = self._state(pose)
         tau = self._torque(t, state)
         _, v = self._joints(state)
+        # the derivative of a unit quaternion is ½ q ⊗ ω, ω in body axes
         turning = _times(pose.quaternion, pose.velocity[:, ANGULAR]) / 2
         acceleration = self._acceleration(t, state, tau)
         return Pose(pose.velocity[:, LINEAR], turning, acceleration, float(tau @ v))
@@ -147,6 +148,7 @@ class _MaximalRun:
         if self._stabilization == "baumgarte":
             alpha = 1 / (BAUMGARTE_STEPS * self._step)
             rate = apply(system.constraint_jacobian, stacked(state.velocity))
+            # φ̈ + 2 α φ̇ + α² φ = 0 in place of φ̈ = 0: deviations die out, critically damped
             zeta = system.zeta - 2 * alpha * rate - alpha**2 * stacked(state.constraint_residual())
             system = replace(system, zeta=zeta)
         return per_body(system.solve_unchecked().acceleration)
@@ -181,6 +183,7 @@ class _MaximalRun:
         """q and v as the bodies show them, the angles without jumps."""
         q, v = read_joints(state)
         turning = np.array([not joint.is_prismatic for joint in self._plant.model.joints])
+        # bodies show angles up to whole turns: those nearest to the last step are taken
         turns = np.round((self._q - q) / (2 * np.pi)) * turning
         return q + 2 * np.pi * turns, v
 
