@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "ANGULAR",
-    "BODY_FREEDOMS",
+    "BODY_DOF",
     "BODY_PARAMETERS",
     "JOINT_CONSTRAINTS",
     "LINEAR",
@@ -29,7 +29,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-BODY_FREEDOMS = 6
+BODY_DOF = 6
 JOINT_CONSTRAINTS = 5
 BODY_PARAMETERS = 10  # m, m c, and I_xx, I_xy, I_yy, I_xz, I_yz, I_zz
 
@@ -39,7 +39,7 @@ ANGULAR = slice(3, 6)
 
 def body_rows(i: int) -> slice:
     """Rows of body i (1 … n) in a vector of length 6 n."""
-    return slice(BODY_FREEDOMS * (i - 1), BODY_FREEDOMS * i)
+    return slice(BODY_DOF * (i - 1), BODY_DOF * i)
 
 
 def joint_rows(j: int) -> slice:
@@ -61,7 +61,7 @@ def constraint_row_names(n: int) -> tuple[str, ...]:
 
 def per_body(stacked: Array) -> Array:
     """(…, 6 n) seen as (…, n, 6)."""
-    return stacked.reshape(*stacked.shape[:-1], stacked.shape[-1] // BODY_FREEDOMS, BODY_FREEDOMS)
+    return stacked.reshape(*stacked.shape[:-1], stacked.shape[-1] // BODY_DOF, BODY_DOF)
 
 
 def per_joint(stacked: Array) -> Array:

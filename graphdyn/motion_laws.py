@@ -1,7 +1,7 @@
-"""Motion laws: one coordinate, a joint's or the carriage's, as a function of time.
+"""Motion laws: one coordinate, a joint's or the moving base's, as a function of time.
 
 A law is called with times (N,) [s] and answers position, velocity and acceleration (N,) [rad or m, …/s, …/s²]. Any
-function that does so is one. Rail and Turntable say which coordinate of the carriage a law moves.
+function that does so is one. Rail and Turntable say which coordinate of the moving base a law moves.
 
 Every law refuses, with InvalidInput, data that are not finite real numbers.
 """
@@ -185,7 +185,8 @@ class TabulatedMotion:
 
 @dataclass(frozen=True)
 class Rail:
-    """The carriage slides along a fixed direction, in world axes; the law is in m. direction (3,), normalized here."""
+    """The moving base slides along a fixed direction, in world axes; the law is in m. direction (3,), normalized
+    here."""
 
     direction: Sequence[float]
     law: MotionLaw
@@ -196,8 +197,8 @@ class Rail:
 
 @dataclass(frozen=True)
 class Turntable:
-    """The carriage turns about a fixed axis through its origin, in world axes; the law is in rad. axis (3,), normalized
-    here.
+    """The moving base turns about a fixed axis through its origin, in world axes; the law is in rad. axis (3,),
+    normalized here.
     """
 
     axis: Sequence[float]

@@ -43,24 +43,24 @@ class States:
         return len(self.q)
 
     @cached_property
-    def referee(self) -> PinocchioModel:
+    def reference(self) -> PinocchioModel:
         return PinocchioModel.from_model(self.model)
 
     @cached_property
     def bare(self) -> BareCalls:
-        return self.referee.bare_calls()
+        return self.reference.bare_calls()
 
     @cached_property
     def compared(self) -> ComparedStates:
         """The first SINGLE_STATE_SAMPLES samples, with Pinocchio's answers."""
         q, v, a, tau = (x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a, self.tau))
         case = Case(RANDOM, self.model, Placement(), q, v, a, tau, np.zeros((*q.shape, 6)))
-        return ComparedStates.of(case, np.ones(len(q), dtype=bool))(self.referee)
+        return ComparedStates.of(case, np.ones(len(q), dtype=bool))(self.reference)
 
     @cached_property
     def regressor(self) -> Array:
         """Pinocchio's joint-torque regressor of the first SINGLE_STATE_SAMPLES samples (N, n, 10n)."""
-        return self.referee.torque_regressor(*(x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a)))
+        return self.reference.torque_regressor(*(x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a)))
 
     @cached_property
     def torque(self) -> Array:

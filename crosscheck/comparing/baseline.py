@@ -31,16 +31,16 @@ MAX_JOINT_SPEED = 10.0
 class PinocchioBodies(RigidBodies):
     """RigidBodies with computeJointTorqueRegressor in place of our regressor.
 
-    referee: Pinocchio's reading of the robot of the torque model
+    pinocchio: Pinocchio's reading of the robot of the torque model
     Raises InvalidInput for samples with a moving base, because Pinocchio's regressor has a fixed base.
     """
 
-    referee: PinocchioModel
+    pinocchio: PinocchioModel
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         if samples.base is not None:
             raise InvalidInput("Pinocchio's regressor has a fixed base, and the base of these samples moves")
-        return self.referee.torque_regressor(*(np.asarray(x, dtype=float) for x in (samples.q, samples.v, samples.a)))
+        return self.pinocchio.torque_regressor(*(np.asarray(x, dtype=float) for x in (samples.q, samples.v, samples.a)))
 
 
 @dataclass(frozen=True)
@@ -62,15 +62,15 @@ class BaselineIdentification:
     error: float
 
 
-def compare_identification(model: RobotModel, referee: PinocchioModel, seed: int) -> BaselineIdentification:
+def compare_identification(model: RobotModel, pinocchio: PinocchioModel, seed: int) -> BaselineIdentification:
     """Simulate torques with Pinocchio, identify the base parameters with both regressors, compare."""
     rng = np.random.default_rng(seed)
     q, v = model.random_state(rng, STATES_PER_PARAMETER * BODY_PARAMETERS)
     v = np.clip(v, -MAX_JOINT_SPEED, MAX_JOINT_SPEED)
     a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
-    torque = referee.rnea(q, v, a).reshape(-1)
+    torque = pinocchio.rnea(q, v, a).reshape(-1)
     here = joint_torque_regressor(model, q, v, a).reshape(torque.size, -1)
-    there = referee.torque_regressor(q, v, a).reshape(torque.size, -1)
+    there = pinocchio.torque_regressor(q, v, a).reshape(torque.size, -1)
     base, base_there = base_parameters(here), base_parameters(there)
     pi = model.inertial_parameters
     left_out = base.dependent[~base.regrouping.any(axis=0)]  # too short to be columns (DROPPED_COLUMN), yet not zero

@@ -66,7 +66,7 @@ def compare(
     coupled, looped = compared.model.opened, compared.model.uncoupled
     model = coupled.uncoupled
     compared = replace(compared, model=model)
-    referees, notes = _referees(compared)
+    pinocchio_models, notes = _pinocchio_models(compared)
     record = ErrorRecord()
     reason = _why_not_forward(model)
     skipped = {name: reason for name, quantity in COMPARED.items() if quantity.solves and reason}
@@ -74,23 +74,23 @@ def compare(
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for number, chunk in enumerate(_chunks(model, samples, seed)):
             # derivatives in the first chunk only: complex steps take long
-            _compare_chunk(record, chunk, referees, with_forward=reason is None, derive=number == 0)
+            _compare_chunk(record, chunk, pinocchio_models, with_forward=reason is None, derive=number == 0)
             if progress:
                 progress(chunk.name, len(chunk.q))
         if coupled.couplings:
             case = coupled_case(coupled, samples, seed)
             answers = coupled_answers(case)
-            for route, referee in referees.items():
-                record.add(route, case, dict(coupled_errors(case, answers, referee, forward=reason is None)))
+            for route, pinocchio in pinocchio_models.items():
+                record.add(route, case, dict(coupled_errors(case, answers, pinocchio, forward=reason is None)))
         if looped.chords:
             notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
             if why := why_not_closed(looped):
                 skipped |= dict.fromkeys(LOOPED, why)
             else:
                 case = looped_case(looped, samples, seed)
-                for route, referee in referees.items():
-                    record.add(route, case, dict(looped_errors(case, referee)))
-        identification = compare_identification(model, referees["model"], seed) if has_mass(model) else None
+                for route, pinocchio in pinocchio_models.items():
+                    record.add(route, case, dict(looped_errors(case, pinocchio)))
+        identification = compare_identification(model, pinocchio_models["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:
         record.add_identification(identification)
@@ -102,7 +102,7 @@ def compare(
     assert record.conditioning is not None
     quantities = record.results()
     if not all(quantity.agrees for quantity in quantities.values()):
-        notes += [note for referee in referees.values() for note in _reader_wrote(referee.said)]
+        notes += [note for pinocchio in pinocchio_models.values() for note in _reader_wrote(pinocchio.said)]
     return Comparison(
         robot=compared.name,
         file=compared.file,
@@ -112,7 +112,7 @@ def compare(
         samples=samples,
         seed=seed,
         reading=compared.reading,
-        routes=tuple(referees),
+        routes=tuple(pinocchio_models),
         quantities=quantities,
         not_compared=skipped,
         conditioning=record.conditioning,
@@ -121,16 +121,16 @@ def compare(
     )
 
 
-def _referees(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
+def _pinocchio_models(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
     """Pinocchio's models by route, and notes about a route that is not taken."""
-    referees = {"model": PinocchioModel.from_model(compared.model)}
+    pinocchio_models = {"model": PinocchioModel.from_model(compared.model)}
     if not compared.file:
-        return referees, ["route 'urdf' not taken: a RobotModel was given, not a file"]
+        return pinocchio_models, ["route 'urdf' not taken: a RobotModel was given, not a file"]
     try:
         native = PinocchioModel.from_urdf(Path(compared.file), compared.model, compared.reading)
     except PinocchioRefuses as refusal:
-        return referees, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
-    return {"urdf": native, **referees}, []
+        return pinocchio_models, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
+    return {"urdf": native, **pinocchio_models}, []
 
 
 def _reader_wrote(said: Iterable[str]) -> list[str]:
@@ -146,7 +146,7 @@ def _chunks(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
 def _compare_chunk(
     record: ErrorRecord,
     chunk: Case,
-    referees: Mapping[str, PinocchioModel],
+    pinocchio_models: Mapping[str, PinocchioModel],
     *,
     with_forward: bool,
     derive: bool,
@@ -160,8 +160,8 @@ def _compare_chunk(
         record.count_singular(chunk.name, ~regular)
     quantities = list(_compared_at(chunk, derive))
     beside = ComparedStates.of(chunk, regular)
-    for route, referee in referees.items():
-        states = beside(referee)
+    for route, pinocchio in pinocchio_models.items():
+        states = beside(pinocchio)
         for quantity in quantities:
             if not quantity.solves and (route == "urdf" or not quantity.row.from_file):
                 at = states.few if quantity.row.when == "few" else states

@@ -69,13 +69,13 @@ def coupled_answers(case: Case) -> CoupledAnswers:
 
 
 def coupled_errors(
-    case: Case, ours: CoupledAnswers, referee: PinocchioModel, *, forward: bool
+    case: Case, ours: CoupledAnswers, pinocchio: PinocchioModel, *, forward: bool
 ) -> Iterator[tuple[str, Array]]:
     """Name and errors (N,) of each quantity. forward: whether the mass matrix is regular."""
     model, loads = case.model, case.external_wrenches
-    k, reactions = model.freedoms.matrix, model.freedoms.reactions
+    k, reactions = model.degrees_of_freedom.matrix, model.degrees_of_freedom.reactions
     everywhere = model.joint_positions(case.q), case.v @ k.T, case.a @ k.T
-    ref = PinocchioAnswers(referee, model.uncoupled, *everywhere, np.zeros_like(everywhere[0]), loads)
+    ref = PinocchioAnswers(pinocchio, model.uncoupled, *everywhere, np.zeros_like(everywhere[0]), loads)
     tau, wrench = ref.tau @ k, largest(ref.joint_wrenches)
     size = term_sizes(model, everywhere[1], everywhere[2], ref.position, ref.velocity, ref.acceleration)
     mass, inertia = k.T @ ref.mass_matrix @ k, np.full(len(tau), largest_tensor(model)) * np.abs(k).sum() ** 2
@@ -91,7 +91,7 @@ def coupled_errors(
         worst([relative(x.coupling_multipliers, needed, wrench, size.spin) for x in ours.inverse]),
     )
     yield "coupled_mass_matrix", worst([relative(found, mass, inertia) for found in ours.mass_matrix])
-    regressor = np.swapaxes(np.swapaxes(referee.torque_regressor(*everywhere), -1, -2) @ k, -1, -2)
+    regressor = np.swapaxes(np.swapaxes(pinocchio.torque_regressor(*everywhere), -1, -2) @ k, -1, -2)
     yield (
         "coupled_joint_torque_regressor",
         worst([by_parameter_type(x, regressor, *size.regressor_columns) for x in ours.regressor]),

@@ -52,12 +52,12 @@ def looped_case(model: RobotModel, samples: int, seed: int) -> Case:
     return Case("loops", model, Placement(), q, v, a, tau, wrenches)
 
 
-def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Array]]:
-    """Name and errors (N,) of each quantity; referee: Pinocchio's model of the tree."""
+def looped_errors(case: Case, pinocchio: PinocchioModel) -> Iterator[tuple[str, Array]]:
+    """Name and errors (N,) of each quantity; reference: Pinocchio's model of the tree."""
     model, loads = case.model, case.external_wrenches
     assert case.tau is not None
     rows = [
-        closed_dynamics(referee, model.chords, *state) for state in zip(case.q, case.v, case.tau, loads, strict=True)
+        closed_dynamics(pinocchio, model.chords, *state) for state in zip(case.q, case.v, case.tau, loads, strict=True)
     ]
     a, wrenches, missing = (np.array(column) for column in zip(*rows, strict=True))
     ours = [forward_dynamics(model, case.q, case.v, case.tau, loads, method=method) for method in COUPLED_METHODS]
@@ -77,7 +77,7 @@ def looped_errors(case: Case, referee: PinocchioModel) -> Iterator[tuple[str, Ar
     except InvalidInput:  # motors that leave a motion free
         return
     moved = np.array(
-        [closed_dynamics(referee, model.chords, *state)[0] for state in zip(case.q, case.v, tau, loads, strict=True)]
+        [closed_dynamics(pinocchio, model.chords, *state)[0] for state in zip(case.q, case.v, tau, loads, strict=True)]
     )
     scale = acceleration_scale(mass, case.a, tau, wrenches) * condition
     yield "closed_inverse_dynamics", largest(moved - case.a) / scale

@@ -13,7 +13,7 @@ from graphdyn.excitation import (
 )
 
 MAX_SEARCHES = 6
-"""Searches at most, each with more distance between the balls of links that collided in the one before."""
+"""Searches at most, each with more distance between the spheres of links that collided in the one before."""
 
 
 def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) -> OptimizedMotion:

@@ -101,7 +101,7 @@ def random_plans(
 ) -> tuple[ExcitationPlan, ExcitationPlan]:
     """Plans of as many random motions as asked for: each time the best of count, and the median, by the criterion.
 
-    The best is the best without collisions. All keep the distances of the balls; where meshes collide all the same in
+    The best is the best without collisions. All keep the distances of the spheres; where meshes collide all the same in
     every one of them, the best stands for them.
     """
     if collisions is not None:
@@ -119,7 +119,9 @@ def _best_and_median(
 ) -> tuple[Array, Array]:
     """Information matrices of random motions, with what is known."""
     rng, model = np.random.default_rng([seed, 2]), problem.torque_model.model
-    courses = [random_trajectory(model, problem.limits, problem.watched, problem.basis, rng) for _ in range(count)]
+    courses = [
+        random_trajectory(model, problem.limits, problem.checked_spheres, problem.basis, rng) for _ in range(count)
+    ]
     totals = [problem.total_information(course) for course in courses]
     order = sorted(range(count), key=lambda k: problem.criterion(totals[k])[0])
     free = (k for k in order if collisions is None or not planned(problem, courses[k], collisions).hits)

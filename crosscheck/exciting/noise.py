@@ -15,8 +15,8 @@ NOISE_STATES = 1000
 
 
 def assumed_noise(model: RobotModel) -> tuple[Array, str]:
-    """Standard deviations (n_freedoms,) [N m or N], and in words where they come from."""
-    joints = [model.joints[k] for k in model.freedoms.independent]
+    """Standard deviations (nv,) [N m or N], and in words where they come from."""
+    joints = [model.joints[k] for k in model.degrees_of_freedom.independent]
     efforts = np.array([joint.limits.effort or 0.0 for joint in joints])
     if np.all(efforts > 0):
         return TORQUE_NOISE_SHARE * efforts, f"{100 * TORQUE_NOISE_SHARE:g} % of the efforts of the file"

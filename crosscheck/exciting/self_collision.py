@@ -1,8 +1,9 @@
 """Links of a robot that may hit each other: which pairs, how near they may come, and whether they do in a motion.
 
-The search knows balls that contain the meshes, with exact gradients; what it finds is judged on the meshes themselves,
-at all times of the check. Where the balls forbid too many poses in which the meshes are free, because two links always
-pass each other closely, they may overlap as long as none of the random poses in which the meshes collide is allowed.
+The search knows spheres that contain the meshes, with exact gradients; what it finds is judged on the meshes
+themselves, at all times of the check. Where the spheres forbid too many poses in which the meshes are free, because two
+links always pass each other closely, they may overlap as long as none of the random poses in which the meshes collide
+is allowed.
 """
 
 from __future__ import annotations
@@ -15,24 +16,24 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.exciting.ball_cover import ball_cover
 from crosscheck.exciting.link_meshes import LinkMesh
 from crosscheck.exciting.mesh_contacts import MeshContacts, Pair
+from crosscheck.exciting.sphere_cover import sphere_cover
 from graphdyn import RobotModel
-from graphdyn.excitation import Ball, Clearance, ExcitationProblem, Poses, smallest_distances
+from graphdyn.excitation import Clearance, ExcitationProblem, Poses, Sphere, smallest_distances
 from graphdyn.layout import Array
 
 PAIR_POSES = 1000
 """Random poses in which all pairs are looked at."""
 
 MAX_SPHERE_EXCESS = 0.015
-"""Balls stand out of their link by this part of the length of the arm, at most."""
+"""Spheres stand out of their link by this part of the length of the arm, at most."""
 
 MAX_FORBIDDEN_SHARE = 0.1
-"""Balls that forbid more than this part of the poses in which the meshes are free may overlap."""
+"""Spheres that forbid more than this part of the poses in which the meshes are free may overlap."""
 
 CLEARANCE_STEP = 0.002
-"""[m] By so much more than at a collision of the meshes the balls must be apart in the next search."""
+"""[m] By so much more than at a collision of the meshes the spheres must be apart in the next search."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,7 @@ class SelfCollision:
     meshes: tuple[LinkMesh, ...]
     pairs: tuple[Pair, ...]
     margins: tuple[float, ...]
-    balls: tuple[tuple[Ball, ...], ...]
+    spheres: tuple[tuple[Sphere, ...], ...]
     clearances: Mapping[str, Clearance]
     disabled: tuple[str, ...]
     touching: tuple[str, ...]
@@ -86,7 +87,7 @@ class SelfCollision:
         return tuple(self.name(pair) for pair, margin in both if margin < self.margin)
 
     def hits(self, q: Array) -> tuple[Hit, ...]:
-        """The pairs that collide on the meshes at positions q (N, n_freedoms)."""
+        """The pairs that collide on the meshes at positions q (N, nv)."""
         touching = self._contacts.touching(self.pairs, Poses(self.model, q), self.margins)
         columns = np.flatnonzero(np.any(touching, axis=0)).tolist()
         return tuple(
@@ -98,7 +99,7 @@ class SelfCollision:
         return replace(problem, limits=replace(problem.limits, clearances=tuple(self.clearances.values())))
 
     def tightened(self, q: Array) -> SelfCollision:
-        """Balls of the pairs that collide at q stay farther apart than they are there."""
+        """Spheres of the pairs that collide at q stay farther apart than they are there."""
         poses = Poses(self.model, q)
         touching = self._contacts.touching(self.pairs, poses, self.margins)
         tighter = dict(self.clearances)
@@ -112,7 +113,7 @@ class SelfCollision:
         return f"{self.meshes[pair[0]].link} - {self.meshes[pair[1]].link}"
 
     def _clearance(self, pair: Pair, distance: float) -> Clearance:
-        return Clearance(self.name(pair), self.balls[pair[0]], self.balls[pair[1]], distance)
+        return Clearance(self.name(pair), self.spheres[pair[0]], self.spheres[pair[1]], distance)
 
     @cached_property
     def _contacts(self) -> MeshContacts:
@@ -130,13 +131,13 @@ def self_collision(
     margin: float,
     is_disabled: Callable[[str, str], bool] = lambda one, other: False,
 ) -> SelfCollision:
-    """Which pairs of links are checked, and how near their balls may come to each other."""
+    """Which pairs of links are checked, and how near their spheres may come to each other."""
     all_pairs = [pair for pair in combinations(range(len(meshes)), 2) if not _joined(model, meshes, pair)]
     links = [mesh.link for mesh in meshes]
     disabled = [pair for pair in all_pairs if is_disabled(*(links[k] for k in pair))]
     pairs = [pair for pair in all_pairs if pair not in set(disabled)]
-    balls = tuple(_balls(mesh, MAX_SPHERE_EXCESS * _reach(model, meshes)) for mesh in meshes)
-    start = SelfCollision(model, tuple(meshes), tuple(pairs), (), balls, {}, (), (), missing, margin)
+    spheres = tuple(_spheres(mesh, MAX_SPHERE_EXCESS * _reach(model, meshes)) for mesh in meshes)
+    start = SelfCollision(model, tuple(meshes), tuple(pairs), (), spheres, {}, (), (), missing, margin)
     q, _ = model.random_state(np.random.default_rng(0), PAIR_POSES)
     poses = Poses(model, q)
     touching = start._contacts.touching(pairs, poses, [margin] * len(pairs))
@@ -145,7 +146,7 @@ def self_collision(
     margins = np.full(len(pairs), margin)
     margins[near] = 0.0
     always = np.all(touching, axis=0)
-    watched = [
+    checked_spheres = [
         clearance
         for k, pair in enumerate(pairs)
         if not always[k] and (clearance := _watched(start._clearance(pair, float(margins[k])), poses, touching[:, k]))
@@ -154,14 +155,14 @@ def self_collision(
         start,
         pairs=tuple(pair for k, pair in enumerate(pairs) if not always[k]),
         margins=tuple(margins[~always].tolist()),
-        clearances={clearance.name: clearance for clearance in watched},
+        clearances={clearance.name: clearance for clearance in checked_spheres},
         disabled=tuple(start.name(pair) for pair in disabled),
         touching=tuple(start.name(pair) for k, pair in enumerate(pairs) if always[k]),
     )
 
 
 def _watched(clearance: Clearance, poses: Poses, touching: NDArray[np.bool_]) -> Clearance | None:
-    """With the distance that the search keeps; None where no random pose collides and balls would forbid too many."""
+    """With the distance that the search keeps; None where no random pose collides and spheres would forbid too many."""
     distances = smallest_distances(clearance, poses)
     if np.mean(distances[~touching] < clearance.distance) <= MAX_FORBIDDEN_SHARE:
         return clearance
@@ -176,9 +177,9 @@ def _joined(model: RobotModel, meshes: Sequence[LinkMesh], pair: Collection[int]
     return model.joints[other.body - 1].inside == one.body and other.link == model.body_names[other.body - 1]
 
 
-def _balls(mesh: LinkMesh, excess: float) -> tuple[Ball, ...]:
-    centers, radii = ball_cover(mesh.triangles, excess)
-    return tuple(Ball(mesh.body, center, float(radius)) for center, radius in zip(centers, radii, strict=True))
+def _spheres(mesh: LinkMesh, excess: float) -> tuple[Sphere, ...]:
+    centers, radii = sphere_cover(mesh.triangles, excess)
+    return tuple(Sphere(mesh.body, center, float(radius)) for center, radius in zip(centers, radii, strict=True))
 
 
 def _reach(model: RobotModel, meshes: Sequence[LinkMesh]) -> float:

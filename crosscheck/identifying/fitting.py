@@ -54,7 +54,7 @@ def identified_model(
     """
     torque_model = candidate.of(subject.model)
     named = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
-    estimators = _with_referee(in_loop(named, loop), subject)
+    estimators = _with_pinocchio(in_loop(named, loop), subject)
 
     def say(what: str) -> None:
         progress(f"{candidate.name}: {what}" if candidate.name else what)
@@ -142,13 +142,15 @@ def _fitted_to(estimators: Sequence[Estimator], recording: Recording) -> list[Es
     ]
 
 
-def _with_referee(estimators: Sequence[Estimator], robot: Subject) -> list[Estimator]:
+def _with_pinocchio(estimators: Sequence[Estimator], robot: Subject) -> list[Estimator]:
     """The estimators; those on Pinocchio's regressor use its own reading of the file, if it can read it."""
-    wanting = [estimator for estimator in estimators if isinstance(estimator, WithPinocchio) and not estimator.referee]
+    wanting = [
+        estimator for estimator in estimators if isinstance(estimator, WithPinocchio) and not estimator.pinocchio
+    ]
     if not wanting or robot.file is None:
         return list(estimators)
     try:
-        referee = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.reading)
+        pinocchio = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.reading)
     except PinocchioRefuses:  # Pinocchio's model is then built from ours, as `graphdyn crosscheck` reports
         return list(estimators)
-    return [replace(estimator, referee=referee) if estimator in wanting else estimator for estimator in estimators]
+    return [replace(estimator, pinocchio=pinocchio) if estimator in wanting else estimator for estimator in estimators]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from typing import Unpack
 
-from crosscheck.identifying.data_quality.data_quality import health
+from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.fitting import identified_model
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.methods.loop_methods import as_prepared
@@ -69,12 +69,12 @@ def identify(
     first = candidates[0].of(compared.model)
     loop = as_prepared(loop, preparation, recordings[0])
 
-    say("health")
+    say("data_quality")
     recordings = [_of_robot(recording, compared.model.independent_joints) for recording in recordings]
     held_out = held_out or LastPart()
     others = [_of_robot(recording, compared.model.independent_joints) for recording in _other_recordings(held_out)]
-    found_health = health(first, recordings, preparation)
-    health_of_others = tuple(health(first, [recording], preparation) for recording in others)
+    found_quality = data_quality(first, recordings, preparation)
+    quality_of_others = tuple(data_quality(first, [recording], preparation) for recording in others)
     say("filter")
     prepared = [preparation.differentiated(recording) for recording in recordings]
     ahead = tuple(preparation.differentiated(recording) for recording in others)
@@ -91,8 +91,8 @@ def identify(
         preparation=preparation,
         others=tuple(further),
         constant=constant_errors(compared.model, preparation, division),
-        health=found_health,
-        validation_health=health_of_others,
+        data_quality=found_quality,
+        validation_data_quality=quality_of_others,
     )
 
 

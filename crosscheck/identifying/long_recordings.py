@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.identifying.data_quality.data_quality import health
+from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
 from crosscheck.identifying.methods.methods import method_named
@@ -129,8 +129,8 @@ def identify_long(
         preparation=preparation,
         others=tuple(further),
         constant=constant,
-        health=health(first, begun, preparation),
-        validation_health=() if validate is None else (health(first, begun_ahead, preparation),),
+        data_quality=data_quality(first, begun, preparation),
+        validation_data_quality=() if validate is None else (data_quality(first, begun_ahead, preparation),),
     )
 
 
@@ -210,7 +210,7 @@ def _excerpt(data: PartitionedRecording, begun: list[Recording], preparation: Pr
     """The beginnings, prepared; the provenance is that of the whole."""
     found = concatenated([preparation.differentiated(recording) for recording in begun])
     source = found.provenance
-    steps = (*source.steps, f"health and curves from the first {len(found.t)} rows")
+    steps = (*source.steps, f"data quality and curves from the first {len(found.t)} rows")
     whole = Provenance(tuple(str(log.log.path) for log in data.logs), data.logs[0].mapping.source, steps)
     return replace(found, provenance=whole, file=np.zeros(len(found.t), dtype=np.intp))
 

@@ -1,1 +1,1 @@
-"""Diagnosis of foreign code: experiments on it, and faults put into graphdyn until the numbers match."""
+"""Diagnosis of user code: experiments on it, and faults put into graphdyn until the numbers match."""

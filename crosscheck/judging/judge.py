@@ -1,4 +1,4 @@
-"""crosscheck.judge: foreign functions against graphdyn, Pinocchio and, where installed, MuJoCo."""
+"""crosscheck.judge: functions under test against graphdyn, Pinocchio and, where installed, MuJoCo."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from threadpoolctl import threadpool_limits
 
 from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
 from crosscheck.judging.observing.conventions import check_declared
-from crosscheck.judging.observing.function_under_test import BatchFunction, ForeignFunction, joint_order
+from crosscheck.judging.observing.function_under_test import BatchFunction, FunctionUnderTest, joint_order
 from crosscheck.judging.observing.references import References
-from crosscheck.judging.setting import TOLERANCES, Foreign, JudgedKeywords, Precision, Setting
+from crosscheck.judging.setting import TOLERANCES, JudgedKeywords, Precision, Setting, TestedFunction
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.explaining import diagnoses_of
@@ -47,13 +47,14 @@ def judge(
     progress: Progress | None = None,
     **functions: Unpack[JudgedKeywords],
 ) -> Judgment:
-    """Compare foreign functions with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with them.
+    """Compare functions under test with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with
+    them.
 
     functions: by the names in docs/judge.md, which lists arguments and answers: inverse_dynamics=f with f(q, v, a) → τ.
         One state per call, arrays of shape (n,) [rad or m, …/s, …/s², N m or N]. No friction. Besides them, for names
         and paths, keywords that say how the robot is read, as in urdf.load
     robot: name (urdf.robots), path of a URDF, or RobotModel
-    joint_names: the order of the foreign arrays; default: that of urdf.load
+    joint_names: the order of the function's arrays; default: that of urdf.load
     samples: random states within the limits, to which a few with whole turns are added
     precision: in which the functions compute; "single" means a tolerance of 1e-5 in place of 1e-9
     tolerance: largest relative error that counts as agreement, on the scale of each function; default: by precision
@@ -64,7 +65,7 @@ def judge(
         last argument: force, moment on each body at its link origin, in link axes (n, 6) [N, N m]
     batched: functions take all states at once, arrays (N, n), and answer (N, …)
 
-    Raises InvalidInput for invalid arguments, ForeignFailure where a foreign function raises or returns the wrong
+    Raises InvalidInput for invalid arguments, FunctionFailure where a function under test raises or returns the wrong
     shape at every state, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics where
     the torques do not determine the accelerations.
     """
@@ -88,7 +89,9 @@ def judge(
     return judge_functions(given, setting, progress)
 
 
-def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Progress | None = None) -> Judgment:
+def judge_functions(
+    given: Mapping[str, TestedFunction], setting: Setting, progress: Progress | None = None
+) -> Judgment:
     """As judge. given: functions by name. Raises InvalidInput for names that are none of FUNCTIONS."""
     _check(given, setting)
     check_counts(setting.samples, setting.seed)
@@ -123,7 +126,7 @@ def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Pr
         for name, f in given.items():
             say(f"judging {name}")
             known = FUNCTIONS[name]
-            function = ForeignFunction(known, f, order, setting.batched, setting.external_wrenches)
+            function = FunctionUnderTest(known, f, order, setting.batched, setting.external_wrenches)
             against = references if LOADS in known.arguments else loaded if known.ours.takes_loads else unloaded
             answers = function.ask(*known.arguments_at(against.states))
             declared = {x: way for x, way in setting.conventions.items() if x in known.conventions}
@@ -141,7 +144,7 @@ def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Pr
         samples=setting.samples,
         seed=setting.seed,
         reading=judged_robot.reading,
-        referees=tuple(dict.fromkeys(referee for verdict in verdicts.values() for referee in verdict.errors)),
+        references=tuple(dict.fromkeys(reference for verdict in verdicts.values() for reference in verdict.errors)),
         functions=verdicts,
         diagnoses=merged(diagnoses),
         notes=(),
@@ -151,7 +154,7 @@ def judge_functions(given: Mapping[str, Foreign], setting: Setting, progress: Pr
         beyond_limits=setting.beyond_limits,
     )
     if not judgment.decided:
-        notes.append("the reference implementations disagree: no verdict on the foreign code; please report this robot")
+        notes.append("the reference implementations disagree: no verdict on the user code; please report this robot")
     return replace(judgment, notes=tuple(dict.fromkeys(notes)))
 
 
@@ -167,7 +170,7 @@ def _references(states: JudgedStates, notes: list[str]) -> References:
         return References(states, mujoco=False)
 
 
-def _check(given: Mapping[str, Foreign], setting: Setting) -> None:
+def _check(given: Mapping[str, TestedFunction], setting: Setting) -> None:
     if not given:
         raise InvalidInput(f"no function to judge; give at least one of {', '.join(FUNCTIONS)}")
     for name, function in given.items():

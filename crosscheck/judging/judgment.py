@@ -19,10 +19,11 @@ UNCOUPLED = "joints that others drive are judged as if they were independent"
 
 @dataclass(frozen=True)
 class WorstCall:
-    """The state at which a foreign function is farthest from graphdyn, with both answers, so that it can be reproduced.
+    """The state at which a function under test is farthest from graphdyn, with both answers, so that it can be
+    reproduced.
 
     arguments: what the function was called with, by name, in its own joint order
-    expected, answer: flattened values of graphdyn and of the foreign function, both in the model's joint order
+    expected, answer: flattened values of graphdyn and of the function under test, both in the model's joint order
     """
 
     arguments: Mapping[str, tuple[float, ...]]
@@ -38,7 +39,7 @@ def largest_errors(errors: Mapping[str, Array], backward_errors: Mapping[str, Ar
 
 @dataclass(frozen=True)
 class FailedState:
-    """A state at which a foreign function gave no answer.
+    """A state at which a function under test gave no answer.
 
     number: of the state, from 0; message: what the function did, with the arguments
     """
@@ -49,15 +50,16 @@ class FailedState:
 
 @dataclass(frozen=True, eq=False)
 class JudgedFunction:
-    """One foreign function against every reference implementation ("referee").
+    """One function under test against every reference implementation ("reference").
 
     name: one of those in docs/judge.md
-    errors: relative error per answered state (N,) against each referee: "graphdyn", "pinocchio", "mujoco"
-    referees_differ: relative error per state (N,) of each other referee against graphdyn
+    errors: relative error per answered state (N,) against each reference: "graphdyn", "pinocchio", "mujoco"
+    references_differ: relative error per state (N,) of each other reference against graphdyn
     bound: of all errors; scale: what they are relative to, in words
-    backward_errors: of accelerations, per referee: its torques at the answered accelerations against the given torques
+    backward_errors: of accelerations, per reference: its torques at the answered accelerations against the given
+        torques
         (N,); empty for other functions
-    referees_differ_backward: the same of the accelerations of each other referee, by graphdyn's torques
+    references_differ_backward: the same of the accelerations of each other reference, by graphdyn's torques
     backward_scale: what backward errors are relative to, in words
     repeated: relative difference per answered state (N,) of a second answer to the same question, asked in the reverse
         order; a function that keeps nothing between calls has zeros
@@ -68,12 +70,12 @@ class JudgedFunction:
 
     name: str
     errors: Mapping[str, Array]
-    referees_differ: Mapping[str, Array]
+    references_differ: Mapping[str, Array]
     bound: float
     scale: str
     worst: WorstCall
     backward_errors: Mapping[str, Array] = field(default_factory=dict)
-    referees_differ_backward: Mapping[str, Array] = field(default_factory=dict)
+    references_differ_backward: Mapping[str, Array] = field(default_factory=dict)
     backward_scale: str = ""
     repeated: Array = field(default_factory=lambda: np.zeros(1))
     conventions: Mapping[str, str] = field(default_factory=dict)
@@ -82,7 +84,7 @@ class JudgedFunction:
 
     @property
     def agrees(self) -> bool:
-        """Whether it agrees with every referee, forward and backward, and with itself when asked again.
+        """Whether it agrees with every reference, forward and backward, and with itself when asked again.
 
         NaN is not agreement, nor is a missing answer.
         """
@@ -90,7 +92,7 @@ class JudgedFunction:
 
     @property
     def right_where_answered(self) -> bool:
-        """Whether the answers that there are agree with every referee, forward and backward."""
+        """Whether the answers that there are agree with every reference, forward and backward."""
         return self.within(self.errors) and self.within(self.backward_errors)
 
     @property
@@ -99,9 +101,9 @@ class JudgedFunction:
         return self.within({"again": self.repeated})
 
     @property
-    def referees_agree(self) -> bool:
-        """Whether the referees agree with one another; only then is there a verdict."""
-        return self.within(self.referees_differ) and self.within(self.referees_differ_backward)
+    def references_agree(self) -> bool:
+        """Whether the references agree with one another; only then is there a verdict."""
+        return self.within(self.references_differ) and self.within(self.references_differ_backward)
 
     @property
     def largest_errors(self) -> Array:
@@ -109,11 +111,11 @@ class JudgedFunction:
         return largest_errors(self.errors, self.backward_errors)
 
     def within(self, errors: Mapping[str, Array]) -> bool:
-        """Whether errors per referee are within the bound at all states."""
+        """Whether errors per reference are within the bound at all states."""
         return all(bool((error <= self.bound).all()) for error in errors.values())
 
 
-Standing = Literal["holds", "candidate", "part", "located", "unknown"]
+DiagnosisStatus = Literal["holds", "candidate", "part", "located", "unknown"]
 """holds: put into graphdyn, the fault gives the function's numbers at all states, up to the function's own precision;
 candidate: it does, and so do others that change as many numbers; part: it explains some of the deviation; located: it
 says where the deviation is, not why; unknown: no explanation."""
@@ -121,7 +123,7 @@ says where the deviation is, not why; unknown: no explanation."""
 
 @dataclass(frozen=True)
 class FittedNumber:
-    """A number of the robot as the foreign code must have it.
+    """A number of the robot as the user code must have it.
 
     name: such as m, c_x, I_xx (about the center of mass), or the joint that it belongs to
     theirs: what the function must have; ours: what the robot has, NaN where there is none, such as a limit
@@ -141,7 +143,7 @@ class FittedNumber:
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is wrong with a foreign function, and the experiment that shows it.
+    """What is wrong with a function under test, and the experiment that shows it.
 
     function: the functions that show it
     kind: one of the table in docs/judge.md, or unknown
@@ -150,7 +152,7 @@ class Diagnosis:
     remedy: what to do about it
     explains: largest relative error that is left, at all judged states and in all experiments, after putting this fault
         and those named with it into graphdyn; NaN where there is no explanation
-    standing: holds: put into graphdyn, the fault gives the function's numbers at all judged states, up to its own
+    status: holds: put into graphdyn, the fault gives the function's numbers at all judged states, up to its own
         precision; candidate: it does, and so do others that are as simple; part: it explains some of the deviation;
         located: where the deviation is, not why; unknown: no explanation
     also: other faults that give the same numbers at all states tried
@@ -164,7 +166,7 @@ class Diagnosis:
     evidence: str
     remedy: str
     explains: float
-    standing: Standing = "holds"
+    status: DiagnosisStatus = "holds"
     also: tuple[str, ...] = ()
     apart: str = ""
     numbers: tuple[FittedNumber, ...] = ()
@@ -172,7 +174,7 @@ class Diagnosis:
 
 @dataclass(frozen=True, eq=False)
 class Judgment(OfReading):
-    """The verdict on foreign functions for one robot.
+    """The verdict on functions under test for one robot.
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
     joint_names: the order in which the functions take and return joint quantities
@@ -183,8 +185,8 @@ class Judgment(OfReading):
     reading: how the file was read; frame: of the functions that belong to one
     precision: in which the functions are said to compute; external_wrenches: whether they were called with them
     beyond_limits: whether states outside the limits were added
-    referees: "graphdyn", "pinocchio", and "mujoco" where it is installed and can represent the robot
-    notes: what the reader must know (a referee that cannot represent the robot, …)
+    references: "graphdyn", "pinocchio", and "mujoco" where it is installed and can represent the robot
+    notes: what the reader must know (a reference that cannot represent the robot, …)
     """
 
     robot: str
@@ -194,7 +196,7 @@ class Judgment(OfReading):
     samples: int
     seed: int
     reading: Reading
-    referees: tuple[str, ...]
+    references: tuple[str, ...]
     functions: Mapping[str, JudgedFunction]
     diagnoses: tuple[Diagnosis, ...]
     notes: tuple[str, ...]
@@ -205,13 +207,13 @@ class Judgment(OfReading):
 
     @property
     def agrees(self) -> bool:
-        """Whether every function agrees with every referee."""
+        """Whether every function agrees with every reference."""
         return all(function.agrees for function in self.functions.values())
 
     @property
     def decided(self) -> bool:
-        """Whether the referees agree with one another on every function."""
-        return all(function.referees_agree for function in self.functions.values())
+        """Whether the references agree with one another on every function."""
+        return all(function.references_agree for function in self.functions.values())
 
     @property
     def verdict(self) -> Literal["agrees", "DISAGREES", "UNDECIDED"]:

@@ -9,16 +9,16 @@ from typing import Literal, TypedDict
 from numpy.typing import ArrayLike
 
 from crosscheck.judging.observing.function_under_test import BatchFunction
-from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE, Tolerance
+from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE, Tolerance
 from crosscheck.reference.subject import Robot
 from urdf import Reading, ReadingKeywords
 from urdf.reading import AS_IT_STANDS
 
-Foreign = Callable[..., ArrayLike] | BatchFunction
-"""A function of one state: arrays of shape (n,) in the order of joint_names; or foreign code that is given batches."""
+TestedFunction = Callable[..., ArrayLike] | BatchFunction
+"""A function of one state: arrays of shape (n,) in the order of joint_names; or user code that is given batches."""
 
 Precision = Literal["double", "single"]
-TOLERANCES: Mapping[Precision, Tolerance] = {"double": FOREIGN, "single": FOREIGN_SINGLE}
+TOLERANCES: Mapping[Precision, Tolerance] = {"double": FUNCTION_UNDER_TEST, "single": FUNCTION_UNDER_TEST_SINGLE}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,46 +47,46 @@ class Setting:
 class FunctionsUnderTest(TypedDict, total=False):
     """The functions that crosscheck.judge takes as keywords; docs/judge.md lists arguments and answers."""
 
-    inverse_dynamics: Foreign | None
-    forward_dynamics: Foreign | None
-    bias_torque: Foreign | None
-    gravity_torque: Foreign | None
-    static_torque: Foreign | None
-    power: Foreign | None
-    joint_wrenches: Foreign | None
-    multipliers: Foreign | None
-    mass_matrix: Foreign | None
-    mass_matrix_inverse: Foreign | None
-    coriolis_matrix: Foreign | None
-    frame_placement: Foreign | None
-    frame_jacobian: Foreign | None
-    frame_jacobian_derivative: Foreign | None
-    frame_velocity: Foreign | None
-    frame_acceleration: Foreign | None
-    center_of_mass: Foreign | None
-    center_of_mass_velocity: Foreign | None
-    center_of_mass_jacobian: Foreign | None
-    momentum: Foreign | None
-    centroidal_map: Foreign | None
-    kinetic_energy: Foreign | None
-    potential_energy: Foreign | None
-    dtau_dq: Foreign | None
-    dtau_dv: Foreign | None
-    da_dq: Foreign | None
-    da_dv: Foreign | None
-    dmultipliers_dq: Foreign | None
-    dmultipliers_dv: Foreign | None
-    dmultipliers_da: Foreign | None
-    dwrenches_dq: Foreign | None
-    dwrenches_dv: Foreign | None
-    dwrenches_da: Foreign | None
-    joint_torque_regressor: Foreign | None
-    base_regressor: Foreign | None
-    momentum_regressor: Foreign | None
-    kinetic_energy_regressor: Foreign | None
-    potential_energy_regressor: Foreign | None
-    forward_dynamics_parameter_derivatives: Foreign | None
-    body_regressor: Foreign | None
+    inverse_dynamics: TestedFunction | None
+    forward_dynamics: TestedFunction | None
+    bias_torque: TestedFunction | None
+    gravity_torque: TestedFunction | None
+    static_torque: TestedFunction | None
+    power: TestedFunction | None
+    joint_wrenches: TestedFunction | None
+    multipliers: TestedFunction | None
+    mass_matrix: TestedFunction | None
+    mass_matrix_inverse: TestedFunction | None
+    coriolis_matrix: TestedFunction | None
+    frame_placement: TestedFunction | None
+    frame_jacobian: TestedFunction | None
+    frame_jacobian_derivative: TestedFunction | None
+    frame_velocity: TestedFunction | None
+    frame_acceleration: TestedFunction | None
+    center_of_mass: TestedFunction | None
+    center_of_mass_velocity: TestedFunction | None
+    center_of_mass_jacobian: TestedFunction | None
+    momentum: TestedFunction | None
+    centroidal_map: TestedFunction | None
+    kinetic_energy: TestedFunction | None
+    potential_energy: TestedFunction | None
+    dtau_dq: TestedFunction | None
+    dtau_dv: TestedFunction | None
+    da_dq: TestedFunction | None
+    da_dv: TestedFunction | None
+    dmultipliers_dq: TestedFunction | None
+    dmultipliers_dv: TestedFunction | None
+    dmultipliers_da: TestedFunction | None
+    dwrenches_dq: TestedFunction | None
+    dwrenches_dv: TestedFunction | None
+    dwrenches_da: TestedFunction | None
+    joint_torque_regressor: TestedFunction | None
+    base_regressor: TestedFunction | None
+    momentum_regressor: TestedFunction | None
+    kinetic_energy_regressor: TestedFunction | None
+    potential_energy_regressor: TestedFunction | None
+    forward_dynamics_parameter_derivatives: TestedFunction | None
+    body_regressor: TestedFunction | None
 
 
 class JudgedKeywords(FunctionsUnderTest, ReadingKeywords, total=False):

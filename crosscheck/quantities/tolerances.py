@@ -48,12 +48,12 @@ IDENTIFICATION = Tolerance(
     "two least-squares solutions differ by eps cond(W) ‖x‖ (columns of unit length); factor 10 for the size; "
     "measured below 1e-15",
 )
-FOREIGN = Tolerance(
+FUNCTION_UNDER_TEST = Tolerance(
     1e-9,
-    "foreign codes sum in other orders and invert matrices; a hundredth of single precision, a million times double; "
+    "other codes sum in other orders and invert matrices; a hundredth of single precision, a million times double; "
     "the faults looked for change results by 1e-6 and more",
 )
-FOREIGN_SINGLE = Tolerance(
+FUNCTION_UNDER_TEST_SINGLE = Tolerance(
     1e-5,
     "graphdyn's recursions, every operation in single precision, err by up to 2.3e-6, derivatives of accelerations by "
     "the parameters by 7e-6; measured on 55 robots, all but a five-bar linkage cut open, whose errors reach 4e-5",

@@ -38,7 +38,7 @@ def multipliers_of(model: RobotModel, rotation: NDArray[Any], wrenches: NDArray[
 
 @dataclass(frozen=True, eq=False)
 class CarriedValues:
-    """Pinocchio's values for a robot on a carriage: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
+    """Pinocchio's values for a robot on a moving base: τ (N, n), wrenches data.f (N, n, 6), and a (N, n) of given τ."""
 
     tau: Array
     joint_wrenches: Array

@@ -60,13 +60,13 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     if worst is None or calls is None:
         return None
     text = "\n".join(calls)
-    referee, loaded = "there" in text, isinstance(quantity, TabulatedQuantity) and quantity.form.loaded
+    pinocchio, loaded = "there" in text, isinstance(quantity, TabulatedQuantity) and quantity.form.loaded
     coupled = not COUPLED.keys().isdisjoint(comparison.quantities)
     looped = not LOOPED.keys().isdisjoint(comparison.quantities)
     lines = ["import numpy as np", "", "import graphdyn"]
     lines += ["import urdf"] if comparison.file else []
     lines += [f"from {module} import {names}" for module, names, used in _IMPORTS if used in text]
-    lines += ["from urdf.document import locate"] if referee and worst.route == "urdf" else []
+    lines += ["from urdf.document import locate"] if pinocchio and worst.route == "urdf" else []
     lines += [
         "",
         *_robot(
@@ -76,13 +76,13 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
             only=".uncoupled" * coupled + ".opened" * looped,
         ),
     ]
-    lines += [f"referee = PinocchioModel.{_referee(comparison, worst.route)}"] if referee else []
-    lines += _surroundings(worst, comparison.model, referee)
+    lines += [f"reference = PinocchioModel.{_pinocchio(comparison, worst.route)}"] if pinocchio else []
+    lines += _surroundings(worst, comparison.model, pinocchio)
     lines += _numbers(worst, quantity.solves, loaded)
     given = "*(np.array([x]) for x in (q, v, a, tau))"
     lines += [
-        f"there = PinocchioAnswers(referee, model, {given}{', np.array([external_wrenches])' * loaded})"
-    ] * referee
+        f"there = PinocchioAnswers(reference, model, {given}{', np.array([external_wrenches])' * loaded})"
+    ] * pinocchio
     ours, theirs = calls
     return "\n".join([*lines, "", f"ours = {ours}", f"theirs = {theirs}", _SHOWN]) + "\n"
 
@@ -97,7 +97,7 @@ _IMPORTS = (
 
 
 def worst_call(judgment: Judgment, function: JudgedFunction) -> str:
-    """graphdyn's answer at the worst call, beside the recorded answer of the foreign function.
+    """graphdyn's answer at the worst call, beside the recorded answer of the function under test.
 
     Where a RobotModel was judged, the reader must put it into `model` first.
     """
@@ -107,7 +107,7 @@ def worst_call(judgment: Judgment, function: JudgedFunction) -> str:
     reordered = judgment.joint_names != model.joint_names
     if reordered:
         lines += [
-            f"names = {list(judgment.joint_names)!r}  # the order of the foreign function",
+            f"names = {list(judgment.joint_names)!r}  # the order of the function under test",
             "order = [names.index(name) for name in model.joint_names]",
         ]
     for name, values in function.worst.arguments.items():
@@ -117,7 +117,7 @@ def worst_call(judgment: Judgment, function: JudgedFunction) -> str:
     if LOADS in code and LOADS not in function.worst.arguments:
         lines.append(f"{LOADS} = None")
     lines += [
-        f"answer = {_array(function.worst.answer)}  # of the foreign function, in the order of the model",
+        f"answer = {_array(function.worst.answer)}  # of the function under test, in the order of the model",
         "",
         f"expected = np.ravel({code})" if function.code else f"expected = {code}",
         "print(expected, answer, np.abs(expected - answer).max(), sep='\\n')",
@@ -154,7 +154,7 @@ def _reading(reading: Reading) -> list[str]:
     return [f"{name}={_URDF.sub('urdf.', repr(value))}" for name, value in values.items()]
 
 
-def _referee(comparison: Comparison, route: str) -> str:
+def _pinocchio(comparison: Comparison, route: str) -> str:
     if route == "model":
         return "from_model(model)"
     options = ", ".join(_reading(comparison.reading))
@@ -162,14 +162,14 @@ def _referee(comparison: Comparison, route: str) -> str:
     return f"from_urdf(locate({_origin(comparison)!r})[0], model{reading})"
 
 
-def _surroundings(worst: WorstState, model: RobotModel, referee: bool) -> list[str]:
+def _surroundings(worst: WorstState, model: RobotModel, pinocchio: bool) -> list[str]:
     """Base and gravity of the case, where they are not the robot's own."""
     if np.array_equal(worst.turn, np.eye(3)) and np.array_equal(worst.gravity, model.gravity):
         return []
     return [
         f"turn = graphdyn.Placement({_rows(worst.turn)})",
         f"model = model.with_base(turn @ model.base).with_gravity({list(worst.gravity)})",
-        *(["referee = referee.turned(turn, model.gravity)"] if referee else []),
+        *(["reference = reference.turned(turn, model.gravity)"] if pinocchio else []),
     ]
 
 

@@ -14,7 +14,7 @@ from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.method_names import shown_name
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.runs import Record, known_model, simulated
-from crosscheck.study.validation import Yardstick, yardstick
+from crosscheck.study.validation import ValidationMetric, validation_metric
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import Estimate, one_thread, plausibility
 
@@ -37,7 +37,7 @@ class Result:
     rank: base parameters that the recording determines
     simulations: of the loop, in all iterations
     base, sigma: values of the base parameters of the scenario, and their standard deviations as the method states them
-    parameter_error, torque_error, trajectory_error: as in yardsticks
+    parameter_error, torque_error, trajectory_error: as in validation metrics
     consistent: whether every body can be real
     """
 
@@ -93,7 +93,7 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
             record = simulated(study, task.scenario, task.run)
             if not record.problem.equations.n_columns:  # which are read once, before any method is timed
                 raise InvalidInput("it shows no parameter: the robot stands still")
-            measure = yardstick(study.robot, study.seed, known_model(study, task.scenario))
+            measure = validation_metric(study.robot, study.seed, known_model(study, task.scenario))
         except Exception as failure:
             return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
         found = [_identified(method, record, task.scenario, measure) for method in task.methods]
@@ -101,7 +101,9 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
     return StudyOutcome(results, seconds, time.process_time() - begin)
 
 
-def _identified(method: str, record: Record, scenario: Scenario, measure: Yardstick) -> tuple[Result, float | None]:
+def _identified(
+    method: str, record: Record, scenario: Scenario, measure: ValidationMetric
+) -> tuple[Result, float | None]:
     """What a method finds, or why it does not."""
     estimator = estimator_of(method)
     blank = Result(shown_name(method), measures(estimator), rank=record.problem.base.rank)
@@ -118,7 +120,7 @@ def _identified(method: str, record: Record, scenario: Scenario, measure: Yardst
     return result, time.process_time() - begin if seconds is None else seconds
 
 
-def _judged(blank: Result, estimate: Estimate, record: Record, measure: Yardstick) -> Result:
+def _judged(blank: Result, estimate: Estimate, record: Record, measure: ValidationMetric) -> Result:
     """Raises whatever an answer that is none leads to."""
     x = np.asarray(estimate.parameters, dtype=float)
     if x.shape != record.truth.shape or not np.all(np.isfinite(x)):
@@ -138,7 +140,7 @@ def _judged(blank: Result, estimate: Estimate, record: Record, measure: Yardstic
     )
 
 
-def _sigma(estimate: Estimate, record: Record, measure: Yardstick) -> tuple[float, ...] | None:
+def _sigma(estimate: Estimate, record: Record, measure: ValidationMetric) -> tuple[float, ...] | None:
     """Standard deviations, with correlation in time where the method states them. None where it states none, and where
     the recording determines fewer base parameters than any motion could: its own are other ones then.
     """

@@ -33,7 +33,7 @@ HELD_OUT_SCENARIO = 2**32 - 1
 
 
 @dataclass(frozen=True, eq=False)
-class Yardstick:
+class ValidationMetric:
     """The held-out motion of a torque model.
 
     base: what any motion could determine, b parameters
@@ -73,7 +73,7 @@ class Yardstick:
 
 
 @lru_cache(maxsize=8)
-def yardstick(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> Yardstick:
+def validation_metric(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> ValidationMetric:
     """seed: of the study. Raises InvalidInput where the controller does not hold the robot."""
     plant = plant_of(settings)
     laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, VALIDATION_SECONDS)
@@ -88,7 +88,7 @@ def yardstick(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> 
     followed = _followed(plant, laws, plant.model.inertial_parameters, plant.friction, plant.rotors)
     if not np.all(np.isfinite(followed)):
         raise InvalidInput("the controller does not hold the robot on the held-out motion; give other gains")
-    return Yardstick(plant, torque_model, laws, base, truth, regressor, torque, followed)
+    return ValidationMetric(plant, torque_model, laws, base, truth, regressor, torque, followed)
 
 
 def _followed(

@@ -34,10 +34,10 @@ class LoadedMotion:
     """A motion at N times, and its loads.
 
     time: increasing                                        (N,)           [s]
-    q: of the independent joints                            (N, n_freedoms)  [rad or m]
+    q: of the independent joints                            (N, nv)  [rad or m]
     joint_wrenches: of the inside body on body j, at O_j, in link axes of j   (N, n, 6)  [N, N m]
-    tau: of the rigid bodies, from these joint wrenches      (N, n_freedoms)  [N m or N]
-    recorded_tau: as recorded, None where it was not        (N, n_freedoms)  [N m or N]
+    tau: of the rigid bodies, from these joint wrenches      (N, nv)  [N m or N]
+    recorded_tau: as recorded, None where it was not        (N, nv)  [N m or N]
     """
 
     time: Array
@@ -61,7 +61,7 @@ class Figure:
     """A robot on the stage, under a name.
 
     motion: None where it only stands; notes: on the motion
-    start: where it stands without a motion (n_freedoms,), standing_position if None [rad or m]
+    start: where it stands without a motion (nv,), standing_position if None [rad or m]
     """
 
     name: str
@@ -72,23 +72,23 @@ class Figure:
 
     @property
     def first(self) -> Array:
-        """q (n_freedoms,) before anything is moved [rad or m]."""
+        """q (nv,) before anything is moved [rad or m]."""
         if self.motion is not None:
             return np.asarray(self.motion.q[0])
         return standing_position(self.robot.model) if self.start is None else self.start
 
 
 def standing_position(model: RobotModel) -> Array:
-    """q (n_freedoms,) of a robot without a motion: zero, or the nearest position within limits; loops are closed.
+    """q (nv,) of a robot without a motion: zero, or the nearest position within limits; loops are closed.
 
     Raises InconsistentState where no pose closes them.
     """
     if model.chords:
         return model.closed_pose
-    limits = [model.joints[k].limits for k in model.freedoms.independent]
+    limits = [model.joints[k].limits for k in model.degrees_of_freedom.independent]
     lower = [-np.inf if limit.lower is None else limit.lower for limit in limits]
     upper = [np.inf if limit.upper is None else limit.upper for limit in limits]
-    return np.clip(np.zeros(model.n_freedoms), lower, upper)
+    return np.clip(np.zeros(model.nv), lower, upper)
 
 
 def inertia_ellipsoid(body: Body) -> tuple[Array, Array] | None:

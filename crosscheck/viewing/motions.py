@@ -52,7 +52,7 @@ def planned_motion(model: RobotModel, course: FiniteMotion) -> tuple[LoadedMotio
 def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tuple[LoadedMotion, tuple[str, ...]]:
     """A robot with loops at rest, as a motion of one instant, and notes on it.
 
-    position: q (n_freedoms,) that closes the loops; the model's closed pose if None [rad or m]
+    position: q (nv,) that closes the loops; the model's closed pose if None [rad or m]
 
     Raises InconsistentState where no pose closes the loops.
     """
@@ -96,7 +96,7 @@ def _told(time: Array, rows: NDArray[np.intp]) -> str:
 
 
 def _along_axes(model: RobotModel, wrenches: Array) -> Array:
-    """Torques (…, n_freedoms) of the joint wrenches (…, n, 6) in link axes, in which the joint axes stand still."""
+    """Torques (…, nv) of the joint wrenches (…, n, 6) in link axes, in which the joint axes stand still."""
     parts = [wrenches[..., j, LINEAR if joint.is_prismatic else ANGULAR] for j, joint in enumerate(model.joints)]
     along = [part @ joint.axis for part, joint in zip(parts, model.joints, strict=True)]
-    return np.asarray(np.stack(along, axis=-1) @ model.freedoms.matrix)
+    return np.asarray(np.stack(along, axis=-1) @ model.degrees_of_freedom.matrix)

@@ -74,16 +74,16 @@ def _figure(figure: Figure, robot: int, store: NumberStore) -> dict[str, Any]:
 
 
 def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
-    model, freedoms = robot.model, robot.model.freedoms
+    model, degrees_of_freedom = robot.model, robot.model.degrees_of_freedom
     return {
         "base": {"name": model.base_name, **_placement(model.base)},
         "gravity": model.gravity.tolist(),
         "joints": [_joint(joint) for joint in model.joints],
         "bodies": [_body(body) for body in model.bodies],
         "chords": [_chord(chord) for chord in model.chords],
-        "independent": list(freedoms.independent),
-        "matrix": freedoms.matrix.tolist(),
-        "offset": freedoms.offset.tolist(),
+        "independent": list(degrees_of_freedom.independent),
+        "matrix": degrees_of_freedom.matrix.tolist(),
+        "offset": degrees_of_freedom.offset.tolist(),
         "shapes": [_shape(shape, store) for shape in robot.shapes],
     }
 

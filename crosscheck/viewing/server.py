@@ -107,7 +107,7 @@ class PageServer(ThreadingHTTPServer):
     def _let_go(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:
         """The motion from rest under gravity and the file's friction, without torques, for some seconds."""
         seconds = min(float(asked["seconds"]), MAX_DURATION)
-        rest = np.zeros(model.n_freedoms)
+        rest = np.zeros(model.nv)
         return simulated_motion(simulate(model, q, rest, seconds, method="rk4", step=SIMULATION_STEP, friction="model"))
 
     def _pose(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:

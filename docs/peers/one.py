@@ -35,7 +35,7 @@ def judged(peer, robot):
     else:
         judgment = crosscheck.judge(robot, **functions)
         row |= {"agrees": bool(judgment.agrees), "errors": _errors(judgment)}
-        keys = ("function", "kind", "standing", "message")
+        keys = ("function", "kind", "status", "message")
         row["diagnoses"] = [{key: getattr(diagnosis, key) for key in keys} for diagnosis in judgment.diagnoses]
     if not row["agrees"]:
         row["undone"], row["errors_undone"] = _undone(peer, robot, file, model)
@@ -71,7 +71,7 @@ def _alone(peer, robot, file, model, causes):
             messages[cause] = [f"{type(error).__name__}: {' '.join(str(error).split())}"]
             continue
         diagnoses = crosscheck.judge(robot, **functions).diagnoses
-        messages[cause] = [f"{x.function}: {x.standing}: {x.message}" for x in diagnoses]
+        messages[cause] = [f"{x.function}: {x.status}: {x.message}" for x in diagnoses]
     return messages
 
 

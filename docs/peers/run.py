@@ -83,7 +83,7 @@ def _line(row, installed):
         lines = [f"{start}does not read the file: {row['refusal']}"]
     else:
         lines = [f"{start}does not agree, error up to {max(row['errors'].values()):.0e}"]
-        lines += [f"    {x['function']}: {x['standing']}: {x['message']}" for x in row["diagnoses"]]
+        lines += [f"    {x['function']}: {x['status']}: {x['message']}" for x in row["diagnoses"]]
     if row["undone"] is None:
         return "\n".join([*lines, "    no set of causes undone makes it agree"])
     for cause, messages in row["alone"].items():

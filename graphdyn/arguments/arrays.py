@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.errors import InvalidInput
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.robot_model import RobotModel, check_model
 
 FLOAT = np.dtype(float)
@@ -32,12 +32,12 @@ def joint_arrays(
     has the wrong trailing shape, does not broadcast with the others, or contains NaN or infinity.
     """
     check_model(model)
-    n = model.n_freedoms
+    n = model.nv
     if base is None and not check and _are_plain(arguments.values(), n):
         return arguments  # type: ignore[return-value]
     arrays, leading = {}, {}
     for name, value in arguments.items():
-        trailing = (model.n_bodies, BODY_FREEDOMS) if name == "external_wrenches" else (n,)
+        trailing = (model.n_bodies, BODY_DOF) if name == "external_wrenches" else (n,)
         absent = name == "external_wrenches" and value is None
         array = np.zeros(trailing) if absent else as_floats(name, value)
         if array.shape[-len(trailing) :] != trailing:
@@ -64,7 +64,7 @@ def joint_arrays(
 
 def with_wrenches(model: RobotModel, x: Mapping[str, Array]) -> dict[str, Array]:
     """The arguments of joint_arrays, with external wrenches (…, n, 6), which are zero where none were given."""
-    return {"external_wrenches": np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_FREEDOMS)), **x}
+    return {"external_wrenches": np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_DOF)), **x}
 
 
 def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:

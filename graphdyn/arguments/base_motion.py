@@ -21,9 +21,10 @@ _TRAILING = {"rotation": (3, 3), "translation": (3,), "velocity": (6,), "acceler
 
 @dataclass(frozen=True, eq=False)
 class BaseMotion:
-    """How the carriage of a robot moves; the ground frame stands on it at `model.base`. Leading dimensions broadcast.
+    """How the moving base of a robot moves; the ground frame stands on it at `model.base`. Leading dimensions
+    broadcast.
 
-    rotation, translation: placement of the carriage in the world       (…, 3, 3), (…, 3)  [m]
+    rotation, translation: placement of the moving base in the world       (…, 3, 3), (…, 3)  [m]
     velocity: ṗ of its origin, then ω, world axes                       (…, 6)             [m/s, rad/s]
     acceleration: p̈ of its origin, then ω̇, world axes                   (…, 6)             [m/s², rad/s²]
 
@@ -99,15 +100,15 @@ class Ground:
 
 
 def ground(model: RobotModel, base: BaseMotion | None, batch: tuple[int, ...] = ()) -> Ground:
-    """The ground frame of a robot on a carriage, at rest without one. Arrays have the leading dimensions batch."""
+    """The ground frame of a robot on a moving base, at rest without one. Arrays have the leading dimensions batch."""
     base = base or AT_REST
-    carriage = Ground(
+    base_motion = Ground(
         np.broadcast_to(base.translation, (*batch, 3)),
         np.broadcast_to(base.rotation, (*batch, 3, 3)),
         np.broadcast_to(base.velocity, (*batch, 6)),
         np.broadcast_to(base.acceleration, (*batch, 6)),
     )
-    moved = carriage.at(model.base.translation)
+    moved = base_motion.at(model.base.translation)
     return Ground(moved.position, moved.rotation @ model.base.rotation, moved.velocity, moved.acceleration)
 
 

@@ -78,10 +78,10 @@ def evaluate(
     if count == 0:
         return Evaluation(arrays, NO_ROWS)
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
-    watched = run(model, request, inputs, rows, options.threads)
-    if options.check and isnan(watched["finite"]):
+    guarded = run(model, request, inputs, rows, options.threads)
+    if options.check and isnan(guarded["finite"]):
         refuse_non_finite(model, x)
-    suspicious = watched.get("minimum", np.inf) < MIN_PIVOT_SHARE
+    suspicious = guarded.get("minimum", np.inf) < MIN_PIVOT_SHARE
     return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else NO_ROWS)
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.layout import Array
-from graphdyn.scalars.expressions import Program, Watch, operands
+from graphdyn.scalars.expressions import Guard, Program, operands
 
 BLOCK_SAMPLES = 2048
 """Samples at a time, at most: a few hundred live values of 16 kB each fit into the second-level cache."""
@@ -32,7 +32,7 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
 }
 
 
-Run = Callable[[int, int], dict[Watch, float]]
+Run = Callable[[int, int], dict[Guard, float]]
 """run(first, last) fills rows first … last - 1 of the outputs and returns what was watched."""
 
 
@@ -51,10 +51,10 @@ class Interpreter:
     def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run:
         """The program on arrays (N, width). Non-finite input gives NaN in its own row only."""
 
-        def run(first: int, last: int) -> dict[Watch, float]:
+        def run(first: int, last: int) -> dict[Guard, float]:
             size = self._block_size
             seen = [self._block(start, min(start + size, last), inputs, outputs) for start in range(first, last, size)]
-            return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in self._program.watches}
+            return {kind: merged(kind, [guards[kind] for guards in seen]) for kind in self._program.guards}
 
         return run
 
@@ -64,7 +64,7 @@ class Interpreter:
 
     def _block(
         self, first: int, last: int, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
-    ) -> dict[Watch, float]:
+    ) -> dict[Guard, float]:
         values: list[Any] = [None] * len(self._program.operations)
         # columns one after the other in memory, as every operation reads whole columns
         rows = {name: np.ascontiguousarray(inputs[name][first:last].T) for name in self._program.inputs}
@@ -82,17 +82,17 @@ class Interpreter:
             for column, number in enumerate(numbers):
                 outputs[name][first:last, column] = values[number]
         return {
-            kind: merged(kind, [_watched(kind, values[k]) for k in numbers])
-            for kind, numbers in self._program.watches.items()
+            kind: merged(kind, [_guarded(kind, values[k]) for k in numbers])
+            for kind, numbers in self._program.guards.items()
         }
 
 
-def merged(kind: Watch, values: list[float]) -> float:
+def merged(kind: Guard, values: list[float]) -> float:
     """What several watches have seen together."""
     return min(values, default=np.inf) if kind == "minimum" else sum(values, 0.0)
 
 
-def _watched(kind: Watch, values: Array) -> float:
+def _guarded(kind: Guard, values: Array) -> float:
     with np.errstate(invalid="ignore", over="ignore"):
         if kind == "minimum":
             return float(np.fmin.reduce(np.atleast_1d(values), initial=np.inf))
@@ -101,7 +101,7 @@ def _watched(kind: Watch, values: Array) -> float:
 
 def _last_uses(program: Program) -> list[list[int]]:
     """Per operation, the values that are not needed after it."""
-    kept = {k for numbers in (*program.outputs.values(), *program.watches.values()) for k in numbers}
+    kept = {k for numbers in (*program.outputs.values(), *program.guards.values()) for k in numbers}
     last: dict[int, int] = {}
     for number, operation in enumerate(program.operations):
         for k in operands(operation):

@@ -16,10 +16,10 @@ import numpy as np
 from graphdyn.compiler.interpreter import Run, merged
 from graphdyn.compiler.llvm.emitter import emit, scratch
 from graphdyn.compiler.llvm.memory import aligned, places
-from graphdyn.compiler.llvm.vector_code import FINITE_CHECK_STARTS, WATCH_KINDS
+from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, GUARD_STARTS
 from graphdyn.compiler.rolled.rolled_code import LongProgram, emit_long, long_scratch
 from graphdyn.layout import Array
-from graphdyn.scalars.expressions import Program, Watch
+from graphdyn.scalars.expressions import Guard, Program
 
 MAX_CACHED_RESULT_BYTES = 1 << 20
 """Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
@@ -69,12 +69,12 @@ class CompiledProgram:
         arrays = self._arrays(inputs, outputs)
         bypass = sum(outputs[name].nbytes for name in self._program.outputs) > MAX_CACHED_RESULT_BYTES
 
-        def run(first: int, last: int) -> dict[Watch, float]:
+        def run(first: int, last: int) -> dict[Guard, float]:
             if last - first < self.lanes:
                 return self._short(first, last, inputs, outputs)
-            watched = watch_memory(self.lanes)
-            self._batch(first, last, bypass, self._table_of(arrays, watched))
-            return watches(self._program, watched)
+            guarded = guard_memory(self.lanes)
+            self._batch(first, last, bypass, self._table_of(arrays, guarded))
+            return guards(self._program, guarded)
 
         return run
 
@@ -83,11 +83,11 @@ class CompiledProgram:
 
         Not for several threads at once.
         """
-        return RowCall(self._single, self._table_of(self._arrays(inputs, outputs), watch_memory(self.lanes)), self)
+        return RowCall(self._single, self._table_of(self._arrays(inputs, outputs), guard_memory(self.lanes)), self)
 
-    def _table_of(self, arrays: list[Array], watched: Array) -> Any:
+    def _table_of(self, arrays: list[Array], guarded: Array) -> Any:
         """What the code reads, with scratch of its own. It keeps alive whatever it leads to."""
-        found, owned = places([self._own_scratch(), *arrays, watched])
+        found, owned = places([self._own_scratch(), *arrays, guarded])
         table = self._table(*found)
         table.owned = owned  # type: ignore[attr-defined]
         return table
@@ -104,31 +104,31 @@ class CompiledProgram:
 
     def _short(
         self, first: int, last: int, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
-    ) -> dict[Watch, float]:
+    ) -> dict[Guard, float]:
         """Fewer rows than lanes: the missing ones repeat the last."""
         rows = np.minimum(np.arange(first, first + self.lanes), last - 1)
         copies = {name: inputs[name][rows] for name in self._program.inputs}
         results = {name: np.empty((self.lanes, len(numbers))) for name, numbers in self._program.outputs.items()}
-        watched = self.bind(copies, results)(0, self.lanes)
+        guarded = self.bind(copies, results)(0, self.lanes)
         for name, result in results.items():
             outputs[name][first:last] = result[: last - first]
-        return watched
+        return guarded
 
 
-def watch_memory(lanes: int) -> Array:
+def guard_memory(lanes: int) -> Array:
     """Where compiled code watches, before it has seen anything."""
-    return _watch_starts(lanes).copy()
+    return _guard_starts(lanes).copy()
 
 
 @cache
-def _watch_starts(lanes: int) -> Array:
-    return np.repeat(np.array(FINITE_CHECK_STARTS)[:, None], lanes, axis=1)
+def _guard_starts(lanes: int) -> Array:
+    return np.repeat(np.array(GUARD_STARTS)[:, None], lanes, axis=1)
 
 
-def watches(program: Program | LongProgram, watched: Array) -> dict[Watch, float]:
+def guards(program: Program | LongProgram, guarded: Array) -> dict[Guard, float]:
     """What compiled code has seen, all lanes together."""
-    rows = watched.tolist()
-    return {kind: merged(kind, rows[WATCH_KINDS.index(kind)]) for kind in program.watches}
+    rows = guarded.tolist()
+    return {kind: merged(kind, rows[GUARD_KINDS.index(kind)]) for kind in program.guards}
 
 
 class MachineCode:

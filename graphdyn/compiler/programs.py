@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.arguments.choices import FrameChoice
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.robot_model import RobotModel, total_mass
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.recursions.declarations import ArraySpec
@@ -29,7 +29,7 @@ from graphdyn.recursions.mechanism.reductions import regrouped, slid, turned
 from graphdyn.recursions.motion import Root
 from graphdyn.recursions.regressors import joint_torque_regressor
 from graphdyn.scalars.differentiation import gradient, substituted
-from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Expression, Program, Recorder, Watch
+from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Expression, Guard, Program, Recorder
 from graphdyn.scalars.vectors import Scalars, scalars, zeros
 
 
@@ -122,18 +122,20 @@ def record(model: RobotModel, request: Request) -> Program:
     outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
     if "coupling_multipliers" in recursion.outputs:
         needed = outputs["tau"] if model.couplings else sample.zeros
-        outputs["coupling_multipliers"] = list(scalars(model.freedoms.reactions) @ np.array(needed, dtype=object))
+        outputs["coupling_multipliers"] = list(
+            scalars(model.degrees_of_freedom.reactions) @ np.array(needed, dtype=object)
+        )
         outputs.setdefault("chord_multipliers", [])
     if model.couplings:
-        outputs = sample.of_freedoms(outputs, shapes={} if compute is recursion.coupled else ARRAY_SPECS)
-    watches: dict[Watch, list[Any]] = {"squares": sample.turning}
+        outputs = sample.of_degrees_of_freedom(outputs, shapes={} if compute is recursion.coupled else ARRAY_SPECS)
+    guards: dict[Guard, list[Any]] = {"squares": sample.turning}
     if "pivots" in outputs:
         scales = [1.0] * len(outputs["pivots"]) if compute is recursion.closed else pivot_scales(model)
         outputs["pivots"] = [d * (1.0 / size) for d, size in zip(outputs["pivots"], scales, strict=True)]
-        watches["minimum"] = outputs["pivots"]
+        guards["minimum"] = outputs["pivots"]
     wanted = {name: outputs[name] for name in request.outputs}
-    watches["finite"] = sufficient(sample.recorder, sample.given, [x for columns in wanted.values() for x in columns])
-    return sample.recorder.program(wanted, watches)
+    guards["finite"] = sufficient(sample.recorder, sample.given, [x for columns in wanted.values() for x in columns])
+    return sample.recorder.program(wanted, guards)
 
 
 def record_equations(
@@ -152,8 +154,8 @@ def record_equations(
     equations: list[Any] = []
     for j, further in enumerate(extra.reshape(sample.n, n_extra)):
         equations += [x * weights[j] for x in (*matrix[j, used[j]], *further, tau[j])]
-    watches: dict[Watch, list[Any]] = {"finite": sample.given, "squares": sample.turning}
-    return sample.recorder.program({MULTIPLIED_COLUMNS: equations}, watches), used
+    guards: dict[Guard, list[Any]] = {"finite": sample.given, "squares": sample.turning}
+    return sample.recorder.program({MULTIPLIED_COLUMNS: equations}, guards), used
 
 
 def record_regressor_gradient(model: RobotModel, columns: Sequence[int]) -> Program:
@@ -173,7 +175,7 @@ def _chosen_columns(model: RobotModel, columns: Sequence[int]) -> tuple[Sample, 
     sample = Sample(model, Request("joint_torque_regressor", ("joint_torque_regressor",)))
     matrix = joint_torque_regressor(sample.links, sample.root, sample.q, sample.of_joints("v"), sample.of_joints("a"))
     if model.couplings:
-        flat = sample.of_freedoms({"joint_torque_regressor": list(matrix.ravel())}, ARRAY_SPECS)[
+        flat = sample.of_degrees_of_freedom({"joint_torque_regressor": list(matrix.ravel())}, ARRAY_SPECS)[
             "joint_torque_regressor"
         ]
         matrix = np.array(flat, dtype=object).reshape(ARRAY_SPECS["joint_torque_regressor"].shape_for(model))
@@ -189,7 +191,7 @@ class Sample:
         self.links: tuple[Link, ...] = reduced_links(model) if self.joints_only else links(model)
         self.recorder = Recorder()
         self.given: list[Any] = []
-        self.n, self.freedoms = model.n_freedoms, model.freedoms
+        self.n, self.degrees_of_freedom = model.nv, model.degrees_of_freedom
         self.zeros = [0.0] * model.n_bodies
         self._held = dict[Expression, Any]()
         self.q = self.of_joints("q")
@@ -200,8 +202,8 @@ class Sample:
             self.frame = fixed_frame(model, self.links, request.frame)
         self.external: list[Wrench] | None = None
         if request.external:
-            columns = np.array(self.input("external_wrenches", model.n_bodies * BODY_FREEDOMS), dtype=object)
-            self.external = in_joint_axes(self.links, columns.reshape(-1, BODY_FREEDOMS))
+            columns = np.array(self.input("external_wrenches", model.n_bodies * BODY_DOF), dtype=object)
+            self.external = in_joint_axes(self.links, columns.reshape(-1, BODY_DOF))
 
     @property
     def mass(self) -> float:
@@ -219,18 +221,20 @@ class Sample:
         columns = self.input(name)
         if not self.model.couplings or name == "tau":
             return columns
-        offset = self.freedoms.offset if name == "q" else np.zeros(len(self.links))
-        values = scalars(self.freedoms.matrix) @ np.array(columns, dtype=object) + scalars(offset)
+        offset = self.degrees_of_freedom.offset if name == "q" else np.zeros(len(self.links))
+        values = scalars(self.degrees_of_freedom.matrix) @ np.array(columns, dtype=object) + scalars(offset)
         places = self.recorder.placeholders(name, len(self.links))
         self._held.update(zip(places, values, strict=True))
         return list(places)
 
-    def of_freedoms(self, outputs: Mapping[str, list[Any]], shapes: Mapping[str, ArraySpec]) -> dict[str, list[Any]]:
+    def of_degrees_of_freedom(
+        self, outputs: Mapping[str, list[Any]], shapes: Mapping[str, ArraySpec]
+    ) -> dict[str, list[Any]]:
         """The outputs with the joints where their couplings hold them, projected where their shapes are given."""
         free = dict(outputs)
         for name in (name for name in outputs if name in shapes and "n" in shapes[name].shape):
             whole = np.array(outputs[name], dtype=object).reshape(shapes[name].shape_for(self.model.uncoupled))
-            free[name] = list(projected(whole, shapes[name].shape, self.freedoms).ravel())
+            free[name] = list(projected(whole, shapes[name].shape, self.degrees_of_freedom).ravel())
         return {name: substituted(results, self._held) for name, results in free.items()}
 
     def input(self, name: str, width: int | None = None) -> list[Any]:
@@ -277,7 +281,7 @@ def fixed_root(model: RobotModel) -> Root:
 
 
 def pivot_scales(model: RobotModel) -> Array:
-    """Per free joint, more than the inertia about it can be in any pose (n_freedoms,): the stretched arm [kg m² or kg].
+    """Per free joint, more than the inertia about it can be in any pose (nv,): the stretched arm [kg m² or kg].
 
     A pivot of the elimination far below says that the mass matrix may be singular. Slides count as one meter.
     """
@@ -296,6 +300,6 @@ def pivot_scales(model: RobotModel) -> Array:
         turning = masses[outside] * (far + centers[outside]) ** 2 + tensors[outside]
         scales[j] = (masses[outside] if joint.is_prismatic else turning).sum()
     if model.couplings:  # (Σ K s)² ≤ (Σ |K|) Σ |K| s², of joints that move together
-        share = np.abs(model.freedoms.matrix)
+        share = np.abs(model.degrees_of_freedom.matrix)
         scales = (share.sum(axis=0) * share).T @ scales
     return np.where(scales > 0, scales, 1.0)

@@ -24,7 +24,7 @@ from graphdyn.compiler.rolled.rolling import is_long, record_long
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.scalars.expressions import Program, Watch
+from graphdyn.scalars.expressions import Guard, Program
 
 T = TypeVar("T")
 
@@ -78,7 +78,7 @@ def run(
     inputs: Mapping[str, Array],
     outputs: Mapping[str, Array],
     threads: int | None = None,
-) -> dict[Watch, float]:
+) -> dict[Guard, float]:
     """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what was watched.
 
     The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first reduced by
@@ -86,13 +86,13 @@ def run(
     """
     ready = prepared(model, request)
     count = len(inputs["q"])
-    watches = _in_parallel(ready, inputs, outputs, count, threads)
-    if beyond_reduction(model, inputs["q"], watches):
+    guards = _in_parallel(ready, inputs, outputs, count, threads)
+    if beyond_reduction(model, inputs["q"], guards):
         return _in_parallel(ready, {**inputs, "q": turned_back(model, inputs["q"])}, outputs, count, threads)
-    return watches
+    return guards
 
 
-def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Watch, float]) -> bool:
+def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Guard, float]) -> bool:
     """Whether an angle is beyond FARTHEST. What was seen of all, the sum of squares, mostly denies it."""
     if seen.get("squares", 0.0) <= MAX_ANGLE**2:
         return False
@@ -173,7 +173,7 @@ def _backend(program: Program | LongProgram, choice: str, one_row: bool = False)
 
 def _in_parallel(
     ready: Prepared, inputs: Mapping[str, Array], outputs: Mapping[str, Array], count: int, threads: int | None
-) -> dict[Watch, float]:
+) -> dict[Guard, float]:
     bound = ready.backend.bind(inputs, outputs)
     work = count * ready.program.arithmetic // WORTH_A_THREAD
     if work < 2 or threads == 1:
@@ -182,7 +182,7 @@ def _in_parallel(
     parts = min(threads, work)
     ends = [count * part // parts for part in range(parts + 1)]
     seen = in_threads(bound, list(pairwise(ends)), threads)
-    return {kind: merged(kind, [watches[kind] for watches in seen]) for kind in ready.program.watches}
+    return {kind: merged(kind, [guards[kind] for guards in seen]) for kind in ready.program.guards}
 
 
 def in_threads(work: Callable[[int, int], T], ranges: Sequence[tuple[int, int]], threads: int | None) -> list[T]:

@@ -60,10 +60,12 @@ def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
     )
     v, tau = sample.of_joints("v"), sample.input("tau")
     if model.couplings:
-        found = driven(bodies, sample.root, model.freedoms, sample.q, v, tau, sample.external, drives=drives)
+        found = driven(bodies, sample.root, model.degrees_of_freedom, sample.q, v, tau, sample.external, drives=drives)
     else:
         found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives=drives)
-    return sample.recorder.program(sample.of_freedoms({name: found[name] for name in ("a", "required")}, {}), {})
+    return sample.recorder.program(
+        sample.of_degrees_of_freedom({name: found[name] for name in ("a", "required")}, {}), {}
+    )
 
 
 def record_law(model: RobotModel, law: Law) -> Program:
@@ -73,17 +75,17 @@ def record_law(model: RobotModel, law: Law) -> Program:
     "computed_torque": the inverse dynamics of a_d + K_p (q_d - q) + K_d (v_d - v)
     """
     sample = Sample(model, Request("inverse_dynamics", ("tau",)))
-    n, v, freedoms = sample.n, sample.of_joints("v"), model.freedoms if model.couplings else None
+    n, v, degrees_of_freedom = sample.n, sample.of_joints("v"), model.degrees_of_freedom if model.couplings else None
     reference, gains = sample.input("reference", 3 * n), sample.input("gains", 2 * n)
     wanted = [
         reference[2 * n + j] + gains[j] * (reference[j] - sample.q[k]) + gains[n + j] * (reference[n + j] - v[k])
-        for j, k in enumerate(model.freedoms.independent)
+        for j, k in enumerate(model.degrees_of_freedom.independent)
     ]
     if law == "computed_torque":
-        a = everywhere(np.array(wanted, dtype=object), freedoms)
+        a = everywhere(np.array(wanted, dtype=object), degrees_of_freedom)
         tau = np.array(inverse_dynamics(sample.links, sample.root, sample.q, v, a)["tau"], dtype=object)
-        wanted = list(projected(tau, ("n",), freedoms))
-    return sample.recorder.program(sample.of_freedoms({"tau": wanted}, {}), {})
+        wanted = list(projected(tau, ("n",), degrees_of_freedom))
+    return sample.recorder.program(sample.of_degrees_of_freedom({"tau": wanted}, {}), {})
 
 
 def in_joint_axes(model: RobotModel, parameters: Array) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from graphdyn.arguments.base_motion import BaseMotion, ground
 from graphdyn.equations.kinematics import MaximalState, null_space, state_on
 from graphdyn.equations.projected import Arguments, inertial_terms, rooted_state
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array
+from graphdyn.layout import ANGULAR, BODY_DOF, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel, total_mass
 from graphdyn.model.spatial import cross
 
@@ -68,7 +68,7 @@ def _mean(model: RobotModel, of_bodies: Array) -> Array:
 
 def _per_unit_rate(state: MaximalState) -> Array:
     """(freedom, …, body, 6): the body velocities that a unit velocity of each joint gives."""
-    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_FREEDOMS, state.model.n_freedoms)
+    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_DOF, state.model.nv)
     return np.moveaxis(columns, -1, 0)
 
 

@@ -28,8 +28,8 @@ def derivatives(
     function: Specification, model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool, name: str
 ) -> Mapping[str, Array]:
     """∂/∂x[name] of all that a specification answers, by name: (…, *answer, n), a column per joint."""
-    steps = 1j * COMPLEX_STEP_SIZE * np.eye(model.n_freedoms)
-    count = max(1, model.n_freedoms * x[name][..., 0].size // STATES_PER_CALL)
+    steps = 1j * COMPLEX_STEP_SIZE * np.eye(model.nv)
+    count = max(1, model.nv * x[name][..., 0].size // STATES_PER_CALL)
     found = [function(model, _moved(x, name, some), base, dense) for some in np.array_split(steps, count)]
     return {
         answer: np.moveaxis(np.concatenate([part[answer].imag for part in found]), 0, -1) / COMPLEX_STEP_SIZE
@@ -61,10 +61,10 @@ def inverse_dynamics_second_derivatives(
     slide or a velocity: a parabola, whose slope is the central difference.
     """
     if model.couplings:
-        joints = {name: x[name] @ model.freedoms.matrix.T for name in "va"}
+        joints = {name: x[name] @ model.degrees_of_freedom.matrix.T for name in "va"}
         joints |= {"q": model.joint_positions(x["q"]), "external_wrenches": x["external_wrenches"]}
         found = inverse_dynamics_second_derivatives(model.uncoupled, joints, base, dense)
-        k = model.freedoms.matrix
+        k = model.degrees_of_freedom.matrix
         return {name: np.einsum("...ijk,ia,jb,kc->...abc", part, k, k, k) for name, part in found.items()}
 
     def slopes(name: str, j: int, rule: tuple[Array, Array], of: str) -> list[Array]:

@@ -32,7 +32,7 @@ def frame_jacobian(
     on_path = model.graph.path_matrix()[:, seen.body - 1] if seen.body else np.zeros(model.n_bodies)
     rows = [seen.axes @ np.swapaxes(column * on_path[:, None], -1, -2) for column in columns]
     jacobian = np.concatenate(rows, axis=-2)
-    return {"frame_jacobian": jacobian @ model.freedoms.matrix if model.couplings else jacobian}
+    return {"frame_jacobian": jacobian @ model.degrees_of_freedom.matrix if model.couplings else jacobian}
 
 
 def frame_velocity(

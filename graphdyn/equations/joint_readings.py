@@ -19,7 +19,7 @@ Far above rounding (1e-15 m for an arm of some meters), far below what a misplac
 
 
 def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
-    """q, v (…, n_freedoms) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
+    """q, v (…, nv) of a maximal state. Angles come back in (-π, π]: full turns leave no trace in R.
 
     The motion of the base is that of the state.
     Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
@@ -60,7 +60,7 @@ def read_joints(state: MaximalState) -> tuple[Array, Array]:
             q[..., k] = np.arctan2((turn @ t_1) @ t_2, (turn @ t_1) @ t_1)
             v[..., k] = _dot(vertices.angular_velocity[..., j, :] - vertices.angular_velocity[..., i, :], axis)
     _refuse_uncoupled(model, q, v)
-    independent = list(model.freedoms.independent)
+    independent = list(model.degrees_of_freedom.independent)
     return q[..., independent], v[..., independent]
 
 
@@ -68,7 +68,7 @@ def _refuse_uncoupled(model: RobotModel, q: Array, v: Array) -> None:
     """Raise InconsistentState where driven joints are not where, or not as fast as, their couplings want (…, n)."""
     if not model.couplings:
         return
-    rows, offsets = model.freedoms.rows, np.array([coupling.offset for coupling in model.couplings])
+    rows, offsets = model.degrees_of_freedom.rows, np.array([coupling.offset for coupling in model.couplings])
     driven = [model.joints[model.joint_names.index(coupling.joint)] for coupling in model.couplings]
     gap = q @ rows.T - offsets
     turns = 2 * np.pi * np.array([not joint.is_prismatic for joint in driven])
@@ -84,7 +84,7 @@ def _refuse_uncoupled(model: RobotModel, q: Array, v: Array) -> None:
 
 
 def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
-    """a (…, n_freedoms): joint accelerations of a maximal state that carries body accelerations [rad/s² or m/s²].
+    """a (…, nv): joint accelerations of a maximal state that carries body accelerations [rad/s² or m/s²].
 
     The acceleration of each body relative to its inside body, along the joint axis.
 
@@ -99,7 +99,7 @@ def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
 
 
 def project_accelerations(state: MaximalState, acceleration: Array, bias: Array) -> Array:
-    """a (…, n_freedoms) from body accelerations (…, n, 6) and Ṅ v (…, n, 6): relative ones along the joint axes."""
+    """a (…, nv) from body accelerations (…, n, 6) and Ṅ v (…, n, 6): relative ones along the joint axes."""
     model = state.model
     relative = acceleration - bias  # = N a
     axes, origins, vertices = joint_axes(state), link_origins(state), state.vertices
@@ -117,7 +117,7 @@ def project_accelerations(state: MaximalState, acceleration: Array, bias: Array)
         else:
             difference = angular[..., j, :] - angular[..., i, :]
         a[..., k] = _dot(difference, axes[..., k, :])
-    return a[..., list(model.freedoms.independent)] if model.couplings else a
+    return a[..., list(model.degrees_of_freedom.independent)] if model.couplings else a
 
 
 def _dot(a: Array, b: Array) -> Array:

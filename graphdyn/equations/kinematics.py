@@ -107,14 +107,14 @@ def maximal_state(
 ) -> MaximalState:
     """Positions, orientations and twists of all bodies, and with a their accelerations.
 
-    q, v, a: joint positions, velocities, accelerations     (…, n_freedoms)  [rad or m, …/s, …/s²]
+    q, v, a: joint positions, velocities, accelerations     (…, nv)  [rad or m, …/s, …/s²]
     A missing v stands for zero; without a the state has no acceleration. The methods "projected" and "dense" are the
     same here.
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
     """
     check_model(model)
-    rest = np.zeros(model.n_freedoms)
+    rest = np.zeros(model.nv)
     x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
     if is_recursive(method, x):
         return _recursive_state(model, x, a is not None, base, Options(threads, check=False))
@@ -125,7 +125,7 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
     """maximal_state on a ground that is where it is: q, v, a and the ground's arrays have the same leading shape."""
     batch, n = q.shape[:-1], model.n_bodies
     if model.couplings:
-        to_joints = model.freedoms.matrix.T
+        to_joints = model.degrees_of_freedom.matrix.T
         q, v, a = model.joint_positions(q), v @ to_joints, None if a is None else a @ to_joints
     number = np.result_type(q, v, *(() if a is None else (a,)))  # complex for graphdyn.equations.complex_steps
     rotation = np.empty((*batch, n + 1, 3, 3), dtype=number)
@@ -229,7 +229,7 @@ def frame_placement(
 
 
 def null_space(state: MaximalState) -> Array:
-    """N (…, 6n, n_freedoms) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
+    """N (…, 6n, nv) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
     model = state.model
     axes, origins = joint_axes(state), link_origins(state)
     on_path = model.graph.path_matrix()
@@ -240,7 +240,7 @@ def null_space(state: MaximalState) -> Array:
     angular = np.where(revolute, np.einsum("...iba,...kb->...ika", state.rotation, axes), 0.0)
     columns = np.concatenate([linear, angular], axis=-1) * on_path.T[:, :, None]  # (…, body, joint, 6)
     n = stacked_rows(np.swapaxes(columns, -1, -2))
-    return n @ model.freedoms.matrix if model.couplings else n
+    return n @ model.degrees_of_freedom.matrix if model.couplings else n
 
 
 def joint_axes(state: MaximalState) -> Array:

@@ -26,7 +26,7 @@ from graphdyn.equations.system.unconstrained import (
     passive_terms,
 )
 from graphdyn.errors import SingularMassMatrix, in_row
-from graphdyn.layout import BODY_FREEDOMS, Array, per_body, per_joint, stacked
+from graphdyn.layout import BODY_DOF, Array, per_body, per_joint, stacked
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply, solve
 
@@ -62,7 +62,7 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     return {
         "a": a,
         **_reactions(state, accelerations, multipliers, wrenches),
-        "coupling_multipliers": transmitted @ model.freedoms.reactions.T,
+        "coupling_multipliers": transmitted @ model.degrees_of_freedom.reactions.T,
     }
 
 
@@ -74,19 +74,19 @@ def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     required = inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
     if dense:
         phi_q, _ = constraints(state)
-        actuators = actuator_terms(state)[..., list(model.freedoms.independent)]
+        actuators = actuator_terms(state)[..., list(model.degrees_of_freedom.independent)]
         transposed = (np.swapaxes(rows, -1, -2) for rows in (phi_q, coupling_rows(state)))
         unknowns = solve(np.concatenate([actuators, *(-columns for columns in transposed)], axis=-1), stacked(required))
         tau, joint_multipliers, coupling_multipliers = np.split(
-            unknowns, [model.n_freedoms, model.n_freedoms + phi_q.shape[-2]], axis=-1
+            unknowns, [model.nv, model.nv + phi_q.shape[-2]], axis=-1
         )
         multipliers = per_joint(joint_multipliers)
         wrenches = join_reactions(state, multipliers, _at_all_joints(model, tau, coupling_multipliers))
     else:
         wrenches = transmitted_wrenches(state, required)
         multipliers, transmitted = split_reactions(state, wrenches)
-        tau = transmitted @ model.freedoms.matrix if model.couplings else transmitted
-        coupling_multipliers = transmitted @ model.freedoms.reactions.T
+        tau = transmitted @ model.degrees_of_freedom.matrix if model.couplings else transmitted
+        coupling_multipliers = transmitted @ model.degrees_of_freedom.reactions.T
     reactions = _reactions(state, accelerations, multipliers, wrenches)
     return {"tau": tau, **reactions, "coupling_multipliers": coupling_multipliers}
 
@@ -95,8 +95,8 @@ def _at_all_joints(model: RobotModel, tau: Array, coupling_multipliers: Array) -
     """Torques of actuators and couplings at all joints (…, n)."""
     if not model.couplings:
         return tau
-    torques = coupling_multipliers @ model.freedoms.rows
-    torques[..., list(model.freedoms.independent)] += tau
+    torques = coupling_multipliers @ model.degrees_of_freedom.rows
+    torques[..., list(model.degrees_of_freedom.independent)] += tau
     return torques
 
 
@@ -189,7 +189,7 @@ def inertial_terms(state: MaximalState, accelerations: Array) -> Array:
 
 
 def projected_mass(state: MaximalState, n: Array) -> Array:
-    blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, BODY_FREEDOMS, n.shape[-1])
+    blocks = n.reshape(*n.shape[:-2], state.model.n_bodies, BODY_DOF, n.shape[-1])
     mass = np.einsum("...iak,iab,...ibl->...kl", blocks, mass_blocks(state), blocks, optimize=True)
     symmetric: Array = (mass + np.swapaxes(mass, -1, -2)) / 2
     return symmetric

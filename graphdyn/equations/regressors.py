@@ -8,7 +8,7 @@ from graphdyn.arguments.base_motion import BaseMotion, ground, rooted_ground
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import MaximalState, null_space, state_on
 from graphdyn.equations.projected import Arguments
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR, Array
+from graphdyn.layout import ANGULAR, BODY_DOF, BODY_PARAMETERS, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import skew
 
@@ -66,7 +66,7 @@ def _skeleton_state(model: RobotModel, base: BaseMotion | None, x: Arguments) ->
 def _projected_blocks(state: MaximalState, of_bodies: Array) -> Array:
     """(…, n, 10n) of wrenches or momenta per parameter (…, n, 6, 10), at O_j in link axes."""
     model = state.model
-    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_FREEDOMS, model.n_freedoms)
+    columns = null_space(state).reshape(*state.position.shape[:-1], BODY_DOF, model.nv)
     columns[..., LINEAR, :] = np.einsum("...iba,...ibk->...iak", state.rotation, columns[..., LINEAR, :])
     blocks: Array = np.einsum("...iak,...iap->...kip", columns, of_bodies)
     return blocks.reshape(*blocks.shape[:-2], BODY_PARAMETERS * model.n_bodies)
@@ -79,7 +79,7 @@ def _twist(state: MaximalState) -> tuple[Array, Array]:
 
 def _body_momentum_regressor(u: Array, omega: Array) -> Array:
     """(…, n, 6, 10): m u + ω × m c, and m c × u + I ω about O_j, in link axes."""
-    y = np.zeros((*u.shape[:-1], BODY_FREEDOMS, BODY_PARAMETERS))
+    y = np.zeros((*u.shape[:-1], BODY_DOF, BODY_PARAMETERS))
     y[..., LINEAR, 0] = u
     y[..., LINEAR, 1:4] = skew(omega)
     y[..., ANGULAR, 1:4] = -skew(u)

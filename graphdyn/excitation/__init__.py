@@ -4,6 +4,7 @@ The public names are those in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
+from graphdyn.excitation.bounding_spheres import Poses, Sphere, frame_origins
 from graphdyn.excitation.constraints import smallest_distances
 from graphdyn.excitation.information import ConditionNumber, Criterion, log_det, mean_sigma
 from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane
@@ -11,12 +12,10 @@ from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeas
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import FiniteMotion, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
-from graphdyn.excitation.watched_points import Ball, Poses, frame_origins
 
 __all__ = [
     "CHECK_RATE",
     "LIMIT_KINDS",
-    "Ball",
     "Basis",
     "Clearance",
     "ConditionNumber",
@@ -31,6 +30,7 @@ __all__ = [
     "OptimizedMotion",
     "Plane",
     "Poses",
+    "Sphere",
     "SplineBasis",
     "TabulatedCourse",
     "Trajectory",

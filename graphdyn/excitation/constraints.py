@@ -11,9 +11,9 @@ from functools import cache
 
 import numpy as np
 
+from graphdyn.excitation.bounding_spheres import Numbers, Poses, Sphere
 from graphdyn.excitation.limits import Clearance, MotionLimits, Plane
 from graphdyn.excitation.trajectory import JointMotion, Signal
-from graphdyn.excitation.watched_points import Ball, Numbers, Poses
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.derivatives import inverse_dynamics_derivatives
@@ -36,7 +36,7 @@ def clearance_signal(clearance: Clearance, poses: Poses) -> Signal:
         apart = one - other
         length = np.linalg.norm(apart, axis=-1, keepdims=True)
         pull = -weights[:, None] / DISTANCE_SCALE * apart / np.where(length > 0, length, 1.0)
-        ends = [np.full(len(row), balls[0].body) for balls in (clearance.one, clearance.other)]
+        ends = [np.full(len(row), spheres[0].body) for spheres in (clearance.one, clearance.other)]
         return {0: poses.joint_forces(row, ends[0], one, pull) + poses.joint_forces(row, ends[1], other, -pull)}
 
     return Signal("clearance", clearance.name, 1 - (distance - clearance.distance) / DISTANCE_SCALE, slopes)
@@ -78,13 +78,13 @@ def _distances(clearance: Clearance, centers: Array, j: Numbers) -> Array:
 
     The result has the shape (K, spheres).
     """
-    own = np.array([ball.center for ball in clearance.one])
+    own = np.array([sphere.center for sphere in clearance.one])
     square = (centers**2).sum(axis=-1)[:, None] + (own**2).sum(axis=-1) - 2 * centers @ own.T
     return np.asarray(np.sqrt(np.maximum(square, 0.0)) - _radii(clearance.one) - _radii(clearance.other)[j, None])
 
 
-def _radii(balls: Sequence[Ball]) -> Array:
-    return np.array([ball.radius for ball in balls])
+def _radii(spheres: Sequence[Sphere]) -> Array:
+    return np.array([sphere.radius for sphere in spheres])
 
 
 UNBOUNDED_SCALE = 1.0
@@ -94,10 +94,12 @@ NEGLIGIBLE_WEIGHT = 1e-15
 """Weight in a smooth maximum below which a point does not change its slope."""
 
 
-def signals(model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], motion: JointMotion) -> Iterator[Signal]:
+def signals(
+    model: RobotModel, limits: MotionLimits, spheres: Sequence[Sphere], motion: JointMotion
+) -> Iterator[Signal]:
     """Signals of all limits, in a fixed order; the slowest come last."""
     yield from _of_positions(model, limits, motion)
-    matrix = model.freedoms.matrix
+    matrix = model.degrees_of_freedom.matrix
     for order, kind in enumerate(("velocity", "acceleration", "jerk"), start=1):
         largest = getattr(limits, kind)
         for j in np.flatnonzero(np.isfinite(largest)):
@@ -107,7 +109,7 @@ def signals(model: RobotModel, limits: MotionLimits, balls: Sequence[Ball], moti
     yield from _of_torques(model, limits, motion)
     if limits.planes or limits.clearances:
         poses = Poses(model, motion.q)
-        yield from _of_planes(limits, balls, poses)
+        yield from _of_planes(limits, spheres, poses)
         for clearance in limits.clearances:
             yield clearance_signal(clearance, poses)
 
@@ -119,7 +121,7 @@ def _linear(kind: str, name: str, values: Array, order: int, weights: Array) -> 
 
 def _of_positions(model: RobotModel, limits: MotionLimits, motion: JointMotion) -> list[Signal]:
     found = []
-    matrix, offset = model.freedoms.matrix, model.freedoms.offset
+    matrix, offset = model.degrees_of_freedom.matrix, model.degrees_of_freedom.offset
     for j, (lower, upper) in enumerate(zip(limits.lower, limits.upper, strict=True)):
         half = (upper - lower) / 2 if np.isfinite(upper - lower) else UNBOUNDED_SCALE
         position = motion.q @ matrix[j] + offset[j]
@@ -138,7 +140,7 @@ def _of_torques(model: RobotModel, limits: MotionLimits, motion: JointMotion) ->
     if not limited.size:
         return []
     q, v, a = motion[:3]
-    joints = [model.joints[k] for k in model.freedoms.independent]
+    joints = [model.joints[k] for k in model.degrees_of_freedom.independent]
     damping = np.array([joint.damping for joint in joints])
     friction = np.array([joint.friction for joint in joints])
     tau = joint_torques(model, q, v, a, method="recursive") + damping * v
@@ -161,21 +163,21 @@ def _of_torques(model: RobotModel, limits: MotionLimits, motion: JointMotion) ->
     return [signal(int(j)) for j in limited]
 
 
-def _of_planes(limits: MotionLimits, balls: Sequence[Ball], poses: Poses) -> list[Signal]:
+def _of_planes(limits: MotionLimits, spheres: Sequence[Sphere], poses: Poses) -> list[Signal]:
     if not limits.planes:
         return []
-    centers = poses.centers(tuple(balls))
-    radii = np.array([ball.radius for ball in balls])
-    bodies = np.array([ball.body for ball in balls])
+    centers = poses.centers(tuple(spheres))
+    radii = np.array([sphere.radius for sphere in spheres])
+    bodies = np.array([sphere.body for sphere in spheres])
 
     def signal(number: int, plane: Plane) -> Signal:
         normal = np.asarray(plane.normal, dtype=float)
         height = centers @ normal - radii - plane.distance
 
         def slopes(share: Array) -> dict[int, Array]:
-            row, ball = np.nonzero(share > NEGLIGIBLE_WEIGHT)
-            forces = -share[row, ball, None] / UNBOUNDED_SCALE * normal
-            return {0: poses.joint_forces(row, bodies[ball], centers[row, ball], forces)}
+            row, sphere = np.nonzero(share > NEGLIGIBLE_WEIGHT)
+            forces = -share[row, sphere, None] / UNBOUNDED_SCALE * normal
+            return {0: poses.joint_forces(row, bodies[sphere], centers[row, sphere], forces)}
 
         return Signal("plane", f"plane {number}", 1 - height / UNBOUNDED_SCALE, slopes)
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
-from graphdyn.excitation.watched_points import Ball, ball_around
+from graphdyn.excitation.bounding_spheres import Sphere, sphere_around
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -45,22 +45,22 @@ class Clearance:
     """
 
     name: str
-    one: tuple[Ball, ...]
-    other: tuple[Ball, ...]
+    one: tuple[Sphere, ...]
+    other: tuple[Sphere, ...]
     distance: float = 0.0
 
     def __post_init__(self) -> None:
-        bodies = [{ball.body for ball in balls} for balls in (self.one, self.other)]
+        bodies = [{sphere.body for sphere in spheres} for spheres in (self.one, self.other)]
         if any(len(numbers) != 1 for numbers in bodies) or not np.isfinite(self.distance):
             raise InvalidInput(
-                f"the clearance '{self.name}' has balls of the bodies {bodies[0] or '{}'} and {bodies[1] or '{}'} and "
-                f"the distance {self.distance}; give balls of one body each, and a finite distance"
+                f"the clearance '{self.name}' has spheres of the bodies {bodies[0] or '{}'} and {bodies[1] or '{}'} "
+                f"and the distance {self.distance}; give spheres of one body each, and a finite distance"
             )
 
     @cached_property
-    def around(self) -> tuple[Ball, Ball]:
+    def around(self) -> tuple[Sphere, Sphere]:
         """A sphere around all spheres of one, and one around those of the other."""
-        return ball_around(self.one), ball_around(self.other)
+        return sphere_around(self.one), sphere_around(self.other)
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ class MotionLimits:
 
     lower, upper: positions                                  (n,)  [rad or m]
     velocity, acceleration, jerk: largest sizes              (n,)  […/s, …/s², …/s³]
-    torque: largest sizes, of the independent joints         (n_freedoms,)  [N m or N]
+    torque: largest sizes, of the independent joints         (nv,)  [N m or N]
     planes: of the workspace
     clearances: between parts of the robot
     """
@@ -107,8 +107,8 @@ class MotionLimits:
         """
         stated = [joint.limits for joint in model.joints]
         speeds = [share_of(x.velocity, velocity_share) for x in stated]
-        efforts = [share_of(model.joints[k].limits.effort, torque_share) for k in model.freedoms.independent]
-        n, free = model.n_bodies, model.n_freedoms
+        efforts = [share_of(model.joints[k].limits.effort, torque_share) for k in model.degrees_of_freedom.independent]
+        n, free = model.n_bodies, model.nv
         limits = cls(
             _each("lower limit", lower, [-np.inf if x.lower is None else x.lower for x in stated], n),
             _each("upper limit", upper, [np.inf if x.upper is None else x.upper for x in stated], n),

@@ -16,6 +16,7 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.bounding_spheres import Sphere, frame_origins
 from graphdyn.excitation.constraints import DISTANCE_SCALE, signals
 from graphdyn.excitation.information import Criterion, Information, log_det
 from graphdyn.excitation.limits import MotionLimits
@@ -31,7 +32,6 @@ from graphdyn.excitation.trajectory import (
     smooth_slope,
     usage,
 )
-from graphdyn.excitation.watched_points import Ball, frame_origins
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -89,7 +89,7 @@ class ExcitationProblem:
     rate: samples per second of the measurement, with independent errors   [Hz]
     criterion: of the information matrix
     known: information matrix of earlier recordings, zero if left out   (b, b)
-    balls: spheres that stay on the allowed side of the planes; the origins of all frames if left out
+    spheres: spheres that stay on the allowed side of the planes; the origins of all frames if left out
 
     Raises InvalidInput for a noise that is not above zero, or not of this robot, and for a robot with loops.
     """
@@ -101,20 +101,20 @@ class ExcitationProblem:
     rate: float
     criterion: Criterion = log_det
     known: Array | None = None
-    balls: tuple[Ball, ...] | None = None
+    spheres: tuple[Sphere, ...] | None = None
 
     def __post_init__(self) -> None:
         model = self.torque_model.model
         if model.chords:
             raise InvalidInput(f"robot '{model.name}' has loops, which no motion is planned for yet")
         noise = as_floats("noise", self.noise)
-        if noise.shape not in ((), (model.n_freedoms,)) or not np.all(np.isfinite(noise) & (noise > 0)):
-            raise InvalidInput(f"noise is {noise.tolist()}; give one number above zero, or {model.n_freedoms}")
-        object.__setattr__(self, "noise", np.array(np.broadcast_to(noise, (model.n_freedoms,))))
+        if noise.shape not in ((), (model.nv,)) or not np.all(np.isfinite(noise) & (noise > 0)):
+            raise InvalidInput(f"noise is {noise.tolist()}; give one number above zero, or {model.nv}")
+        object.__setattr__(self, "noise", np.array(np.broadcast_to(noise, (model.nv,))))
         if not self.rate > 0:
             raise InvalidInput(f"rate is {self.rate:g} Hz; give one above zero")
-        if self.balls is None:
-            object.__setattr__(self, "balls", frame_origins(model) if self.limits.planes else ())
+        if self.spheres is None:
+            object.__setattr__(self, "spheres", frame_origins(model) if self.limits.planes else ())
 
     @cached_property
     def information(self) -> Information:
@@ -143,13 +143,13 @@ class ExcitationProblem:
 
     def usages(self, motion: JointMotion) -> list[Usage]:
         """Use of every limit by a motion."""
-        found = signals(self.torque_model.model, self.limits, self.watched, motion)
+        found = signals(self.torque_model.model, self.limits, self.checked_spheres, motion)
         return [usage(signal) for signal in found]
 
     @property
-    def watched(self) -> tuple[Ball, ...]:
+    def checked_spheres(self) -> tuple[Sphere, ...]:
         """The spheres that stay on the allowed side of the planes."""
-        return self.balls or ()
+        return self.spheres or ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,7 +190,7 @@ def optimized(
     with one_thread():
         for _ in range(1 if start else MAX_STARTS):
             trajectory = start or random_trajectory(
-                problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng, MIN_START_SHARE
+                problem.torque_model.model, problem.limits, problem.checked_spheres, problem.basis, rng, MIN_START_SHARE
             )
             found = _searched(problem, trajectory, seed, progress or (lambda value: None))
             if not isinstance(found, OptimizedMotion):
@@ -228,7 +228,7 @@ def _violation(worst: Usage) -> str:
     if worst.kind == "clearance":
         nearer = 1000 * DISTANCE_SCALE * (worst.used - 1)
         return (
-            f"the balls around {worst.name} come {nearer:.2g} mm nearer to each other than they may; give limits of "
+            f"the spheres around {worst.name} come {nearer:.2g} mm nearer to each other than they may; give limits of "
             "position that keep them apart"
         )
     return (
@@ -304,7 +304,7 @@ class _Search:
     def _signals(self, coefficients: Array) -> list[Signal]:
         problem = self._problem
         motion = self._motion(coefficients)
-        return [*signals(problem.torque_model.model, problem.limits, problem.watched, motion)]
+        return [*signals(problem.torque_model.model, problem.limits, problem.checked_spheres, motion)]
 
     def _room(self, maxima: Sequence[float]) -> Array:
         """Margin to every limit."""

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.excitation.bases import Basis
+from graphdyn.excitation.bounding_spheres import Sphere
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.limits import MotionLimits
 from graphdyn.excitation.trajectory import Trajectory, usage
-from graphdyn.excitation.watched_points import Ball
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
@@ -31,7 +31,7 @@ MAX_DRAWS = 20
 def random_trajectory(
     model: RobotModel,
     limits: MotionLimits,
-    balls: Sequence[Ball],
+    spheres: Sequence[Sphere],
     basis: Basis,
     rng: np.random.Generator,
     least: float = 0.0,
@@ -48,7 +48,7 @@ def random_trajectory(
     largest = -1.0
     for _ in range(MAX_DRAWS):
         moving, middle = _within_own_limits(model, limits, basis, phi, rng)
-        scale = _largest_scale(model, limits, balls, basis, times, moving, middle)
+        scale = _largest_scale(model, limits, spheres, basis, times, moving, middle)
         if scale > largest:
             largest, coefficients = scale, scale * moving + middle[:, None] * basis.middle
         if scale > least:
@@ -60,7 +60,7 @@ def _within_own_limits(
     model: RobotModel, limits: MotionLimits, basis: Basis, phi: Sequence[Array], rng: np.random.Generator
 ) -> tuple[Array, Array]:
     """Coefficients (n, K) of a motion about zero, and its mean positions (n,)."""
-    free = list(model.freedoms.independent)
+    free = list(model.degrees_of_freedom.independent)
     moving, middle = rng.normal(size=(len(free), basis.size)), np.zeros(len(free))
     for row, j in enumerate(free):
         q = phi[0] @ moving[row]
@@ -89,7 +89,7 @@ def _drawing_range(lower: float, upper: float) -> tuple[float, float]:
 def _largest_scale(
     model: RobotModel,
     limits: MotionLimits,
-    balls: Sequence[Ball],
+    spheres: Sequence[Sphere],
     basis: Basis,
     times: Array,
     moving: Array,
@@ -100,7 +100,7 @@ def _largest_scale(
     def kept(scale: float) -> bool:
         instants = times if scale else times[:1]
         motion = Trajectory(basis, scale * moving + middle[:, None] * basis.middle).motion(instants)
-        return all(usage(one).used <= 1 + LIMIT_TOLERANCE for one in signals(model, limits, balls, motion))
+        return all(usage(one).used <= 1 + LIMIT_TOLERANCE for one in signals(model, limits, spheres, motion))
 
     if kept(1.0):
         return 1.0

@@ -23,7 +23,7 @@ from graphdyn.motion_laws import Course, Locked, MotionLaw, Rail, Turntable
 from graphdyn.verbs.answers import InverseDynamics
 from graphdyn.verbs.dynamics import inverse_dynamics
 
-CarriageLaw = Rail | Turntable
+BaseMotionLaw = Rail | Turntable
 
 
 def record(
@@ -31,14 +31,14 @@ def record(
     times: ArrayLike,
     joints: Mapping[str, MotionLaw] | Sequence[MotionLaw],
     *,
-    base: CarriageLaw | Sequence[CarriageLaw] = (),
+    base: BaseMotionLaw | Sequence[BaseMotionLaw] = (),
 ) -> VirtualRecording:
     """Move the robot as prescribed and record everything.
 
     times: increasing                                       (N,)  [s]
     joints: law per joint name, joints without one are locked at 0; or one law per joint, in the order of the model.
         Joints that others drive take none: their motion is recorded with a torque of zero
-    base: motion of the carriage that carries the ground frame: rails, whose displacements add, and at most one
+    base: motion of the moving base that carries the ground frame: rails, whose displacements add, and at most one
         turntable
 
     Raises InvalidInput for unknown joints, laws that answer anything but three finite arrays (N,), wrong times.
@@ -49,7 +49,7 @@ def record(
         raise InvalidInput(f"times must be finite numbers of shape (N,); they have shape {times.shape}")
     courses = [_course(f"joint '{name}'", law, times) for name, law in _laws(model, joints).items()]
     q, v, a = (np.stack(part, axis=-1) for part in zip(*courses, strict=True))
-    motion = carriage(base, times)
+    motion = base_motion(base, times)
     answer = inverse_dynamics(model, q, v, a, base=motion)
     return observed(model, times, (q, v, a), answer, motion, answer.tau)
 
@@ -65,9 +65,9 @@ def observed(
     state = maximal_state(model, q, v, a, base=base)
     if model.couplings:
         given = tau
-        q, v, a = model.joint_positions(q), v @ model.freedoms.matrix.T, a @ model.freedoms.matrix.T
+        q, v, a = model.joint_positions(q), v @ model.degrees_of_freedom.matrix.T, a @ model.degrees_of_freedom.matrix.T
         tau = np.zeros_like(q)
-        tau[..., list(model.freedoms.independent)] = given
+        tau[..., list(model.degrees_of_freedom.independent)] = given
 
     def in_world(vectors: Array) -> Array:
         turned: Array = np.einsum("...ab,...b->...a", state.rotation, vectors)
@@ -97,9 +97,9 @@ def _laws(model: RobotModel, joints: Mapping[str, MotionLaw] | Sequence[MotionLa
     """A law for every joint, in the order of the model."""
     known = f"joints of robot '{model.name}': {', '.join(model.independent_joints)}"
     if not isinstance(joints, Mapping):
-        if len(joints) != model.n_freedoms:
+        if len(joints) != model.nv:
             raise InvalidInput(
-                f"{len(joints)} motion laws for {model.n_freedoms} joints; give one each, or name them ({known})"
+                f"{len(joints)} motion laws for {model.nv} joints; give one each, or name them ({known})"
             )
         return dict(zip(model.independent_joints, joints, strict=True))
     unknown = [name for name in joints if name not in model.independent_joints]
@@ -123,9 +123,10 @@ def _course(who: str, law: MotionLaw, times: Array) -> Course:
     return position, velocity, acceleration
 
 
-def carriage(base: CarriageLaw | Sequence[CarriageLaw], times: Array) -> BaseMotion:
-    """Rails move the origin of the carriage, the turntable turns it about that origin: their order does not matter."""
-    laws = (base,) if isinstance(base, CarriageLaw) else tuple(base)
+def base_motion(base: BaseMotionLaw | Sequence[BaseMotionLaw], times: Array) -> BaseMotion:
+    """Rails move the origin of the moving base, the turntable turns it about that origin: their order does not
+    matter."""
+    laws = (base,) if isinstance(base, BaseMotionLaw) else tuple(base)
     rotation, linear, angular = np.eye(3), np.zeros((3, *times.shape, 3)), np.zeros((3, *times.shape, 3))
     if sum(isinstance(law, Turntable) for law in laws) > 1:
         raise InvalidInput("the base has more than one turntable; turns about several axes do not add: give one")

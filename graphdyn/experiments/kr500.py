@@ -18,7 +18,7 @@ BODY_LENGTHS = (1.045, 1.245, 1.21, 0.315, 0.29, 0.3)
 BODY_RADII = (0.5, 0.3, 0.2, 0.2, 0.2, 0.3)
 
 RAIL_ACCELERATION = 2.0
-"""Of the carriage along e_1^(0) [m/s²]."""
+"""Of the moving base along e_1^(0) [m/s²]."""
 
 JOINT_ACCELERATION = np.radians(30.0)
 """Of joints O1 (positive) and O2 (negative) in the experiment of section 3.1 [rad/s²]."""
@@ -54,7 +54,7 @@ def kr500() -> RobotModel:
 def kr500_experiment(times: ArrayLike | None = None) -> VirtualRecording:
     """The experiment of section 3.1, which the paper simulated with ADAMS (docs/deviations.md, C2).
 
-    From rest in the initial pose of Figure 2 the carriage accelerates at 2 m/s² along e_1^(0), joint O1 at +30°/s²
+    From rest in the initial pose of Figure 2 the moving base accelerates at 2 m/s² along e_1^(0), joint O1 at +30°/s²
     about the vertical, joint O2 at -30°/s² about its e_2, so that B2 leans back; the others are locked. The text gives
     the 30°/s² as 9.5493 rad/s² (it is 0.5236 rad/s²) and no sign; only this one gives the printed positive λ_64, λ_65.
     Eq. (75)-(77) hold O_1 at O_0, which contradicts the rail: here the base moves as prescribed.

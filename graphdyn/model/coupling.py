@@ -41,11 +41,11 @@ class Coupling:
 
 
 @dataclass(frozen=True, eq=False)
-class Freedoms:
+class DegreesOfFreedom:
     """What couplings leave free, and what they transmit.
 
-    independent: numbers of the joints whose positions are q   (n_freedoms,)
-    matrix, offset: K and o of (all joint positions) = K q + o   (n, n_freedoms), (n,)
+    independent: numbers of the joints whose positions are q   (nv,)
+    matrix, offset: K and o of (all joint positions) = K q + o   (n, nv), (n,)
     rows: B with B (all joint positions) = offsets: per coupling 1 at its joint and -ratio at those that drive it
     reactions: (n_couplings, n), from the torques that all joints need to what the couplings supply
     """
@@ -57,7 +57,7 @@ class Freedoms:
     reactions: Array
 
 
-def freedoms(who: str, joints: Sequence[str], couplings: Sequence[Coupling]) -> Freedoms:
+def degrees_of_freedom(who: str, joints: Sequence[str], couplings: Sequence[Coupling]) -> DegreesOfFreedom:
     """Of joints with these names. Raises InvalidModel for unknown joints, one driven twice, and circles."""
     index, driven = {name: k for k, name in enumerate(joints)}, [coupling.joint for coupling in couplings]
     for coupling in couplings:
@@ -96,4 +96,4 @@ def freedoms(who: str, joints: Sequence[str], couplings: Sequence[Coupling]) -> 
     reactions[:, of_driven] = np.linalg.inv(rows[:, of_driven]).T
     for array in (matrix, offset, rows, reactions):
         array.setflags(write=False)
-    return Freedoms(independent, matrix, offset, rows, reactions)
+    return DegreesOfFreedom(independent, matrix, offset, rows, reactions)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from graphdyn.layout import Array
 from graphdyn.model.chord import Chord
-from graphdyn.model.coupling import Freedoms
+from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.graph import Graph
 from graphdyn.model.parts import Joint
 from graphdyn.model.spatial import apply, cross, rotation_about
@@ -71,8 +71,8 @@ class Ends:
 class Loops:
     """The loops that chords close over the joints of a tree; q and v are those of joints that no others drive."""
 
-    def __init__(self, joints: Sequence[Joint], chords: Sequence[Chord], freedoms: Freedoms) -> None:
-        self.joints, self.chords, self.freedoms = tuple(joints), tuple(chords), freedoms
+    def __init__(self, joints: Sequence[Joint], chords: Sequence[Chord], degrees_of_freedom: DegreesOfFreedom) -> None:
+        self.joints, self.chords, self.degrees_of_freedom = tuple(joints), tuple(chords), degrees_of_freedom
         self.n_rows = sum(len(chord.rows) for chord in chords)
         on_path = Graph(tuple(joint.inside for joint in joints)).path_matrix()
         self.paths = np.vstack([np.zeros(len(joints)), on_path.T])  # which joints lie between the ground and a body
@@ -81,16 +81,16 @@ class Loops:
     @property
     def free_joints(self) -> tuple[Joint, ...]:
         """The joints that no others drive."""
-        return tuple(self.joints[k] for k in self.freedoms.independent)
+        return tuple(self.joints[k] for k in self.degrees_of_freedom.independent)
 
     def row_names(self) -> tuple[str, ...]:
         """Such as "closing_hinge force t1", in the order of the rows."""
         return tuple(f"{chord.name} {row}" for chord in self.chords for row in chord.rows)
 
     def links(self, q: Array, v: Array | None = None) -> Links:
-        """Of q, v (…, n_freedoms)."""
-        positions = q @ self.freedoms.matrix.T + self.freedoms.offset
-        rates = None if v is None else v @ self.freedoms.matrix.T
+        """Of q, v (…, nv)."""
+        positions = q @ self.degrees_of_freedom.matrix.T + self.degrees_of_freedom.offset
+        rates = None if v is None else v @ self.degrees_of_freedom.matrix.T
         batch, n = positions.shape[:-1], len(self.joints)
         number = np.result_type(positions, *(() if rates is None else (rates,)))
         rotation = np.empty((*batch, n + 1, 3, 3), dtype=number)
@@ -136,7 +136,7 @@ class Loops:
         return np.concatenate([_gap(end, links) for end in self.ends(links)], axis=-1)
 
     def jacobian(self, links: Links) -> Array:
-        """J (…, m, n_freedoms)."""
+        """J (…, m, nv)."""
         rows = []
         for end in self.ends(links):
             between = (self.paths[end.chord.body_i] - self.paths[end.chord.body_j])[:, None]  # (n, 1)
@@ -145,7 +145,7 @@ class Loops:
             turning = np.where(self.turns[:, None], links.axis, 0.0) * between
             moves = (end.directions[..., : end.n_linear, :], end.directions[..., end.n_linear :, :])
             rows += [u @ np.swapaxes(motion, -1, -2) for u, motion in zip(moves, (at_point, turning), strict=True)]
-        return np.concatenate(rows, axis=-2) @ self.freedoms.matrix
+        return np.concatenate(rows, axis=-2) @ self.degrees_of_freedom.matrix
 
     def bias(self, links: Links) -> Array:
         """γ (…, m): J a = γ where J v = 0 is to hold."""

@@ -85,7 +85,7 @@ class JointLimits:
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """A joint with one freedom between body i(j) and body j.
+    """A joint with one degree of freedom between body i(j) and body j.
 
     kind: "revolute", "continuous" (revolute without position limits) or "prismatic"
     inside: number of the inside body, 0 for the ground

@@ -16,7 +16,7 @@ from graphdyn.errors import InvalidInput, InvalidModel, UnknownFrame
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from graphdyn.model import random_states
 from graphdyn.model.chord import Chord
-from graphdyn.model.coupling import Coupling, Freedoms, freedoms
+from graphdyn.model.coupling import Coupling, DegreesOfFreedom, degrees_of_freedom
 from graphdyn.model.graph import Graph
 from graphdyn.model.inertia import Consistency, consistency_problems, pseudo_inertia
 from graphdyn.model.loops import Loops, loop_spaces, pivoted_columns
@@ -29,7 +29,7 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 
 @dataclass(frozen=True, eq=False)
 class RobotModel:
-    """A tree of n rigid bodies on n joints of one freedom each, some of which others may drive, and chords.
+    """A tree of n rigid bodies on n joints of one degree of freedom each, some of which others may drive, and chords.
 
     bodies, joints: in regular labeling, parents first; joints[j-1] is the inside joint of bodies[j-1]
     gravity: in world axes                                  (3,)  [m/s²]
@@ -93,7 +93,7 @@ class RobotModel:
         for chord in self.chords:
             if not (0 <= chord.body_i <= self.n_bodies and 0 <= chord.body_j <= self.n_bodies):
                 raise InvalidModel(f"chord '{chord.name}': there is no body {max(chord.body_i, chord.body_j)}")
-        _ = self.freedoms  # refuses couplings that cannot be
+        _ = self.degrees_of_freedom  # refuses couplings that cannot be
         if self.actuated is not None:
             self._check_actuated(who, self.actuated)
 
@@ -118,19 +118,19 @@ class RobotModel:
         return len(self.bodies)
 
     @cached_property
-    def freedoms(self) -> Freedoms:
+    def degrees_of_freedom(self) -> DegreesOfFreedom:
         """What the couplings leave free, and what they transmit."""
-        return freedoms(f"robot '{self.name}'", self.joint_names, self.couplings)
+        return degrees_of_freedom(f"robot '{self.name}'", self.joint_names, self.couplings)
 
     @property
-    def n_freedoms(self) -> int:
+    def nv(self) -> int:
         """The number of joints that no others drive: n, where there are no couplings."""
-        return len(self.freedoms.independent)
+        return len(self.degrees_of_freedom.independent)
 
     @property
     def independent_joints(self) -> tuple[str, ...]:
         """Names of the joints that no others drive: the order of q, v, a and τ."""
-        return tuple(self.joints[k].name for k in self.freedoms.independent)
+        return tuple(self.joints[k].name for k in self.degrees_of_freedom.independent)
 
     @property
     def n_chord_rows(self) -> int:
@@ -140,11 +140,11 @@ class RobotModel:
     @cached_property
     def loops(self) -> Loops:
         """The geometry of the loops that the chords close."""
-        return Loops(self.joints, self.chords, self.freedoms)
+        return Loops(self.joints, self.chords, self.degrees_of_freedom)
 
     @cached_property
     def closed_pose(self) -> Array:
-        """Joint positions (n_freedoms,) that close the loops: near q = 0, or else near one of 100 random poses.
+        """Joint positions (nv,) that close the loops: near q = 0, or else near one of 100 random poses.
 
         Raises InconsistentState, naming a loop, where none of them closes.
         """
@@ -152,7 +152,7 @@ class RobotModel:
 
     @cached_property
     def regular_pose(self) -> Array:
-        """Of some closed poses (n_freedoms,), the one farthest from a singular one.
+        """Of some closed poses (nv,), the one farthest from a singular one.
 
         That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
         Raises InconsistentState where the loops cannot be closed.
@@ -170,8 +170,8 @@ class RobotModel:
         return tuple(sorted(pivoted_columns(jacobian, int(loop_spaces(jacobian).rank), motors)))
 
     def joint_positions(self, q: ArrayLike) -> Array:
-        """Of all joints (…, n) [rad or m], from those of the independent ones (…, n_freedoms)."""
-        return np.asarray(q) @ self.freedoms.matrix.T + self.freedoms.offset
+        """Of all joints (…, n) [rad or m], from those of the independent ones (…, nv)."""
+        return np.asarray(q) @ self.degrees_of_freedom.matrix.T + self.degrees_of_freedom.offset
 
     @property
     def body_names(self) -> tuple[str, ...]:
@@ -272,7 +272,7 @@ class RobotModel:
         return dataclasses.replace(self, actuated=joints)  # type: ignore[arg-type]  # of which it makes a tuple
 
     def random_state(self, rng: np.random.Generator, size: int | Sequence[int] = ()) -> tuple[Array, Array]:
-        """q, v (size, n_freedoms), uniform within limits, or default ranges where these are zero, missing or absurd.
+        """q, v (size, nv), uniform within limits, or default ranges where these are zero, missing or absurd.
 
         Continuous joints are drawn from [-π, π] rad. The default ranges are ±π rad, ±π rad/s, ±0.5 m and ±0.5 m/s;
         a limit beyond 1e6 is absurd. Limits of joints that others drive are not looked at.

@@ -30,7 +30,7 @@ class ArraySpec:
 
 
 MODEL_SIZES: dict[str, Callable[[RobotModel], int]] = {
-    "n": lambda model: model.n_freedoms,
+    "n": lambda model: model.nv,
     "bodies": lambda model: model.n_bodies,
     "10 bodies": lambda model: BODY_PARAMETERS * model.n_bodies,
     "couplings": lambda model: len(model.couplings),
@@ -91,8 +91,8 @@ def recursion(**outputs: ArraySpec) -> Callable[[Function], Function]:
     """Declares a function as the recursion of its name, which answers these outputs.
 
     Its parameters say what it takes. Those named in INPUTS are its inputs; the others are attributes of the sample:
-    links, root where the motion of the base matters, frame where it speaks of one, freedoms (None without couplings)
-    where it knows couplings itself, external, mass, joints_only.
+    links, root where the motion of the base matters, frame where it speaks of one, degrees of freedom (None without
+    couplings) where it knows couplings itself, external, mass, joints_only.
     """
     return partial(_declare, outputs, False)
 
@@ -104,12 +104,12 @@ def recursion_of_torques(**outputs: ArraySpec) -> Callable[[Function], Function]
 
 def _declare(outputs: dict[str, ArraySpec], of_torques: bool, function: Function) -> Function:
     name, parameters = function.__name__, _parameters(function)
-    compute = _of_samples(function, but="freedoms")
+    compute = _of_samples(function, but="degrees_of_freedom")
     inputs = tuple(each for each in parameters if each in INPUTS)
     moving, of_frame = "root" in parameters, "frame" in parameters
     RECURSIONS[name] = Recursion(name, inputs, tuple(outputs), compute, moving, of_frame, of_torques)
     ARRAY_SPECS.update(outputs)
-    return with_couplings(function) if "freedoms" in parameters else function
+    return with_couplings(function) if "degrees_of_freedom" in parameters else function
 
 
 def with_couplings(function: Function) -> Function:

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
-from graphdyn.model.coupling import Freedoms
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
+from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inertia import mass_matrix
 from graphdyn.recursions.inverse import Loads, inverse_dynamics
@@ -71,7 +71,7 @@ def inverse_dynamics_second_derivatives(
 
 @recursion(
     **{f"dmultipliers_d{x}": ArraySpec(("bodies", JOINT_CONSTRAINTS, "n"), f"N, N m per {x}") for x in "qva"},
-    **{f"dwrenches_d{x}": ArraySpec(("bodies", BODY_FREEDOMS, "n"), f"N, N m per {x}") for x in "qva"},
+    **{f"dwrenches_d{x}": ArraySpec(("bodies", BODY_DOF, "n"), f"N, N m per {x}") for x in "qva"},
 )
 def reaction_derivatives(
     links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
@@ -97,19 +97,19 @@ def forward_dynamics_derivatives(
     v: PerJoint,
     tau: PerJoint,
     external: Loads = None,
-    freedoms: Freedoms | None = None,
+    degrees_of_freedom: DegreesOfFreedom | None = None,
 ) -> dict[str, list[Any]]:
     """da_dq = -M⁻¹ ∂τ/∂q, da_dv = -M⁻¹ ∂τ/∂v at the accelerations found, and da_dtau = M⁻¹ (n n each); pivots.
 
     Carpentier and Mansard, "Analytical derivatives of rigid body dynamics algorithms", Robotics: Science and Systems,
     2018. Fewer operations than to differentiate the elimination itself.
-    freedoms: of a robot with couplings
+    degrees_of_freedom: of a robot with couplings
     """
-    inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
-    a = everywhere(found, freedoms)
+    inverse, found, pivots = solved(links, root, degrees_of_freedom, q, v, tau, external)
+    a = everywhere(found, degrees_of_freedom)
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
     changes = jacobians(required, q, v, held=a)
-    by_q, by_v = (-(inverse @ projected(part, ("n", "n"), freedoms)) for part in changes)
+    by_q, by_v = (-(inverse @ projected(part, ("n", "n"), degrees_of_freedom)) for part in changes)
     return {
         "da_dq": list(by_q.ravel()),
         "da_dv": list(by_v.ravel()),
@@ -128,12 +128,12 @@ def forward_dynamics_parameter_derivatives(
     v: PerJoint,
     tau: PerJoint,
     external: Loads = None,
-    freedoms: Freedoms | None = None,
+    degrees_of_freedom: DegreesOfFreedom | None = None,
 ) -> dict[str, Any]:
     """∂a/∂π = -M⁻¹ W at the accelerations found (n, 10 bodies); pivots."""
-    inverse, found, pivots = solved(links, root, freedoms, q, v, tau, external)
-    regressor = joint_torque_regressor(links, root, q, v, everywhere(found, freedoms))
-    change = -(inverse @ projected(regressor, ("n", "10 bodies"), freedoms))
+    inverse, found, pivots = solved(links, root, degrees_of_freedom, q, v, tau, external)
+    regressor = joint_torque_regressor(links, root, q, v, everywhere(found, degrees_of_freedom))
+    change = -(inverse @ projected(regressor, ("n", "10 bodies"), degrees_of_freedom))
     return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": pivots}
 
 

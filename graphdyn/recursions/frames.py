@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn.arguments.choices import FrameChoice
-from graphdyn.layout import BODY_FREEDOMS
+from graphdyn.layout import BODY_DOF
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.mechanism.mechanism import Links
@@ -43,7 +43,7 @@ def fixed_frame(model: RobotModel, links: Links, choice: FrameChoice) -> FixedFr
     )
 
 
-@recursion(frame_jacobian=ArraySpec((BODY_FREEDOMS, "n"), "m, 1 or 1, 0"))
+@recursion(frame_jacobian=ArraySpec((BODY_DOF, "n"), "m, 1 or 1, 0"))
 def frame_jacobian(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> Scalars:
     """J (6, n): per joint up to the frame, p × (from O_k to the point) over p; of a slide, p over 0."""
     path = _path(links, frame.body)
@@ -65,13 +65,13 @@ def frame_jacobian(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> 
     return matrix
 
 
-@recursion(frame_jacobian_derivative=ArraySpec((BODY_FREEDOMS, "n"), "m/s, 1/s"))
+@recursion(frame_jacobian_derivative=ArraySpec((BODY_DOF, "n"), "m/s, 1/s"))
 def frame_jacobian_derivative(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: FixedFrame) -> list[Any]:
     """dJ/dt (6 n) of a robot on a base at rest."""
     return directional(list(frame_jacobian(links, root, q, frame).ravel()), q, v)
 
 
-@recursion(frame_velocity=ArraySpec((BODY_FREEDOMS,), "m/s, rad/s"))
+@recursion(frame_velocity=ArraySpec((BODY_DOF,), "m/s, rad/s"))
 def frame_velocity(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: FixedFrame) -> list[Any]:
     """Of the point, then ω (6)."""
     to_reference, point = _view(links, root, q, frame)
@@ -80,7 +80,7 @@ def frame_velocity(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: Fi
     return [*(to_reference @ (linear + cross(omega, point))), *(to_reference @ omega)]
 
 
-@recursion(frame_acceleration=ArraySpec((BODY_FREEDOMS,), "m/s², rad/s²"))
+@recursion(frame_acceleration=ArraySpec((BODY_DOF,), "m/s², rad/s²"))
 def frame_acceleration(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, frame: FixedFrame) -> list[Any]:
     """Of the point, classical or spatial, then ω̇ (6)."""
     to_reference, point = _view(links, root, q, frame)

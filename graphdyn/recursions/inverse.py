@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 from graphdyn.recursions.declarations import TORQUES, ArraySpec, recursion, recursion_of_torques
 from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import (
@@ -115,9 +115,9 @@ def in_joint_axes(links: Links, external: Scalars) -> list[Wrench]:
 
 
 REACTIONS = {
-    "body_accelerations": ArraySpec(("bodies", BODY_FREEDOMS), "m/s², rad/s²"),
+    "body_accelerations": ArraySpec(("bodies", BODY_DOF), "m/s², rad/s²"),
     "multipliers": ArraySpec(("bodies", JOINT_CONSTRAINTS), "N, N m"),
-    "joint_wrenches": ArraySpec(("bodies", BODY_FREEDOMS), "N, N m"),
+    "joint_wrenches": ArraySpec(("bodies", BODY_DOF), "N, N m"),
     "coupling_multipliers": ArraySpec(("couplings",), "N m or N"),
     "chord_multipliers": ArraySpec(("chord rows",), "N, N m"),
 }

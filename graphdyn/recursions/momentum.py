@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.layout import BODY_FREEDOMS
+from graphdyn.layout import BODY_DOF
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inertia import composites, per_rate
 from graphdyn.recursions.inverse import Wrench, added, inwards, transmitted
@@ -88,8 +88,8 @@ def center_of_mass_jacobian(links: Links, root: Root, mass: float, q: PerJoint) 
 
 
 @recursion(
-    about_center_of_mass=ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
-    about_origin=ArraySpec((BODY_FREEDOMS,), "kg m/s, kg m²/s"),
+    about_center_of_mass=ArraySpec((BODY_DOF,), "kg m/s, kg m²/s"),
+    about_origin=ArraySpec((BODY_DOF,), "kg m/s, kg m²/s"),
 )
 def momentum(links: Links, root: Root, mass: float, q: PerJoint, v: PerJoint) -> dict[str, list[Any]]:
     """about_center_of_mass and about_origin (6 each): linear, then angular momentum, world axes."""
@@ -103,7 +103,7 @@ def momentum(links: Links, root: Root, mass: float, q: PerJoint, v: PerJoint) ->
     return {"about_center_of_mass": [*linear, *about_center], "about_origin": [*linear, *about_origin]}
 
 
-@recursion(centroidal_map=ArraySpec((BODY_FREEDOMS, "n"), "kg m, kg m² or kg, kg m"))
+@recursion(centroidal_map=ArraySpec((BODY_DOF, "n"), "kg m, kg m² or kg, kg m"))
 def centroidal_map(links: Links, root: Root, mass: float, q: PerJoint) -> Scalars:
     """(6, n): column j is the momentum that a unit velocity of joint j gives, about the center of mass, world axes."""
     links, root = rooted(links, root)

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.layout import BODY_FREEDOMS
+from graphdyn.layout import BODY_DOF
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.scalars.vectors import (
@@ -200,7 +200,7 @@ def stacked(vectors: Sequence[Scalars]) -> list[Any]:
 @recursion(
     position=ArraySpec(("bodies", 3), "m"),
     rotation=ArraySpec(("bodies", 3, 3), "1"),
-    velocity=ArraySpec(("bodies", BODY_FREEDOMS), "m/s, rad/s"),
+    velocity=ArraySpec(("bodies", BODY_DOF), "m/s, rad/s"),
 )
 def maximal_state(links: Links, root: Root, q: PerJoint, v: PerJoint) -> dict[str, list[Any]]:
     """position (n 3) of the centers of mass, rotation (n 9) of the link axes, velocity (n 6)."""

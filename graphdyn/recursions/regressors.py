@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, BODY_PARAMETERS, LINEAR
+from graphdyn.layout import ANGULAR, BODY_DOF, BODY_PARAMETERS, LINEAR
 from graphdyn.recursions.declarations import ArraySpec, recursion, recursion_of_torques
 from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, motions, places, resting_root
 from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, skew, zeros
 
 
-@recursion(body_regressor=ArraySpec(("bodies", BODY_FREEDOMS, BODY_PARAMETERS), "N, N m per parameter"))
+@recursion(body_regressor=ArraySpec(("bodies", BODY_DOF, BODY_PARAMETERS), "N, N m per parameter"))
 def body_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint) -> list[Scalars]:
     """Y (6, 10) of every body: Y π is the wrench that its motion takes, about O_j, in link axes."""
     moving = motions(links, places(links, q), root, v, a)

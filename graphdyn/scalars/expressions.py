@@ -20,7 +20,7 @@ Recorded = tuple[Any, ...]
 MULTIPLIED_COLUMNS = "columns"
 """The output of a program whose columns are not stored but multiplied with each other (graphdyn.compiler.gram.gram)."""
 
-Watch = Literal["finite", "squares", "minimum"]
+Guard = Literal["finite", "squares", "minimum"]
 
 
 @dataclass(frozen=True)
@@ -31,14 +31,14 @@ class Program:
         input the name of the array and the column
     inputs: widths of the input arrays, by name
     outputs: operations whose values are the columns of each output array, by name
-    watches: what to remember of all samples together: operations by kind; "finite" is 0 if all are finite and NaN if
+    guards: what to remember of all samples together: operations by kind; "finite" is 0 if all are finite and NaN if
         not, "squares" the sum of x², "minimum" the smallest x without regard to NaN
     """
 
     operations: tuple[Recorded, ...]
     inputs: dict[str, int]
     outputs: dict[str, tuple[int, ...]]
-    watches: dict[Watch, tuple[int, ...]]
+    guards: dict[Guard, tuple[int, ...]]
 
     def constant(self, number: int) -> float | None:
         """The value of an operation that is a constant."""
@@ -96,11 +96,11 @@ class Recorder:
             return scalar.number
         return self.operation("constant", float(scalar)).number  # type: ignore[arg-type]
 
-    def program(self, outputs: Mapping[str, Sequence[object]], watches: Mapping[Watch, Sequence[object]]) -> Program:
+    def program(self, outputs: Mapping[str, Sequence[object]], guards: Mapping[Guard, Sequence[object]]) -> Program:
         """What it takes to compute these outputs and watches, and nothing else."""
         wanted = {name: [self.number(scalar) for scalar in scalars] for name, scalars in outputs.items()}
-        watched = {kind: [self.number(scalar) for scalar in scalars] for kind, scalars in watches.items()}
-        return program_of(self.operations, self._inputs, wanted, watched)
+        guarded = {kind: [self.number(scalar) for scalar in scalars] for kind, scalars in guards.items()}
+        return program_of(self.operations, self._inputs, wanted, guarded)
 
 
 class Expression:
@@ -229,10 +229,10 @@ def program_of(
     operations: Sequence[Recorded],
     inputs: Mapping[str, int],
     outputs: Mapping[str, Sequence[int]],
-    watches: Mapping[Watch, Sequence[int]],
+    guards: Mapping[Guard, Sequence[int]],
 ) -> Program:
     """Those operations that it takes to compute these outputs and watches."""
-    needed, pending = set(), [k for numbers in (*outputs.values(), *watches.values()) for k in numbers]
+    needed, pending = set(), [k for numbers in (*outputs.values(), *guards.values()) for k in numbers]
     while pending:
         number = pending.pop()
         if number not in needed:
@@ -244,7 +244,7 @@ def program_of(
         operations=tuple(_renumbered(operations[number], new) for number in order),
         inputs=dict(inputs),
         outputs={name: tuple(new[number] for number in numbers) for name, numbers in outputs.items()},
-        watches={kind: tuple(new[number] for number in numbers) for kind, numbers in watches.items()},
+        guards={kind: tuple(new[number] for number in numbers) for kind, numbers in guards.items()},
     )
 
 

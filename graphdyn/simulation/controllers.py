@@ -62,7 +62,7 @@ Controller = PDControl | ComputedTorqueControl
 
 def reference(controller: Controller, model: RobotModel, times: Array) -> Array:
     """q_d, v_d, and a_d or the feedforward torque at these times (T, 3 n). Raises InvalidInput."""
-    n = model.n_freedoms
+    n = model.nv
     target = controller.target
     if isinstance(target, Sequence) and any(callable(law) for law in target):
         if len(target) != n or not all(callable(law) for law in target):

@@ -46,7 +46,7 @@ class Friction:
         Those of a joint that another drives act at that other, through the ratio. Raises InvalidInput where several
         joints drive it: its friction is none of single joints then.
         """
-        ratios = np.abs(model.freedoms.matrix)
+        ratios = np.abs(model.degrees_of_freedom.matrix)
         viscous, coulomb = np.array([[joint.damping, joint.friction] for joint in model.joints]).T
         for j in np.flatnonzero((np.count_nonzero(ratios, axis=1) > 1) & ((viscous != 0) | (coulomb != 0))).tolist():
             raise InvalidInput(
@@ -58,7 +58,7 @@ class Friction:
     @classmethod
     def identified(cls, model: RobotModel, parameters: Mapping[str, float]) -> Friction:
         """From identified parameters by symbol: FV_j, FC_j and OFF_j of joint j; other symbols are passed over."""
-        numbers = [k + 1 for k in model.freedoms.independent]
+        numbers = [k + 1 for k in model.degrees_of_freedom.independent]
         return cls(*([parameters.get(f"{symbol}_{j}", 0.0) for j in numbers] for symbol in ("FV", "FC", "OFF")))
 
 
@@ -101,7 +101,7 @@ def position_limits(model: RobotModel) -> tuple[Array, Array]:
 
 def effort_limits(model: RobotModel) -> Array:
     """Largest torques that the model states (n,), infinite where it states none, or zero."""
-    return np.array([model.joints[k].limits.effort or np.inf for k in model.freedoms.independent])
+    return np.array([model.joints[k].limits.effort or np.inf for k in model.degrees_of_freedom.independent])
 
 
 def finite(name: str, value: ArrayLike) -> Array:
@@ -115,12 +115,11 @@ def finite(name: str, value: ArrayLike) -> Array:
 def per_joint(name: str, value: ArrayLike, model: RobotModel, runs: int | None = None) -> Array:
     """One number for all joints, or one per joint, as (n,); with runs as (runs, n). Raises InvalidInput."""
     array = as_floats(name, value)
-    shape = (model.n_freedoms,) if runs is None else (runs, model.n_freedoms)
+    shape = (model.nv,) if runs is None else (runs, model.nv)
     try:
         return np.broadcast_to(array, shape)
     except ValueError:
-        expected = f"() or ({model.n_freedoms},)" + ("" if runs is None else f" or {shape}")
+        expected = f"() or ({model.nv},)" + ("" if runs is None else f" or {shape}")
         raise InvalidInput(
-            f"{name} has shape {array.shape}, expected {expected} for the {model.n_freedoms} joints of robot "
-            f"'{model.name}'"
+            f"{name} has shape {array.shape}, expected {expected} for the {model.nv} joints of robot '{model.name}'"
         ) from None

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import IntegrationFailed, InvalidInput
-from graphdyn.experiments.experiment import carriage
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.experiments.experiment import base_motion
+from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.loops import loop_spaces
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
@@ -111,12 +111,12 @@ class Equations:
         if not plant.base and not plant.is_loaded:
             return self._verbs.bias_torque(q, v).copy()
         wrenches = self.wrenches(t, q, v) if plant.is_loaded else None
-        base = carriage(plant.base, np.array([t])).at((1,), (np.array(0),)) if plant.base else None
+        base = base_motion(plant.base, np.array([t])).at((1,), (np.array(0),)) if plant.base else None
         return joint_torques(plant.model, q, v, np.zeros(len(q)), wrenches, base=base, method="recursive")
 
     def wrenches(self, t: float, q: Array, v: Array) -> Array:
         """The external wrenches (n, 6). Raises InvalidInput where a function answers anything else."""
-        shape = (self.plant.model.n_bodies, BODY_FREEDOMS)
+        shape = (self.plant.model.n_bodies, BODY_DOF)
         if self.plant.wrenches is None:
             return self._constants["external_wrenches"].reshape(shape)
         return answer("external_wrenches", self.plant.wrenches(t, q.copy(), v.copy()), shape, t)

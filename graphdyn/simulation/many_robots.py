@@ -13,7 +13,7 @@ from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.compiler.batch import Options
 from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.errors import InvalidInput
-from graphdyn.experiments.experiment import CarriageLaw
+from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller
@@ -59,7 +59,7 @@ def rollout(
     limits: JointStops | None = None,
     torque_limits: ArrayLike | Literal["model"] | None = None,
     external_wrenches: ArrayLike | None = None,
-    base: CarriageLaw | Sequence[CarriageLaw] = (),
+    base: BaseMotionLaw | Sequence[BaseMotionLaw] = (),
     noise: MeasurementNoise | None = None,
     seed: int = 0,
     every: int = 1,
@@ -80,7 +80,7 @@ def rollout(
     friction, rotor_inertia, torque_limits: as in simulate, with arrays () or (n,) or (R, n)
     limits: springs at the position limits
     external_wrenches: constant                             (n, 6) or (R, n, 6)  [N, N m]
-    base: motion of the carriage, the same for all runs
+    base: motion of the moving base, the same for all runs
     noise, seed: what the controller measures beside q and v; each run has a generator of its own
     every: only every so manieth step is kept, the first included
     threads: at most this many; None for one per core
@@ -117,8 +117,8 @@ def rollout(
     )
     all_runs = Runs(
         plant=plant,
-        q=np.broadcast_to(x["q"], (runs, model.n_freedoms)),
-        v=np.broadcast_to(x["v"], (runs, model.n_freedoms)),
+        q=np.broadcast_to(x["q"], (runs, model.nv)),
+        v=np.broadcast_to(x["v"], (runs, model.nv)),
         torques=None if torques is None else np.broadcast_to(torques, (runs, *torques.shape[1:])),
         controller=controls if isinstance(controls, Controller) else None,
         noise=noise,
@@ -139,9 +139,9 @@ def _controls(model: RobotModel, controls: ArrayLike | Controller | None) -> Arr
         check_controller(controls, model)
         return None
     torques = finite("controls", as_floats("controls", controls))
-    if torques.ndim not in (2, 3) or torques.shape[-1] != model.n_freedoms or torques.shape[-2] == 0:
+    if torques.ndim not in (2, 3) or torques.shape[-1] != model.nv or torques.shape[-2] == 0:
         raise InvalidInput(
-            f"controls has shape {torques.shape}, expected (T, {model.n_freedoms}) or (R, T, {model.n_freedoms}) "
+            f"controls has shape {torques.shape}, expected (T, {model.nv}) or (R, T, {model.nv}) "
             f"for robot '{model.name}'"
         )
     return torques if torques.ndim == 3 else torques[None]

@@ -13,7 +13,7 @@ from graphdyn.arguments.arrays import as_floats, one_state
 from graphdyn.equations.loops.dynamics import closed, refuse_massless_motions
 from graphdyn.equations.projected import refuse_singular
 from graphdyn.errors import InvalidInput
-from graphdyn.experiments.experiment import CarriageLaw
+from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.controllers import Controller
@@ -43,7 +43,7 @@ def simulate(
     *,
     torque: TorqueFunction | Controller | ArrayLike | None = None,
     external_wrenches: Wrenches | ArrayLike | None = None,
-    base: CarriageLaw | Sequence[CarriageLaw] = (),
+    base: BaseMotionLaw | Sequence[BaseMotionLaw] = (),
     method: Method = "dop853",
     step: float | None = None,
     rtol: float = RTOL,
@@ -66,7 +66,7 @@ def simulate(
         ComputedTorqueControl; or a function of t, q and v that answers (n,)  [N m or N]. Fixed steps run in compiled
         code, hundreds of times faster than with a function, which is Python and asked at every stage
     external_wrenches: force, moment on each body at O_j, in link axes: (n, 6), or a function of t, q and v  [N, N m]
-    base: motion of the carriage: rails and turntable, as in graphdyn.record
+    base: motion of the moving base: rails and turntable, as in graphdyn.record
     method: "dop853" adapts its steps to rtol and atol; "rk8", "rk4" and "euler" take steps of equal width
     step: width of fixed steps, which must divide the duration; method "dop853" has none   [s]
     at: times of the result, increasing; those of fixed steps must be multiples of the step. None for all steps   [s]
@@ -112,23 +112,23 @@ def simulate(
     else:
         refuse_singular(model, mass)
     times = _times(at, duration)
-    watched = (events,) if isinstance(events, Event) else tuple(events)
+    checked = (events,) if isinstance(events, Event) else tuple(events)
     if limits == "stop":
         _refuse_outside(model, start[0])
     report = progress or (lambda time: None)
     source = torques(torque, model, duration)
     if coordinates == "maximal":
-        _refuse_in_maximal(plant, method, limits, watched)
+        _refuse_in_maximal(plant, method, limits, checked)
         assert step is not None
         course, bodies = maximal(plant, start, duration, source, method, step, times, stabilization, report)
         return replace(simulation(plant, course), _bodies=bodies)
     if coordinates != "joint":
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'joint' or 'maximal'")
     if method == "dop853":
-        course = _adaptive(plant, start, duration, source, Tolerances(rtol, atol), times, watched, limits, report)
+        course = _adaptive(plant, start, duration, source, Tolerances(rtol, atol), times, checked, limits, report)
     else:
         assert step is not None
-        course = fixed(plant, start, duration, source, method, step, times, watched, limits == "stop", report)
+        course = fixed(plant, start, duration, source, method, step, times, checked, limits == "stop", report)
     return simulation(plant, course)
 
 

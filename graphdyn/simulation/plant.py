@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
-from graphdyn.experiments.experiment import CarriageLaw
-from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, Array
+from graphdyn.experiments.experiment import BaseMotionLaw
+from graphdyn.layout import BODY_DOF, BODY_PARAMETERS, Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.drives import Friction, JointStops, effort_limits, finite, per_joint, position_limits
 
@@ -26,13 +26,13 @@ class PlantConstants:
 
     constants: by name (…, width), those that are there: viscous, coulomb, offset; least_torque, largest_torque; lower,
         upper, stiffness, damping; rotor; external_wrenches (6 n); parameters (10 n)
-    base: laws of the carriage
+    base: laws of the moving base
     wrenches: external wrenches that are a function
     """
 
     model: RobotModel
     constants: dict[str, Array]
-    base: tuple[CarriageLaw, ...] = ()
+    base: tuple[BaseMotionLaw, ...] = ()
     wrenches: Wrenches | None = None
 
     @property
@@ -60,7 +60,7 @@ class PlantConstants:
     @property
     def rotor(self) -> Array:
         """I_a (…, n), zero where there is none."""
-        return self.constants.get("rotor", np.zeros(self.model.n_freedoms))
+        return self.constants.get("rotor", np.zeros(self.model.nv))
 
     def of_run(self, run: int) -> PlantConstants:
         """One of several runs, with its inertial parameters in the model."""
@@ -81,7 +81,7 @@ def make_plant(
     torque_limits: ArrayLike | Literal["model"] | None = None,
     external_wrenches: ArrayLike | Wrenches | None = None,
     parameters: ArrayLike | None = None,
-    base: CarriageLaw | Sequence[CarriageLaw] = (),
+    base: BaseMotionLaw | Sequence[BaseMotionLaw] = (),
 ) -> PlantConstants:
     """The arguments of simulate and rollout, checked. Raises InvalidInput."""
     check_model(model)
@@ -98,7 +98,7 @@ def make_plant(
         if np.any(constants["rotor"] < 0):
             raise InvalidInput("rotor_inertia is negative; give zero or more")
     if isinstance(limits, JointStops):
-        lower, upper = (side[list(model.freedoms.independent)] for side in position_limits(model))
+        lower, upper = (side[list(model.degrees_of_freedom.independent)] for side in position_limits(model))
         for name, value in (("lower", lower), ("upper", upper), ("stiffness", limits.stiffness)):
             constants[name] = per_joint(name, value, model, runs)
         constants["damping"] = per_joint("damping", limits.damping, model, runs)
@@ -117,7 +117,7 @@ def make_plant(
     if callable(external_wrenches):
         wrenches = external_wrenches
     elif external_wrenches is not None:
-        shape = (*(() if runs is None else (runs,)), model.n_bodies, BODY_FREEDOMS)
+        shape = (*(() if runs is None else (runs,)), model.n_bodies, BODY_DOF)
         given = finite("external_wrenches", external_wrenches)
         try:
             constants["external_wrenches"] = np.broadcast_to(given, shape).reshape(*shape[:-2], -1)
@@ -125,7 +125,7 @@ def make_plant(
             raise InvalidInput(f"external_wrenches has shape {given.shape}, expected {shape}") from None
     if parameters is not None:
         constants["parameters"] = _parameters(model, parameters, runs)
-    return PlantConstants(model, constants, (base,) if isinstance(base, CarriageLaw) else tuple(base), wrenches)
+    return PlantConstants(model, constants, (base,) if isinstance(base, BaseMotionLaw) else tuple(base), wrenches)
 
 
 def _parameters(model: RobotModel, parameters: ArrayLike, runs: int | None) -> Array:

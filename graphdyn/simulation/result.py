@@ -10,7 +10,7 @@ import numpy as np
 from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.equations.kinematics import MaximalState, maximal_state
 from graphdyn.errors import InvalidInput
-from graphdyn.experiments.experiment import carriage, observed
+from graphdyn.experiments.experiment import base_motion, observed
 from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
@@ -130,7 +130,7 @@ class Simulation:
         return InverseDynamics(tau=taken, **{name: value for name, value in vars(found).items() if name != "a"})
 
     def _base(self) -> BaseMotion | None:
-        return carriage(self._plant.base, self.time) if self._plant.base else None
+        return base_motion(self._plant.base, self.time) if self._plant.base else None
 
     def _wrenches(self) -> Array | None:
         if not self._plant.is_loaded:

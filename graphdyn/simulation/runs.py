@@ -100,7 +100,7 @@ class Runs:
 
     def _python_run(self, run: int) -> dict[str, Array]:
         model, period = self.plant.model, self.stretch.hold * self.stretch.h
-        noise = self._noise(run) if self.noise is not None else np.zeros((1, 2 * model.n_freedoms))
+        noise = self._noise(run) if self.noise is not None else np.zeros((1, 2 * model.nv))
         source = None
         if self.controller is not None:
             own: Any = dict(zip(GAIN_NAMES, np.split(self._gains()[run], 2), strict=True))
@@ -128,7 +128,7 @@ class Runs:
             return np.asarray(self.torques[first:last, np.minimum(ticks, self.torques.shape[1] - 1)])
         model = self.plant.model
         if self.controller is None:
-            return np.zeros((1, len(ticks), model.n_freedoms))
+            return np.zeros((1, len(ticks), model.nv))
         source = Torques(model, self.end, controller=self.controller)
         return source.columns(0, len(ticks), self.stretch.hold * self.stretch.h)[None]
 

@@ -65,7 +65,7 @@ class Torques:
         if not (np.all(np.isfinite(q)) and np.all(np.isfinite(v))):
             raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER_STEPS_REMEDY}")
         if self.function is not None:
-            return answer("torque", self.function(t, q.copy(), v.copy()), (self.model.n_freedoms,), t)
+            return answer("torque", self.function(t, q.copy(), v.copy()), (self.model.nv,), t)
         return self.values[0] if self.values is not None else self._law(t, q, v)
 
     def tau_from(self, time: float, q: Array, v: Array) -> Array:
@@ -96,7 +96,7 @@ class Torques:
         return compiled(getattr(self.controller, "nominal", None) or self.model).joint_torques
 
     def _law(self, t: float, q: Array, v: Array) -> Array:
-        controller, n = self.controller, self.model.n_freedoms
+        controller, n = self.controller, self.model.nv
         assert controller is not None
         assert self.gains is not None
         wanted, rate, further = reference(controller, self.model, np.array([min(t, self.duration)])).reshape(3, n)
@@ -112,17 +112,16 @@ GAIN_NAMES = ("position_gain", "velocity_gain")
 def torques(torque: TorqueFunction | Controller | ArrayLike | None, model: RobotModel, duration: float) -> Torques:
     """The argument torque, checked. Raises InvalidInput."""
     if torque is None:
-        return Torques(model, duration, values=np.zeros((1, model.n_freedoms)))
+        return Torques(model, duration, values=np.zeros((1, model.nv)))
     if isinstance(torque, Controller):
         check_controller(torque, model)
         return Torques(model, duration, controller=torque)
     if callable(torque):
         return Torques(model, duration, function=torque)
     values = np.atleast_2d(finite("torque", as_floats("torque", torque)))
-    if values.ndim != 2 or values.shape[1] != model.n_freedoms or len(values) == 0:
+    if values.ndim != 2 or values.shape[1] != model.nv or len(values) == 0:
         raise InvalidInput(
-            f"torque has shape {np.shape(torque)}, expected ({model.n_freedoms},) or (K, {model.n_freedoms}) for robot "
-            f"'{model.name}'"
+            f"torque has shape {np.shape(torque)}, expected ({model.nv},) or (K, {model.nv}) for robot '{model.name}'"
         )
     return Torques(model, duration, values=values)
 
@@ -139,10 +138,8 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
     if believed is not None:
         check_model(believed)
         refuse_loops("ComputedTorqueControl", believed, "give PDControl, or a function of t, q and v")
-    if believed is not None and believed.n_freedoms != model.n_freedoms:
-        raise InvalidInput(
-            f"the nominal robot of the controller has {believed.n_freedoms} joints, '{model.name}' {model.n_freedoms}"
-        )
+    if believed is not None and believed.nv != model.nv:
+        raise InvalidInput(f"the nominal robot of the controller has {believed.nv} joints, '{model.name}' {model.nv}")
     reference(controller, model, np.zeros(1))
 
 

@@ -26,8 +26,8 @@ def assemble(
 ) -> Array | tuple[Array, ...]:
     """The closed state near a given one: q, or (q, v), or (q, v, a), as many as are given.
 
-    q: where to start                                       (…, n_freedoms)  [rad or m]
-    v, a: changed as little as possible (least squares) to keep the loops closed   (…, n_freedoms)  [rad/s or m/s, …/s²]
+    q: where to start                                       (…, nv)  [rad or m]
+    v, a: changed as little as possible (least squares) to keep the loops closed   (…, nv)  [rad/s or m/s, …/s²]
     hold: names of joints that stay as they are in all of them
 
     Positions by damped Newton steps, which reach a pose near the start where there is one, not the nearest; a body
@@ -37,7 +37,7 @@ def assemble(
     there are not, wrong shapes, NaN or infinity.
     """
     check_model(model)
-    rest = np.zeros(model.n_freedoms)
+    rest = np.zeros(model.nv)
     x = joint_arrays(model, q=q, v=rest if v is None else v, a=rest if a is None else a)
     if isinstance(hold, str):
         raise InvalidInput(f"hold is the text '{hold}'; give a list of joint names")

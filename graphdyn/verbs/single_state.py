@@ -91,14 +91,14 @@ class SingleState(threading.local, Generic[Form]):  # __init__ runs again in eve
         single = super().__new__(own, model, name)  # type: ignore[call-arg]  # for __init__ in other threads
         if isinstance(own._backend, CompiledProgram) and can_call():
             own._python_call = PythonCall(single.__call__)
-            own.__call__ = own._python_call.function(len(verb.inputs), model.n_freedoms)  # type: ignore[method-assign]
+            own.__call__ = own._python_call.function(len(verb.inputs), model.nv)  # type: ignore[method-assign]
         return single
 
     def __init__(self, model: RobotModel, name: str) -> None:
         verb, lanes = VERBS[name], self._backend.lanes
         (output,) = verb.outputs
         shape = ARRAY_SPECS[output].shape_for(model)
-        memory = {name: np.zeros((lanes, model.n_freedoms)) for name in verb.inputs}
+        memory = {name: np.zeros((lanes, model.nv)) for name in verb.inputs}
         answer = np.zeros((lanes, int(np.prod(shape))))
         self.model, self._name = model, name
         self.arguments: dict[str, Array] = {name: rows[0] for name, rows in memory.items()}
@@ -129,7 +129,7 @@ class SingleState(threading.local, Generic[Form]):  # __init__ runs again in eve
 
     def _vectors(self, arguments: tuple[ArrayLike, ...]) -> Array:
         """Copies, as an argument may be in the place of another."""
-        names, shape = VERBS[self._name].inputs, (self.model.n_freedoms,)
+        names, shape = VERBS[self._name].inputs, (self.model.nv,)
         if len(arguments) != len(names):
             given = f"{len(arguments)} arguments given"
             raise InvalidInput(f"{given}; give {', '.join(names)}, or none where their memory is filled")

@@ -141,7 +141,7 @@ def wrong_comparison(tree):
     """Of the random tree, heavier in Pinocchio than here."""
     with pytest.MonkeyPatch.context() as patch:
         mass = tree.bodies[0].mass * (1 + PLANTED)
-        Plant(patch).referee_model(lambda model: with_body(model, 1, mass=mass))
+        Plant(patch).pinocchio_model(lambda model: with_body(model, 1, mass=mass))
         return compared(tree)
 
 
@@ -162,7 +162,7 @@ def plant(monkeypatch):
 
 @pytest.fixture
 def wrong_torque(plant: Plant):
-    plant.referee_value("tau", lambda x: x * (1 + PLANTED))
+    plant.pinocchio_value("tau", lambda x: x * (1 + PLANTED))
 
 
 class Outcome:
@@ -272,7 +272,7 @@ def no_work(monkeypatch):
 
 @pytest.fixture
 def my_code(tmp_path, monkeypatch):
-    """A folder with foreign code, which is the working folder; it runs in this process."""
+    """A folder with user code, which is the working folder; it runs in this process."""
     (tmp_path / "my_code.py").write_text(MY_CODE, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [*sys.path])

@@ -12,7 +12,7 @@ import urdf
 from crosscheck.judging.setting import FunctionsUnderTest, Setting
 from graphdyn import InvalidInput, kr500
 
-MISSPELT = {
+MISSPELLED = {
     "judge": (lambda: crosscheck.judge("ur5", inverse_dynamics=np.add, toleranc=1e-3), "tolerance"),
     "judge, None": (lambda: crosscheck.judge("ur5", inverse_dynamcs=None), "inverse_dynamics"),
     "assert_correct": (lambda: crosscheck.assert_correct("ur5", mass_matrix=np.add, sample=3), "samples"),
@@ -28,9 +28,9 @@ MISSPELT = {
 }
 
 
-@pytest.mark.parametrize("name", MISSPELT)
+@pytest.mark.parametrize("name", MISSPELLED)
 def test_a_misspelt_keyword_is_an_error_that_names_the_closest(name):
-    call, meant = MISSPELT[name]
+    call, meant = MISSPELLED[name]
     with pytest.raises(TypeError, match=rf"\(\) has no option '\w+'; did you mean '{meant}'\?"):
         call()
 

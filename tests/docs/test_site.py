@@ -39,9 +39,9 @@ class TestEntries:
         assert entry.names == ("q", "v", "tau")
 
     def test_several_shapes(self):
-        text = "rotation, translation: placement of the carriage   (…, 3, 3), (…, 3)  [m]"
+        text = "rotation, translation: placement of the moving base   (…, 3, 3), (…, 3)  [m]"
         (entry,) = parts(text, "rotation", "translation").entries
-        assert (entry.meaning, entry.shape, entry.unit) == ("placement of the carriage", "(…, 3, 3), (…, 3)", "[m]")
+        assert (entry.meaning, entry.shape, entry.unit) == ("placement of the moving base", "(…, 3, 3), (…, 3)", "[m]")
 
     def test_a_shape_without_a_meaning(self):
         (entry,) = parts("q, v, a: (…, n)", "q", "v", "a").entries
@@ -53,8 +53,10 @@ class TestEntries:
         assert (entry.meaning, entry.shape) == (f"of the joint {remark}", "")
 
     def test_an_indented_line_goes_on(self):
-        (entry,) = parts("base: motion of the carriage: rails, and at most one\n    turntable   (3,)", "base").entries
-        assert (entry.meaning, entry.shape) == ("motion of the carriage: rails, and at most one turntable", "(3,)")
+        (entry,) = parts(
+            "base: motion of the moving base: rails, and at most one\n    turntable   (3,)", "base"
+        ).entries
+        assert (entry.meaning, entry.shape) == ("motion of the moving base: rails, and at most one turntable", "(3,)")
 
     def test_a_unit_on_a_line_of_its_own(self):
         (entry,) = parts("center: box of the center (2, 3)\n                      [m]", "center").entries

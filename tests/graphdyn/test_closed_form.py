@@ -122,7 +122,7 @@ def test_slide_along_gravity(method, upward):
     """m q̈ = τ ∓ m g, whatever the velocity; the guide carries only the moment of the eccentric center."""
     mass, center = 4.0, np.array([0.3, -0.2, 0.6])
     axis = np.array([0.0, 0.0, 1.0 if upward else -1.0])
-    body = Body("carriage", mass, center, np.diag([0.1, 0.2, 0.15]))
+    body = Body("base_motion", mass, center, np.diag([0.1, 0.2, 0.15]))
     model = RobotModel("lift", (body,), (Joint("slide", "prismatic", 0, Placement(), axis),))
     q, v, tau = np.array([0.4]), np.array([-2.0]), np.array([50.0])
     f = graphdyn.forward_dynamics(model, q, v, tau, method=method)
@@ -139,11 +139,11 @@ def test_slide_along_gravity(method, upward):
 
 @pytest.mark.usefixtures("default_method")
 def test_slide_on_an_incline():
-    """A frictionless carriage on a slope of angle s: q̈ = -g sin s; the guide presses with m g cos s."""
+    """A frictionless moving base on a slope of angle s: q̈ = -g sin s; the guide presses with m g cos s."""
     slope, mass = 0.6, 2.5
     axis = np.array([np.cos(slope), 0.0, np.sin(slope)])
     normal = np.array([-np.sin(slope), 0.0, np.cos(slope)])
-    body = Body("carriage", mass, np.zeros(3), np.eye(3))
+    body = Body("base_motion", mass, np.zeros(3), np.eye(3))
     model = RobotModel("incline", (body,), (Joint("slide", "prismatic", 0, Placement(), axis),))
     f = graphdyn.forward_dynamics(model, [0.2], [1.0], [0.0])
     assert f.a[0] == pytest.approx(-G * np.sin(slope), rel=ROUNDING)

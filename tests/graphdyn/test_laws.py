@@ -272,13 +272,13 @@ def test_accelerated_base_is_a_change_of_gravity_and_uniform_motion_is_none(robo
     """The base rides on a slide: acceleration s along d acts as gravity g - s d; a constant speed as nothing."""
     direction, thrust = rng.normal(size=3), 4.0
     direction /= np.linalg.norm(direction)
-    carriage = NAMED["one_prismatic"].bodies[0]
+    base_motion = NAMED["one_prismatic"].bodies[0]
     slide = Joint("slide", "prismatic", 0, Placement(), direction)
     joints = [slide] + [
         Joint(j.name, j.kind, j.inside + 1, robot.base @ j.placement if j.inside == 0 else j.placement, j.axis)
         for j in robot.joints
     ]
-    bodies = [Body("carriage", carriage.mass, carriage.center_of_mass, carriage.inertia), *robot.bodies]
+    bodies = [Body("base_motion", base_motion.mass, base_motion.center_of_mass, base_motion.inertia), *robot.bodies]
     riding = RobotModel("riding", tuple(bodies), tuple(joints), gravity=robot.gravity)
     q, v, a = random_state(robot, 18)
     ridden = graphdyn.inverse_dynamics(riding, np.r_[0.7, q], np.r_[speed, v], np.r_[thrust, a])

@@ -63,12 +63,12 @@ class Plant:
     def __init__(self, monkeypatch):
         self._patch = monkeypatch
 
-    def _in_the_referee(self, place: object, name: str, function: object) -> None:
+    def _in_the_pinocchio(self, place: object, name: str, function: object) -> None:
         """Put the function into Pinocchio's side, which leaves our answers as they are: they are computed once."""
         self._patch.setattr(place, name, function)
         remember_our_answers(self._patch)
 
-    def referee_value(self, field: str, change: Callable[[float], float]) -> None:
+    def pinocchio_value(self, field: str, change: Callable[[float], float]) -> None:
         """Change the largest entry of one field of PinocchioAnswers, of the last state, where it is first asked for."""
         original, planted = getattr(PinocchioAnswers, field), []
 
@@ -76,9 +76,9 @@ class Plant:
             planted.append(there)
             return _changed(original.fget(there), change) if there is planted[0] else original.fget(there)
 
-        self._in_the_referee(PinocchioAnswers, field, property(value))
+        self._in_the_pinocchio(PinocchioAnswers, field, property(value))
 
-    def referee_quantity(self, name: str, change: Callable[[float], float], loaded: bool = False) -> dict:
+    def pinocchio_quantity(self, name: str, change: Callable[[float], float], loaded: bool = False) -> dict:
         """Change the largest entry of Pinocchio's answer for a quantity, in the last of the first states.
 
         loaded: with external wrenches. Returns a dictionary that holds q of that state once the comparison has run.
@@ -97,7 +97,7 @@ class Plant:
         remember_our_answers(self._patch)
         return planted
 
-    def referee_required(self, loaded: bool, change: Callable[[float], float]) -> None:
+    def pinocchio_required(self, loaded: bool, change: Callable[[float], float]) -> None:
         """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
         original = ComparedStates.required
 
@@ -105,35 +105,35 @@ class Plant:
             torques, wrenches = original(states, a)
             return (_changed(torques, change) if (states.loads is not None) == loaded else torques), wrenches
 
-        self._in_the_referee(ComparedStates, "required", required)
+        self._in_the_pinocchio(ComparedStates, "required", required)
 
-    def referee_frames(self, which: int, change: Callable[[float], float]) -> None:
+    def pinocchio_frames(self, which: int, change: Callable[[float], float]) -> None:
         """Change the largest entry of the frames' rotations (0) or positions (1)."""
         original = PinocchioModel.frame_placements
 
-        def frame_placements(referee, q, names):
-            placements = list(original(referee, q, names))
+        def frame_placements(pinocchio, q, names):
+            placements = list(original(pinocchio, q, names))
             placements[which] = _changed(placements[which], change)
             return tuple(placements)
 
-        self._in_the_referee(PinocchioModel, "frame_placements", frame_placements)
+        self._in_the_pinocchio(PinocchioModel, "frame_placements", frame_placements)
 
-    def referee_model(self, change: Callable[[RobotModel], RobotModel]) -> None:
+    def pinocchio_model(self, change: Callable[[RobotModel], RobotModel]) -> None:
         """Pinocchio is built from a changed robot."""
         original = PinocchioModel.from_model
-        self._in_the_referee(PinocchioModel, "from_model", staticmethod(lambda model: original(change(model))))
+        self._in_the_pinocchio(PinocchioModel, "from_model", staticmethod(lambda model: original(change(model))))
 
-    def referee_gravity(self, factor: float) -> None:
+    def pinocchio_gravity(self, factor: float) -> None:
         """Pinocchio computes under another gravity."""
         original = PinocchioModel.turned
-        self._in_the_referee(
+        self._in_the_pinocchio(
             PinocchioModel, "turned", lambda self, base, gravity: original(self, base, factor * gravity)
         )
 
-    def referee_regressor(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    def pinocchio_regressor(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
         """Pinocchio's regressor of the baseline identification; the one of evaluate stays."""
         original = PinocchioModel.torque_regressor
-        self._in_the_referee(PinocchioModel, "torque_regressor", lambda *arguments: change(original(*arguments)))
+        self._in_the_pinocchio(PinocchioModel, "torque_regressor", lambda *arguments: change(original(*arguments)))
 
     def projected_accelerations(self, factor: float) -> None:
         """Our forward dynamics in the null space are off; the others are right."""

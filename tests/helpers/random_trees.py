@@ -66,7 +66,7 @@ def random_wrenches(model, seed, size=()):
 
 
 def random_base_motion(seed, size=()):
-    """A carriage anywhere that moves and turns."""
+    """A moving base anywhere that moves and turns."""
     rng = np.random.default_rng(seed)
     rotation = Rotation.from_rotvec(rng.normal(size=(int(np.prod(size)), 3))).as_matrix().reshape(*size, 3, 3)
     translation, velocity, acceleration = (rng.normal(size=(*size, width)) for width in (3, 6, 6))

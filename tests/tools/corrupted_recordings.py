@@ -3,7 +3,7 @@
     python tests/tools corrupted_recordings                     every variant of every recording, some minutes
     python tests/tools corrupted_recordings tx40 ur5            of these recordings
     python tests/tools corrupted_recordings kr300 --only tau4   variants with this in their name
-    python tests/tools corrupted_recordings --health            without any fit, a second or two each
+    python tests/tools corrupted_recordings --data-quality            without any fit, a second or two each
 
 Columns are spoilt where they are read, by a wrong mapping, in front of gears and offsets; instants and noise in the
 arrays. The exit code is the number of variants that are judged otherwise than they must be.
@@ -19,7 +19,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("recordings", nargs="*", default=["ur5", "ur10", "tx40", "kr300"])
     parser.add_argument("--only", default="")
-    parser.add_argument("--health", action="store_true", help="the health of the recording alone, without any fit")
+    parser.add_argument(
+        "--data-quality", action="store_true", help="the data quality of the recording alone, without any fit"
+    )
     arguments = parser.parse_args()
     wrong = 0
     print("| recording | variant | told | usable | best result | as it must be |\n|---|---|---|---|---|---|")
@@ -27,11 +29,11 @@ def main():
         for variant in variants(name):
             if arguments.only not in variant.name:
                 continue
-            row = judged(name, variant, fitted=not arguments.health)
+            row = judged(name, variant, fitted=not arguments.data_quality)
             wrong += not row.right
             told = "; ".join(
                 f"{finding.code} ({', '.join(finding.joints) if len(finding.joints) < 3 else 'all'})"
-                for finding in row.health.findings
+                for finding in row.data_quality.findings
             )
             usable = {True: "yes", False: "no", None: "not asked"}[row.usable]
             cells = (name, variant.name, told or "–", usable, row.best or "–", "yes" if row.right else "**no**")

@@ -133,7 +133,7 @@ def limits(folder):
         start = time.process_time()
         try:
             known = collisions_of(path, model)
-            found = collision_free(problem_of(model, np.ones(model.n_freedoms)), known, 0)
+            found = collision_free(problem_of(model, np.ones(model.nv)), known, 0)
         except GraphDynError as error:
             print(f"{path.name}: {error}")
             continue

@@ -46,7 +46,7 @@ STEPS: dict[str, Replaced] = {
     "all reductions": ((programs, "REDUCTIONS", ()),),
     "short_chains": ((forward, "is_short", lambda links: False),),
     "watching": ((programs, "sufficient", lambda recorder, inputs, outputs: inputs),),
-    "turns_ahead": ((emitter, "turns_ahead", lambda program, lanes: ({}, None)),),
+    "sincos_pipelining": ((emitter, "sincos_pipelining", lambda program, lanes: ({}, None)),),
     "ALIGNED_STACK": ((vector_code, "ALIGNED_STACK", ""), (body_by_body_code, "ALIGNED_STACK", "")),
 }
 """What replaces a step."""
@@ -122,8 +122,8 @@ def times(model: graphdyn.RobotModel) -> None:
 
 def sums(model: graphdyn.RobotModel) -> Callable[[], object]:
     gram, rng = torque_gram(model, range(10 * model.n_bodies)), np.random.default_rng(0)
-    arrays = [rng.normal(size=(SAMPLES, model.n_freedoms)) for _ in range(4)]
-    extra = np.empty((SAMPLES, model.n_freedoms, 0))
+    arrays = [rng.normal(size=(SAMPLES, model.nv)) for _ in range(4)]
+    extra = np.empty((SAMPLES, model.nv, 0))
     return lambda: gram(*arrays, extra, threads=1)
 
 

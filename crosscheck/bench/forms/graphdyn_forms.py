@@ -21,7 +21,7 @@ from graphdyn.arguments import Method
 from graphdyn.compiler import BACKEND_VARIABLE, TorqueGram, aligned, chosen_backend, torque_gram
 from graphdyn.identification import TorqueModel, structure
 from graphdyn.identification.terms import RigidBodies
-from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
+from graphdyn.layout import BODY_DOF, BODY_PARAMETERS, JOINT_CONSTRAINTS, Array
 from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
 
@@ -73,7 +73,7 @@ def forward(states: States, threads: Sequence[int]) -> list[Contender]:
 def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:
     """All accelerations and all multipliers; the multipliers are judged."""
     n = states.model.n_bodies
-    out = aligned((len(states), n, BODY_FREEDOMS)), aligned((len(states), n, JOINT_CONSTRAINTS))
+    out = aligned((len(states), n, BODY_DOF)), aligned((len(states), n, JOINT_CONSTRAINTS))
 
     def run(count: int, method: Method, **options: Any) -> Array:
         q, v, tau = (x[:count] for x in (states.q, states.v, states.tau))
@@ -83,7 +83,7 @@ def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:
     def into(count: int, used: int) -> Array:
         return run(count, "recursive", threads=used, out=(out[0][:count], out[1][:count]))
 
-    size = (BODY_FREEDOMS + JOINT_CONSTRAINTS) * n
+    size = (BODY_DOF + JOINT_CONSTRAINTS) * n
     dense = f"the {size}×{size} system of Eq. (111) solved for each sample"
     return [
         *_recursive(into, threads, states.multiplier_errors),

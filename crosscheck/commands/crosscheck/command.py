@@ -15,7 +15,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.reading_options import refuse_for_several
 from crosscheck.commands.program.robot_files import is_folder
-from crosscheck.commands.program.three_d import standing
+from crosscheck.commands.program.three_d import figure_at_rest
 from graphdyn import GraphDynError
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
             failures.append({"robot": robot, "message": str(error)})
     report = crosscheck_report(comparisons, failures)
     if options.three_d and comparisons:
-        report = with_stage(report, [standing(one.robot, one.model, one.reading) for one in comparisons])
+        report = with_stage(report, [figure_at_rest(one.robot, one.model, one.reading) for one in comparisons])
     deliver(report, options.html_file, json_file)
     if failures:
         raise typer.Exit(BAD_INPUT)

@@ -25,7 +25,7 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.robot_parts import joints_table, locked_text, robot_picture
 from crosscheck.report.snippets import worst_state
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
 ROUTES = {"urdf": "urdf: Pinocchio builds the same file", "model": "model: Pinocchio is built from our model"}
 
@@ -88,7 +88,7 @@ def _conditioning(comparison: Comparison) -> Table:
         ),
         (
             Row(("φ_q, constraints", c.constraint_rank, JOINT_CONSTRAINTS * n, c.constraint_condition)),
-            Row(("KKT, Eq. (111)", c.kkt_rank, (BODY_FREEDOMS + JOINT_CONSTRAINTS) * n, c.kkt_condition)),
+            Row(("KKT, Eq. (111)", c.kkt_rank, (BODY_DOF + JOINT_CONSTRAINTS) * n, c.kkt_condition)),
             Row(("M, mass matrix", None, n, c.mass_matrix_condition)),
         ),
         title="How well conditioned it is",
@@ -99,7 +99,7 @@ def _conditioning(comparison: Comparison) -> Table:
 def _conditioning_lines(comparison: Comparison) -> Iterator[str]:
     """The same, and the base parameters."""
     c, n = comparison.conditioning, comparison.n_bodies
-    rows, size = JOINT_CONSTRAINTS * n, (BODY_FREEDOMS + JOINT_CONSTRAINTS) * n
+    rows, size = JOINT_CONSTRAINTS * n, (BODY_DOF + JOINT_CONSTRAINTS) * n
     yield (
         f"rank φ_q {span_text(c.constraint_rank)} of {rows}, cond {span_text(c.constraint_condition)}; "
         f"rank KKT {span_text(c.kkt_rank)} of {size}, cond {span_text(c.kkt_condition)}; "

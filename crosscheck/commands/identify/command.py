@@ -155,7 +155,7 @@ def simulated(
 
 def written(found: Identified, shown: MethodResult | None, robot: str, path: Path, options: IdentifyOptions) -> bool:
     """The shown result in a copy of the user's file; False, saying why, where it cannot be trusted."""
-    if found.recommendation.doubts and options.choose is None:
+    if found.recommendation.rejection_reasons and options.choose is None:
         say(f"{path} is not written: no model is recommended; --choose METHOD writes one all the same", "red")
         return False
     if shown is None:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from crosscheck.commands.program.functions import foreign_function
+from crosscheck.commands.program.functions import user_function
 
 if TYPE_CHECKING:
     from graphdyn.identification import ClosedLoop
@@ -44,7 +44,7 @@ class LoopOptions:
             raise typer.BadParameter(f"--control-rate {rate:g}: give Hz above zero, and a --controller")
         if text is None:
             return None
-        function: Any = foreign_function("--controller", text)
+        function: Any = user_function("--controller", text)
         period = None if rate is None else 1 / rate
         if len(signature(function).parameters) > 0:
             return ClosedLoop(function, period=period)

@@ -46,7 +46,7 @@ def torques_section(found: Identified, shown: MethodResult) -> Section:
     model = found.torque_model.model
     plots = tuple(
         _torque_plot(joint.name, j, joint.is_prismatic, side, curves)
-        for j, joint in enumerate(model.joints[k] for k in model.freedoms.independent)
+        for j, joint in enumerate(model.joints[k] for k in model.degrees_of_freedom.independent)
         for side, curves in sides.items()
         if curves
     )

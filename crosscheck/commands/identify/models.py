@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import typer
 
-from crosscheck.commands.program.functions import foreign_function
+from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.recording_options import numbers
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def known_torques(texts: list[str] | None) -> list[KnownTerm]:
     """--known-torque. Raises typer.BadParameter for a wrong FILE.py:NAME."""
     from graphdyn.identification.terms import KnownTorque
 
-    return [KnownTorque(foreign_function("--known-torque", text)) for text in texts or ()]  # type: ignore[arg-type]
+    return [KnownTorque(user_function("--known-torque", text)) for text in texts or ()]  # type: ignore[arg-type]
 
 
 def scaled_torques(texts: Sequence[str] | None) -> list[Term]:
@@ -109,7 +109,7 @@ def scaled_torques(texts: Sequence[str] | None) -> list[Term]:
     from graphdyn.identification.terms import ScaledTorque
 
     return [
-        ScaledTorque(foreign_function("--scaled-torque", text), text.rpartition(":")[2])  # type: ignore[arg-type]
+        ScaledTorque(user_function("--scaled-torque", text), text.rpartition(":")[2])  # type: ignore[arg-type]
         for text in texts or ()
     ]
 
@@ -138,7 +138,7 @@ def made(option: str, text: str, *needed: str) -> Any:
 
     Raises typer.BadParameter where it takes some, or something that is needed is missing from what it makes.
     """
-    function = foreign_function(option, text)
+    function = user_function(option, text)
     try:
         inspect.signature(function).bind()
     except TypeError as error:

@@ -1,29 +1,35 @@
-"""The health of the recordings of an identification: what was measured of each joint, findings, what nobody can see."""
+"""The data quality of the recordings of an identification: what was measured of each joint, findings, what nobody can
+see."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from crosscheck.identifying import Identified, IdentifiedModel
-from crosscheck.identifying.data_quality.data_quality import MIN_CLEAR_SHARE, Health
+from crosscheck.identifying.data_quality.data_quality import MIN_CLEAR_SHARE, DataQuality
 from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, Table
-from graphdyn.identification.data_quality import RecordingHealth, excitation
+from graphdyn.identification.data_quality import RecordingQuality, excitation
 
 QUALITY_NOTE = "Lines of the file of --mapping, over those that are there"
 TOO_SHORT_NOTE = "The recording is too short to tell whether signs, columns, units and delays are right."
 
 
-def health_section(found: Identified) -> Section:
+def data_quality_section(found: Identified) -> Section:
     """Empty blocks are not shown, so that a recording without findings has tables alone."""
-    health = found.health
-    if health is None:
+    data_quality = found.data_quality
+    if data_quality is None:
         blocks: tuple[Block, ...] = (Prose(TOO_SHORT_NOTE),)
     else:
-        blocks = (_joints(health.measures), *_findings(health), *_of_predicted(found), _unseen(health))
-    return Section("health", "Health of the recording", blocks)
+        blocks = (
+            _joints(data_quality.measures),
+            *_findings(data_quality),
+            *_of_predicted(found),
+            _unseen(data_quality),
+        )
+    return Section("data_quality", "Data quality of the recording", blocks)
 
 
-def _joints(measures: RecordingHealth) -> Table:
+def _joints(measures: RecordingQuality) -> Table:
     late = measures.lag
     caption = (
         "gain: of measured on predicted torque, CAD and fitted drives; in brackets where CAD explains less than "
@@ -74,9 +80,9 @@ def _with_deviation(numbers: tuple[float, float]) -> str:
     return f"{numbers[0]:.1f} ± {numbers[1]:.1f}"
 
 
-def _findings(health: Health) -> list[Block]:
+def _findings(data_quality: DataQuality) -> list[Block]:
     blocks: list[Block] = []
-    for finding in health.findings:
+    for finding in data_quality.findings:
         state = "disagrees" if finding.severity == "fault" else "undecided"
         note = Note(f"{finding.severity}: {finding.message}; {finding.remedy}", finding.code, state=state)  # type: ignore[arg-type]
         blocks.append(Notes((note,)))
@@ -88,17 +94,18 @@ def _findings(health: Health) -> list[Block]:
 def _of_predicted(found: Identified) -> list[Block]:
     """Findings of the recordings that are predicted and not fitted."""
     blocks: list[Block] = []
-    for name, health in zip(found.predicted_recordings, found.validation_health, strict=True):
-        if health is None:
+    for name, data_quality in zip(found.predicted_recordings, found.validation_data_quality, strict=True):
+        if data_quality is None:
             blocks.append(Prose(f"{name}, which is predicted, is too short to be examined."))
-        elif health.findings:
-            blocks += [Prose(f"Of {name}, which is predicted:"), *_findings(health)]
+        elif data_quality.findings:
+            blocks += [Prose(f"Of {name}, which is predicted:"), *_findings(data_quality)]
     return blocks
 
 
-def _unseen(health: Health) -> Notes:
+def _unseen(data_quality: DataQuality) -> Notes:
     return Notes(
-        tuple(Note(words) for words in health.unseen), title="What this recording cannot show, and the test that would"
+        tuple(Note(words) for words in data_quality.unseen),
+        title="What this recording cannot show, and the test that would",
     )
 
 
@@ -120,7 +127,7 @@ def excitation_table(model: IdentifiedModel) -> Table:
     )
 
 
-def doubts_sections(found: Identified) -> tuple[Section, ...]:
+def rejection_sections(found: Identified) -> tuple[Section, ...]:
     """Why no result is recommended, joint by joint; none where one is."""
-    notes = tuple(Note(words, state="disagrees") for words in found.recommendation.doubts)
-    return (Section("doubts", "Why no model is recommended", (Notes(notes),)),) if notes else ()
+    notes = tuple(Note(words, state="disagrees") for words in found.recommendation.rejection_reasons)
+    return (Section("rejection_reasons", "Why no model is recommended", (Notes(notes),)),) if notes else ()

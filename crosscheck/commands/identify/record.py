@@ -1,4 +1,4 @@
-"""The format `graphdyn identify 2`."""
+"""The format `graphdyn identify 3`."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from crosscheck.identifying.data_quality.data_quality import Health
+from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.results.identified_model import Candidate, HeldOutPrediction, IdentifiedModel
 from crosscheck.identifying.results.parameters import (
     BaseRow,
@@ -107,7 +107,7 @@ class ModelRecord(TorqueModelRecord, of=IdentifiedModel, only=("name", "exogenei
     cad_links: bool
 
 
-class HealthRecord(Record, of=Health, leave_out=("measures",)):
+class DataQualityRecord(Record, of=DataQuality, leave_out=("measures",)):
     """What the recordings of the fit show of themselves."""
 
     gain: Numbers = attribute("measures.gains.gain")
@@ -221,12 +221,12 @@ class ShownRecord(Record):
 
 
 class IdentifyRecord(
-    TorqueModelRecord, of=Identified, only=("exogeneity", "settings", "truth"), format="graphdyn identify 2"
+    TorqueModelRecord, of=Identified, only=("exogeneity", "settings", "truth"), format="graphdyn identify 3"
 ):
     """Parameters of a robot from recordings by several methods, and which one to trust.
 
     joint_names: order of all numbers per joint
-    health: what the recordings of the fit show of themselves; null where they are too short
+    data_quality: what the recordings of the fit show of themselves; null where they are too short
     excitation: how well they excite each group of parameters
     recording: what was fitted and predicted
     model: name of the torque model that parameters, rank, base_parameters, methods and what is between them belong to:
@@ -234,7 +234,8 @@ class IdentifyRecord(
     other_models: further torque models on the same rows: those that were asked for, and the links of CAD with fitted
         drives
     comparison: every method of every torque model, in the order of the tables
-    validation_health: what every recording that is predicted and not fitted shows of itself; null where it is too short
+    validation_data_quality: what every recording that is predicted and not fitted shows of itself; null where it is too
+        short
     shown: the result in the tables
     """
 
@@ -250,8 +251,8 @@ class IdentifyRecord(
     recommended = attribute("recommendation.name")
     reason = attribute("recommendation.reason")
     best = attribute("recommendation.best")
-    doubts = attribute("recommendation.doubts")
-    health: HealthRecord | None
+    rejection_reasons = attribute("recommendation.rejection_reasons")
+    data_quality: DataQualityRecord | None
     excitation: Sequence[Excitation]
     recording: RecordingRecord
     gap: Sequence[float] = attribute("comparison.gap")
@@ -260,7 +261,7 @@ class IdentifyRecord(
     model: str = attribute("name")
     other_models: Sequence[ModelRecord]
     comparison: Sequence[CandidateRecord]
-    validation_health: Sequence[HealthRecord | None]
+    validation_data_quality: Sequence[DataQualityRecord | None]
     shown: ShownRecord | None
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from crosscheck.commands.identify.method_errors import singular_values
 from crosscheck.commands.identify.methods_report import methods_section
 from crosscheck.commands.identify.model_report import parameters_section, torques_section
-from crosscheck.commands.identify.quality_report import doubts_sections, excitation_table, health_section
+from crosscheck.commands.identify.quality_report import data_quality_section, excitation_table, rejection_sections
 from crosscheck.commands.identify.record import record
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
@@ -33,8 +33,8 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
         _verdict(found),
         (
             Section("recording", "", (_overview(found, shown),)),
-            *doubts_sections(found),
-            health_section(found),
+            *rejection_sections(found),
+            data_quality_section(found),
             methods_section(found),
             *model,
             Section("excitation", "What the motion excites", _excitation(_model(found, shown))),
@@ -52,7 +52,11 @@ def _model(found: Identified, shown: MethodResult | None) -> IdentifiedModel:
 def _verdict(found: Identified) -> Verdict:
     chosen = found.recommendation
     if chosen.name is None:
-        reason = chosen.reason.removesuffix(f": {'; '.join(chosen.doubts)}") if chosen.doubts else chosen.reason
+        reason = (
+            chosen.reason.removesuffix(f": {'; '.join(chosen.rejection_reasons)}")
+            if chosen.rejection_reasons
+            else chosen.reason
+        )
         return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
     return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
 

@@ -1,4 +1,4 @@
-"""`graphdyn judge`: foreign functions against graphdyn, Pinocchio and MuJoCo."""
+"""`graphdyn judge`: functions under test against graphdyn, Pinocchio and MuJoCo."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from crosscheck.commands.judge.answers import AnswerOptions, warn_of_unused, write_further
-from crosscheck.commands.judge.programs import ProgramOptions, foreign_programs
+from crosscheck.commands.judge.programs import ProgramOptions, user_programs
 from crosscheck.commands.program.console import progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, DISAGREED, PENDING
-from crosscheck.commands.program.functions import foreign_function
+from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.judged_functions import (
     FUNCTION_FORM,
     FUNCTIONS_HELP,
@@ -24,11 +24,11 @@ from crosscheck.commands.program.judged_functions import (
 )
 from crosscheck.commands.program.options import EXAMPLES, PageOptions
 from crosscheck.commands.program.reading_options import pairs
-from crosscheck.commands.program.three_d import standing
+from crosscheck.commands.program.three_d import figure_at_rest
 
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.program import ProgramFunction
-    from crosscheck.judging.setting import Foreign, Setting
+    from crosscheck.judging.setting import Setting, TestedFunction
 
 EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --forward-dynamics my_package.dynamics:aba --html verdict.html
@@ -88,7 +88,7 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             tolerance=self.tolerance,
         )
 
-    def functions(self, programs: Mapping[str, ProgramFunction]) -> dict[str, Foreign]:
+    def functions(self, programs: Mapping[str, ProgramFunction]) -> dict[str, TestedFunction]:
         """The functions in Python, and those of programs. Raises typer.BadParameter for none, and one named twice."""
         given = {
             "inverse_dynamics": self.inverse_dynamics,
@@ -110,7 +110,7 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
                 raise typer.BadParameter(
                     f"{name} is named by {named[name][0]} and by --command or --library; name it once"
                 )
-        found: dict[str, Any] = {name: foreign_function(option, text) for name, (option, text) in named.items()}
+        found: dict[str, Any] = {name: user_function(option, text) for name, (option, text) in named.items()}
         return found | dict(programs)
 
 
@@ -126,7 +126,7 @@ def run(options: JudgeOptions) -> None:
     part where it is installed.
     """
     robot, answers, setting = options.robot, options.answers or [], options.setting
-    with foreign_programs(options) as programs:
+    with user_programs(options) as programs:
         functions = options.functions(programs)
         from crosscheck.commands.judge.report import judge_report
         from crosscheck.judging.exchange.answer_files import read_answers
@@ -146,6 +146,6 @@ def run(options: JudgeOptions) -> None:
         warn_of_unused(unused)
     report = judge_report(judgment)
     if options.three_d:
-        report = with_stage(report, [standing(robot, judgment.model, judgment.reading)])
+        report = with_stage(report, [figure_at_rest(robot, judgment.model, judgment.reading)])
     deliver(report, options.html_file, options.json_file)
     raise typer.Exit(AGREED if judgment.agrees and judgment.decided else DISAGREED)

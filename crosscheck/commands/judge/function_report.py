@@ -31,7 +31,7 @@ def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
         *(SpreadRow(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
         *(
             SpreadRow(f"{who} against graphdyn", counted(errors), function.bound)
-            for who, errors in function.referees_differ.items()
+            for who, errors in function.references_differ.items()
         ),
     ]
     backward = [
@@ -41,7 +41,7 @@ def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
         ),
         *(
             SpreadRow(f"{who} by torques of graphdyn", counted(errors), function.bound)
-            for who, errors in function.referees_differ_backward.items()
+            for who, errors in function.references_differ_backward.items()
         ),
     ]
     return Section(
@@ -70,7 +70,7 @@ def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
                 on=("page",),
             ),
         ),
-        verdict_of(function.agrees, function.referees_agree),
+        verdict_of(function.agrees, function.references_agree),
         sheet=True,
     )
 

@@ -1,4 +1,4 @@
-"""Foreign code that is not Python, as options name it: programs and C functions of shared libraries."""
+"""User code that is not Python, as options name it: programs and C functions of shared libraries."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class ProgramOptions:
 
 
 @contextmanager
-def foreign_programs(options: ProgramOptions) -> Iterator[Mapping[str, ProgramFunction]]:
+def user_programs(options: ProgramOptions) -> Iterator[Mapping[str, ProgramFunction]]:
     """The functions by name; their programs end with this context.
 
     Raises typer.BadParameter, saying what is wrong.

@@ -1,4 +1,4 @@
-"""The format `graphdyn judge 1`."""
+"""The format `graphdyn judge 2`."""
 
 from __future__ import annotations
 
@@ -43,15 +43,15 @@ class FunctionRecord(Record, of=JudgedFunction, leave_out=("name", "code")):
 
     agrees = attribute()
     errors: Mapping[str, Quantiles]
-    referees_differ: Mapping[str, Quantiles]
+    references_differ: Mapping[str, Quantiles]
     backward_errors: Mapping[str, Quantiles]
-    referees_differ_backward: Mapping[str, Quantiles]
+    references_differ_backward: Mapping[str, Quantiles]
     repeated: Quantiles
     worst: JudgeWorstRecord
 
 
 class FittedNumberRecord(Record, of=FittedNumber):
-    """A number of the robot as the foreign code must have it."""
+    """A number of the robot as the user code must have it."""
 
     theirs: Number
     ours: Number
@@ -65,10 +65,10 @@ class DiagnosisRecord(Record, of=Diagnosis):
     numbers: Sequence[FittedNumberRecord]
 
 
-class JudgeRecord(Record, of=Judgment, leave_out=("file", "model", "reading"), format="graphdyn judge 1"):
-    """Foreign dynamics functions against graphdyn, Pinocchio and MuJoCo, and what is wrong with them.
+class JudgeRecord(Record, of=Judgment, leave_out=("file", "model", "reading"), format="graphdyn judge 2"):
+    """Dynamics functions under test against graphdyn, Pinocchio and MuJoCo, and what is wrong with them.
 
-    verdict: undecided: the referees differ among themselves
+    verdict: undecided: the references differ among themselves
     """
 
     versions: Versions
@@ -96,14 +96,14 @@ def record(judgment: Judgment, command: Sequence[str]) -> dict[str, Any]:
 
 
 def _function(function: JudgedFunction) -> dict[str, Any]:
-    by_referee = ("errors", "referees_differ", "backward_errors", "referees_differ_backward")
+    by_reference = ("errors", "references_differ", "backward_errors", "references_differ_backward")
     return written(
         FunctionRecord,
         function,
         repeated=_quantiles(function.repeated),
         **{
-            name: {referee: _quantiles(error) for referee, error in getattr(function, name).items()}
-            for name in by_referee
+            name: {reference: _quantiles(error) for reference, error in getattr(function, name).items()}
+            for name in by_reference
         },
     )
 

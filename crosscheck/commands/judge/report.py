@@ -1,4 +1,4 @@
-"""`graphdyn judge`: foreign functions, and what is wrong with them, as a report."""
+"""`graphdyn judge`: functions under test, and what is wrong with them, as a report."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def judge_report(judgment: Judgment) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
     diagnoses = tuple(block for diagnosis in judgment.diagnoses for block in _diagnosis(diagnosis))
     return Report(
-        f"Foreign functions for {Path(judgment.robot).name}",
+        f"Functions under test for {Path(judgment.robot).name}",
         verdict_of(judgment.agrees, judgment.decided, _reason(judgment)),
         (
             *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
@@ -48,29 +48,29 @@ def judge_report(judgment: Judgment) -> Report:
 
 
 def _reason(judgment: Judgment) -> str:
-    functions, referees = judgment.functions.values(), ", ".join(judgment.referees)
+    functions, references = judgment.functions.values(), ", ".join(judgment.references)
     if judgment.agrees and judgment.decided:
         return (
-            f"Every function gives the same numbers as every reference implementation ({referees}), within its bound."
+            f"Every function gives the same numbers as every reference implementation ({references}), within its bound."
         )
-    faulty = [function for function in functions if function.referees_agree and not function.agrees]
+    faulty = [function for function in functions if function.references_agree and not function.agrees]
     wrong = ", ".join(function.name for function in faulty if not function.right_where_answered)
     if judgment.decided:
-        other = f"{wrong}: other numbers than the reference implementations ({referees}), which agree among themselves."
+        other = (
+            f"{wrong}: other numbers than the reference implementations ({references}), which agree among themselves."
+        )
         told = [other] if wrong else []
         if unanswered := ", ".join(function.name for function in faulty if function.failures):
             told.append(f"{unanswered}: no answer at single states.")
         if changing := ", ".join(function.name for function in faulty if not function.repeats):
             told.append(f"{changing}: other answers when asked again.")
         return " ".join(told)
-    undecided = ", ".join(function.name for function in functions if not function.referees_agree)
+    undecided = ", ".join(function.name for function in functions if not function.references_agree)
     others = f" {wrong}: other numbers than all of them, which agree among themselves there." if wrong else ""
-    return (
-        f"The reference implementations ({referees}) differ among themselves on {undecided}: no verdict there.{others}"
-    )
+    return f"The reference implementations ({references}) disagree on {undecided}: no verdict there.{others}"
 
 
-STANDINGS: Mapping[str, str] = {
+STATUS_MEANINGS: Mapping[str, str] = {
     "holds": "put into graphdyn, it gives the numbers of the function at all judged states",
     "candidate": "put into graphdyn, it gives the numbers of the function at all judged states; so do others as simple",
     "part": "it explains a part of the deviation",
@@ -87,7 +87,7 @@ def _diagnosis(diagnosis: Diagnosis) -> tuple[Block, ...]:
     also = (("same numbers from", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
     apart = (("told apart by", diagnosis.apart),) if diagnosis.apart else ()
     items = (
-        ("standing", f"{diagnosis.standing}: {STANDINGS[diagnosis.standing]}"),
+        ("status", f"{diagnosis.status}: {STATUS_MEANINGS[diagnosis.status]}"),
         ("evidence", diagnosis.evidence),
         ("remedy", diagnosis.remedy),
         *also,
@@ -129,7 +129,7 @@ def _errors(judgment: Judgment) -> Table:
         (
             Column("function", "name"),
             Column("verdict", "verdict"),
-            *(Column(referee, **ERROR_FORMAT) for referee in judgment.referees),
+            *(Column(reference, **ERROR_FORMAT) for reference in judgment.references),
             Column("bound", **ERROR_FORMAT),
             Column("relative to", from_width=WIDE_LINE_CHARACTERS),
         ),
@@ -138,7 +138,7 @@ def _errors(judgment: Judgment) -> Table:
                 (
                     name,
                     verdict,
-                    *(_largest(errors, referee) for referee in judgment.referees),
+                    *(_largest(errors, reference) for reference in judgment.references),
                     function.bound,
                     scale,
                 ),
@@ -146,7 +146,7 @@ def _errors(judgment: Judgment) -> Table:
                 link=function.name,
             )
             for function, name, errors, scale in rows
-            for verdict in [verdict_of(function.within(errors), function.referees_agree)]
+            for verdict in [verdict_of(function.within(errors), function.references_agree)]
         ),
         caption="Largest error over all states against each reference implementation",
     )
@@ -178,8 +178,8 @@ def _states(numbers: list[int]) -> str:
     return f"state{'s' if len(numbers) > 1 else ''} {listed}"
 
 
-def _largest(errors: Mapping[str, Array], referee: str) -> float | None:
-    return float(counted(errors[referee]).max()) if referee in errors else None
+def _largest(errors: Mapping[str, Array], reference: str) -> float | None:
+    return float(counted(errors[reference]).max()) if reference in errors else None
 
 
 def _to_be_known(judgment: Judgment) -> Notes:
@@ -192,6 +192,6 @@ def _judged(judgment: Judgment) -> tuple[Block, ...]:
         ("robot", f"{judgment.robot}: {len(names)} joints{locked_text(judgment.locked)}"),
         ("joint order", ", ".join(names)),
         ("states", f"{judgment.samples} random states and special ones, seed {judgment.seed}"),
-        ("reference implementations", ", ".join(judgment.referees)),
+        ("reference implementations", ", ".join(judgment.references)),
     )
     return robot_picture(model, Path(judgment.robot).name), Group((Facts(facts), joints_table(model)))

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from crosscheck.commands.program.console import complain, out, say, trace, warn
-from crosscheck.commands.program.functions import place_in_foreign_code
+from crosscheck.commands.program.functions import place_in_user_code
 from crosscheck.commands.program.output_files import OutputFile, refuse_harm
 from crosscheck.report.plain_text import printable
 from graphdyn import GraphDynError
@@ -71,7 +71,7 @@ class CommandGroup(TyperGroup):
                 raise _printable(error) from None
             trace(error, ctx)
             message = " ".join(f"{type(error).__name__}: {error}".split()).removesuffix(":")
-            place = place_in_foreign_code(error)
+            place = place_in_user_code(error)
             if place or isinstance(error, SystemExit):
                 say(f"error: {place or 'the code of another'} raised {message}", "red")
                 raise typer.Exit(BAD_INPUT) from None

@@ -17,16 +17,16 @@ from crosscheck.commands.program import own_process
 from crosscheck.user_code import module_of_file
 
 _files: set[str] = set()
-"""Of the foreign code that this process has imported, as tracebacks name them."""
+"""Of the user code that this process has imported, as tracebacks name them."""
 
 
-def foreign_function(option: str, text: str) -> Callable[..., object]:
+def user_function(option: str, text: str) -> Callable[..., object]:
     """The function that an option names.
 
     The first time, the whole command is run again in a process of its own, and the program ends with its exit code:
-    whatever foreign code does to its process, there is a verdict or an error. So ask before the work begins.
+    whatever user code does to its process, there is a verdict or an error. So ask before the work begins.
 
-    Raises typer.BadParameter, saying what is wrong; ForeignCodeEnded; typer.Exit.
+    Raises typer.BadParameter, saying what is wrong; UserCodeEnded; typer.Exit.
     """
     where, _, name = text.rpartition(":")
     if not where or not name:
@@ -36,8 +36,8 @@ def foreign_function(option: str, text: str) -> Callable[..., object]:
         module = _file(Path(where)) if where.endswith(".py") else _module(where)
     except FileNotFoundError:
         raise typer.BadParameter(f"{option} {text}: there is no file {where}") from None
-    except (Exception, SystemExit) as error:  # whatever foreign code raises when it is imported
-        place = place_in_foreign_code(error)
+    except (Exception, SystemExit) as error:  # whatever user code raises when it is imported
+        place = place_in_user_code(error)
         raise typer.BadParameter(
             f"{option} {text}: importing {where} raised {type(error).__name__}: {error}{f' ({place})' if place else ''}"
         ) from error
@@ -51,8 +51,8 @@ def foreign_function(option: str, text: str) -> Callable[..., object]:
     return found
 
 
-def place_in_foreign_code(error: BaseException) -> str:
-    """Where in foreign code an error was raised, or what it called: "my_code.py, line 12, in rnea"; "" if elsewhere."""
+def place_in_user_code(error: BaseException) -> str:
+    """Where in user code an error was raised, or what it called: "my_code.py, line 12, in rnea"; "" if elsewhere."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in _files]
     return f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}" if frames else ""
 

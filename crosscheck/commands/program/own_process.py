@@ -1,6 +1,6 @@
-"""The command again in a process of its own, whose end is noticed however foreign code brings it about.
+"""The command again in a process of its own, whose end is noticed however user code brings it about.
 
-Foreign code may end its process (os._exit, sys.exit, a signal, a fault in a compiled extension). An exit code alone
+User code may end its process (os._exit, sys.exit, a signal, a fault in a compiled extension). An exit code alone
 cannot tell this from a result, so the process tells its exit code through a pipe when the command is complete.
 """
 
@@ -29,18 +29,18 @@ program: Callable[[], None] | None = None
 """Runs the command line; set by crosscheck.commands.application, whose commands this file serves."""
 
 tell: Callable[[str], None] | None = None
-"""In the process of the command: says to the program which foreign code is about to run. None in the program itself."""
+"""In the process of the command: says to the program which user code is about to run. None in the program itself."""
 
 
-class ForeignCodeEnded(GraphDynError):
-    """Foreign code ended the process that it ran in."""
+class UserCodeEnded(GraphDynError):
+    """User code ended the process that it ran in."""
 
 
 def enter(what: str) -> None:
     """Return where this is the process of the command. Otherwise start it, wait, and end with its exit code.
 
-    what: the foreign code that is about to run, for messages
-    Raises ForeignCodeEnded where the process ends before the command is complete; typer.Exit with its exit code.
+    what: the user code that is about to run, for messages
+    Raises UserCodeEnded where the process ends before the command is complete; typer.Exit with its exit code.
     """
     if tell is not None:
         tell(what)
@@ -58,7 +58,7 @@ def enter(what: str) -> None:
         _end(process)
         raise
     if code is None:
-        raise ForeignCodeEnded(
+        raise UserCodeEnded(
             f"the process {end_in_words(process.exitcode)} while it ran {' and '.join(running) or what}; there is no "
             "result: a function has to return, or to raise an exception"
         )
@@ -66,7 +66,7 @@ def enter(what: str) -> None:
 
 
 def _told(process: BaseProcess, ours: Connection) -> tuple[list[str], int | None]:
-    """The foreign code that ran, and the exit code, None where the process ended without telling it."""
+    """The user code that ran, and the exit code, None where the process ended without telling it."""
     running: list[str] = []
     while True:
         wait([ours, process.sentinel])
@@ -101,11 +101,11 @@ def _run(again: Callable[[], None], theirs: Connection) -> None:
         console.out.file.flush()
         sys.stderr.flush()
         theirs.send(end.code or 0)
-        os._exit(0)  # whatever foreign code has left to be done at exit
+        os._exit(0)  # whatever user code has left to be done at exit
 
 
 def _keep_standard_output() -> None:
-    """For results alone: what foreign code prints goes to standard error, also where it is not written in Python."""
+    """For results alone: what user code prints goes to standard error, also where it is not written in Python."""
     kept = os.dup(sys.stdout.fileno())
     console.out.file = open(kept, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())

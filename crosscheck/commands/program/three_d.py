@@ -16,10 +16,10 @@ if TYPE_CHECKING:
     from urdf import Reading
 
 
-def standing(robot: str, model: RobotModel, reading: Reading, q: Array | None = None) -> Figure:
+def figure_at_rest(robot: str, model: RobotModel, reading: Reading, q: Array | None = None) -> Figure:
     """The robot at rest.
 
-    q: where it stands (n_freedoms,), zero or the nearest position within limits if None; loops are closed [rad or m]
+    q: where it stands (nv,), zero or the nearest position within limits if None; loops are closed [rad or m]
     """
     from crosscheck.viewing.figures import Figure
     from crosscheck.viewing.motions import closed_instant

@@ -25,7 +25,7 @@ class QuestionRecord(Record, of=Question):
 
 
 class QuestionsRecord(Record, format="graphdyn questions 1"):
-    """Questions to foreign code, of which `graphdyn judge --answers` takes the answers.
+    """Questions to user code, of which `graphdyn judge --answers` takes the answers.
 
     robot: as given
     joint_names: the order of the joints

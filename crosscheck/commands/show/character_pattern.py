@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
 Pattern = NDArray[np.bool_]
 
@@ -56,18 +56,18 @@ def picture(pattern: Pattern, n: int, width: int, chords: Sequence[int] = ()) ->
 
 
 def _framed(pattern: Pattern, n: int, raster: Raster, chords: Sequence[int]) -> list[str]:
-    split = BODY_FREEDOMS * n
+    split = BODY_DOF * n
     parts = slice(0, split), slice(split, None)
     (a, phi_t), (phi, zero) = ([raster.lines(pattern[rows, columns]) for columns in parts] for rows in parts)
     margin = " " * len(_JOINT_LABEL)
-    bodies = _labels("body", n, BODY_FREEDOMS, raster, len(a))
+    bodies = _labels("body", n, BODY_DOF, raster, len(a))
     joints = _labels("joint", n, JOINT_CONSTRAINTS, raster, len(phi))
     first = len(pattern) - split - sum(chords)
     for number, rows in enumerate(chords, start=1):
         joints[first // raster.rows] = f"chord {number}".ljust(len(_JOINT_LABEL))
         first += rows
     numbers = (
-        _numbers(n, BODY_FREEDOMS, raster, len(a[0])),
+        _numbers(n, BODY_DOF, raster, len(a[0])),
         _numbers(n, JOINT_CONSTRAINTS, raster, len(phi_t[0])),
     )
     left, right = ("─" * len(block[0]) for block in (a, phi_t))

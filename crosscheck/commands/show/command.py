@@ -11,7 +11,7 @@ from crosscheck.commands.program.console import warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument
 from crosscheck.commands.program.reading_options import ReadingOptions
-from crosscheck.commands.program.three_d import standing
+from crosscheck.commands.program.three_d import figure_at_rest
 from crosscheck.commands.show.states import StateOption, given_state
 
 Reference = Literal["world", "local", "local_world_aligned"]
@@ -74,5 +74,5 @@ def run(options: ShowOptions) -> None:
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
     report = show_report(describe(model, robot, reading.locked, there), model)
     if options.three_d:
-        report = with_stage(report, [standing(robot, model, reading, q)])
+        report = with_stage(report, [figure_at_rest(robot, model, reading, q)])
     deliver(report, options.html_file, options.json_file)

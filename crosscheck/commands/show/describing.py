@@ -27,7 +27,7 @@ from crosscheck.commands.show.record import (
     SystemRecord,
 )
 from graphdyn import InvalidInput, LoopAnalysis, Placement, RobotModel, analyze_loops, inverse_dynamics, kkt_system
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS, Array
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS, Array
 from graphdyn.model import FORCES, MOMENTS
 from urdf.document import rpy_from_rotation
 
@@ -232,7 +232,7 @@ def _system(model: RobotModel) -> SystemRecord:
 def _pattern(matrix: Array, model: RobotModel) -> NDArray[np.bool_]:
     """Entries that are more than the rounding of their block (the shape of the matrix)."""
     n, of_chords = model.n_bodies, [len(chord.rows) for chord in model.chords]
-    sizes = n * [BODY_FREEDOMS] + n * [JOINT_CONSTRAINTS] + len(model.couplings) * [1] + of_chords
+    sizes = n * [BODY_DOF] + n * [JOINT_CONSTRAINTS] + len(model.couplings) * [1] + of_chords
     block = np.repeat(np.arange(len(sizes)), sizes)
     largest = np.zeros((len(sizes), len(sizes)))
     np.maximum.at(largest, (block[:, None], block), np.abs(matrix))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from crosscheck.report.pictures.colors import CURVES, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
-from graphdyn.layout import BODY_FREEDOMS, JOINT_CONSTRAINTS
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,7 +50,7 @@ def _draw(axes: Axes, pattern: NDArray[np.bool_], n: int, chords: Sequence[int])
     squares = np.argwhere(pattern)[:, None, ::-1] + corners
     axes.add_collection(PolyCollection(list(squares), facecolor=CURVES[0], linewidth=0))
     # couplings, a row each, stand between joints and chords without a label
-    ends = np.cumsum([0, *n * [BODY_FREEDOMS], *n * [JOINT_CONSTRAINTS]]).tolist()
+    ends = np.cumsum([0, *n * [BODY_DOF], *n * [JOINT_CONSTRAINTS]]).tolist()
     of_chords = (size - sum(chords) + np.cumsum([0, *chords])).tolist()
     for k, start in enumerate([*ends, *of_chords]):
         width = 1.2 if k in (0, n, 2 * n) or start == size else 0.25

@@ -186,7 +186,7 @@ class LoopsRecord:
     """Names of the joints that have motors; null where that is not known."""
 
     q: Sequence[float]
-    """The pose, closed: that of --state, or the robot's own (n_freedoms) [rad or m]."""
+    """The pose, closed: that of --state, or the robot's own (nv) [rad or m]."""
 
     n_rows: Count
     """Constraint rows of joints, couplings and chords."""

@@ -26,7 +26,7 @@ def given_state(text: str, model: RobotModel) -> tuple[Array, Array]:
     """q, v (n,). Raises typer.BadParameter; InvalidInput for wrong lengths, NaN and infinity."""
     from graphdyn.arguments import one_state
 
-    q, v = _random(text, model) if text.partition(":")[0] == "random" else _written(text, model.n_freedoms)
+    q, v = _random(text, model) if text.partition(":")[0] == "random" else _written(text, model.nv)
     state = one_state(model, q=q, v=v)
     return state["q"], state["v"]
 

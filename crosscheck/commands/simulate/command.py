@@ -11,7 +11,7 @@ import typer
 
 from crosscheck.commands.program.console import progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver
-from crosscheck.commands.program.functions import foreign_function
+from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument, command_line
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
@@ -92,7 +92,7 @@ def run(options: SimulateOptions) -> None:
     MCAP carry the URDF and all settings.
     """
     robot, torque, out, reading = options.robot, options.torque, options.out, options.reading
-    function = None if torque in ("zero", "hold") else foreign_function("--torque", torque)
+    function = None if torque in ("zero", "hold") else user_function("--torque", torque)
     step = STEP if options.step is None and options.method != "dop853" else options.step
     if out is not None:
         _check_suffix(out)
@@ -169,14 +169,14 @@ def _start(model: RobotModel, position: str | None, velocity: str | None) -> tup
 def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
     """One number per joint that no others drive. Raises typer.BadParameter."""
     if text is None:
-        return [0.0] * model.n_freedoms
+        return [0.0] * model.nv
     try:
         numbers = [float(part) for part in text.split(",")]
     except ValueError:
         raise typer.BadParameter(f"{option} {text}: numbers with commas between them are needed") from None
-    if len(numbers) != model.n_freedoms:
+    if len(numbers) != model.nv:
         names = ", ".join(model.independent_joints)
-        raise typer.BadParameter(f"{option} has {len(numbers)} numbers for {model.n_freedoms} joints: {names}")
+        raise typer.BadParameter(f"{option} has {len(numbers)} numbers for {model.nv} joints: {names}")
     return numbers
 
 

@@ -92,9 +92,9 @@ def _determined(size: float) -> float | None:
 
 def of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
     """q, v and tau (N, n_bodies), those of joints that others drive included."""
-    freedoms, tau = motion.model.freedoms, np.zeros((len(motion.time), motion.model.n_bodies))
-    tau[:, list(freedoms.independent)] = motion.tau
-    return motion.model.joint_positions(motion.q), motion.v @ freedoms.matrix.T, tau
+    degrees_of_freedom, tau = motion.model.degrees_of_freedom, np.zeros((len(motion.time), motion.model.n_bodies))
+    tau[:, list(degrees_of_freedom.independent)] = motion.tau
+    return motion.model.joint_positions(motion.q), motion.v @ degrees_of_freedom.matrix.T, tau
 
 
 class OccurrenceRecord(Record, of=Occurrence, only=("name", "time")):

@@ -48,4 +48,4 @@ def read_motion(path: Path, model: RobotModel, settings: AxisSettings) -> Tabula
 
 def slides(model: RobotModel) -> tuple[bool, ...]:
     """Which of the joints that no others drive are prismatic."""
-    return tuple(model.joints[k].is_prismatic for k in model.freedoms.independent)
+    return tuple(model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent)

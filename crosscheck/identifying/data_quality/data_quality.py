@@ -17,10 +17,10 @@ from graphdyn.identification.data_quality import (
     MAX_RATE_GAIN_ERROR,
     Change,
     DataFault,
-    RecordingHealth,
+    RecordingQuality,
     TooShort,
     contradictions,
-    recording_health,
+    recording_quality,
 )
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
@@ -47,7 +47,7 @@ ten in the heavier links, which most joints carry."""
 
 
 @dataclass(frozen=True)
-class HealthFinding:
+class QualityFinding:
     """One fault or oddity of a recording.
 
     code: stable name of its kind
@@ -70,7 +70,7 @@ class HealthFinding:
 
 
 @dataclass(frozen=True, eq=False)
-class Health:
+class DataQuality:
     """Data quality of the recordings of the fit.
 
     measures: the numbers
@@ -78,23 +78,25 @@ class Health:
     unseen: faults that they cannot show, and the test that would, in sentences
     """
 
-    measures: RecordingHealth
-    findings: tuple[HealthFinding, ...]
+    measures: RecordingQuality
+    findings: tuple[QualityFinding, ...]
     unseen: tuple[str, ...]
 
     @property
-    def faults(self) -> tuple[HealthFinding, ...]:
+    def faults(self) -> tuple[QualityFinding, ...]:
         return tuple(finding for finding in self.findings if finding.severity == "fault")
 
 
-def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation) -> Health | None:
+def data_quality(
+    torque_model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation
+) -> DataQuality | None:
     """Data quality of all recordings together, with the mapping of the first; None if they are too short."""
     try:
         parts = [preparation.pieces(recording) for recording in recordings]
     except InvalidInput:  # too few rows to filter, which the fit then refuses
         return None
     try:
-        found = recording_health(
+        found = recording_quality(
             _row_by_row(torque_model),
             [piece for pieces, _ in parts for piece in pieces],
             torques=[tau for _, torques in parts for tau in torques],
@@ -106,7 +108,7 @@ def health(torque_model: TorqueModel, recordings: Sequence[Recording], preparati
     said = [*_faults(found, recordings[0]), *_of_channels(found)]
     if not any(finding.severity == "fault" for finding in said):  # else gains and fits suffer from it
         said += _of_fits(found) or _of_units(found)
-    return Health(found, tuple(said), _unseen(found))
+    return DataQuality(found, tuple(said), _unseen(found))
 
 
 def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
@@ -122,7 +124,7 @@ def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
     return replace(torque_model, terms=terms, expected={})
 
 
-def _faults(found: RecordingHealth, recording: Recording) -> list[HealthFinding]:
+def _faults(found: RecordingQuality, recording: Recording) -> list[QualityFinding]:
     said = []
     for fault in found.faults:
         names = tuple(found.joint_names[j] for j in fault.change.joints)
@@ -133,7 +135,7 @@ def _faults(found: RecordingHealth, recording: Recording) -> list[HealthFinding]
         what = change_in_words(fault.change, found.joint_names, _late_by(found, fault.change))
         message = f"{what}: undone, the equations of motion fit with {_errors(fault)}"
         code = fault.change.kind.replace(" ", "-")
-        said.append(HealthFinding(code, "fault", names, message, remedy, mapping_lines(fault.change, recording)))
+        said.append(QualityFinding(code, "fault", names, message, remedy, mapping_lines(fault.change, recording)))
     return said
 
 
@@ -146,42 +148,42 @@ def _errors(fault: DataFault) -> str:
     )
 
 
-def _late_by(found: RecordingHealth, change: Change) -> float:
+def _late_by(found: RecordingQuality, change: Change) -> float:
     """Standard deviation of a lag [s]."""
     return found.lag.deviation if len(change.joints) > 1 else float(found.lag.deviations[change.joints[0]])
 
 
-def _of_channels(found: RecordingHealth) -> list[HealthFinding]:
-    names, raw, said = found.joint_names, found.channels, list[HealthFinding]()
+def _of_channels(found: RecordingQuality) -> list[QualityFinding]:
+    names, raw, said = found.joint_names, found.channels, list[QualityFinding]()
     for what, pairs in (("positions", raw.duplicated_positions), ("torques", raw.duplicated_torques)):
         for i, j in pairs:
             message = f"the {what} of {names[i]} and {names[j]} are the same signal"
             said.append(
-                HealthFinding("duplicated", "fault", (names[i], names[j]), message, "name the right column for each")
+                QualityFinding("duplicated", "fault", (names[i], names[j]), message, "name the right column for each")
             )
     for j in raw.constant_torques:
         message = f"the torque of {names[j]} does not change"
         said.append(
-            HealthFinding("constant-torque", "fault", (names[j],), message, "name the right column, or lock the joint")
+            QualityFinding("constant-torque", "fault", (names[j],), message, "name the right column, or lock the joint")
         )
     explained = {j for fault in found.faults for j in fault.change.joints if fault.change.alone}
     for j, gain in enumerate(raw.velocity_gain):
         if abs(gain - 1) > MAX_RATE_GAIN_ERROR and j not in explained:
             message = f"v of {names[j]} is {gain:.3g} times the rate of q"
             remedy = "correct unit, sign or column of [v] or [q], or leave [v] out"
-            said.append(HealthFinding("velocity", "fault", (names[j],), message, remedy))
+            said.append(QualityFinding("velocity", "fault", (names[j],), message, remedy))
     for j in np.flatnonzero(raw.clipped > MIN_CLIPPED_SHARE).tolist():
         if j in raw.constant_torques:
             continue
         message = f"the torque of {names[j]} is held at an end of its range in {100 * raw.clipped[j]:.0f} % of the rows"
-        said.append(HealthFinding("clipped", "warning", (names[j],), message, "use --drop saturation"))
+        said.append(QualityFinding("clipped", "warning", (names[j],), message, "use --drop saturation"))
     for j in np.flatnonzero(raw.standstill > MIN_STANDSTILL_SHARE).tolist():
         message = f"{names[j]} stands still in {100 * raw.standstill[j]:.0f} % of the rows"
-        said.append(HealthFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it"))
+        said.append(QualityFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it"))
     return said
 
 
-def _of_units(found: RecordingHealth) -> list[HealthFinding]:
+def _of_units(found: RecordingQuality) -> list[QualityFinding]:
     """Findings on the unit of all torques; none if links and drives give little information."""
     g = found.gains
     with np.errstate(invalid="ignore"):
@@ -203,12 +205,12 @@ def _of_units(found: RecordingHealth) -> list[HealthFinding]:
             '[transmission] and side = "motor"; if the unit is right, the masses of the robot\'s file are not'
         )
         lines = ("[tau]", f"gain = {1 / usual:.6g}  # times the gain that is there")
-        return [HealthFinding("torque-unit", "fault", found.joint_names, message, remedy, lines)]
+        return [QualityFinding("torque-unit", "fault", found.joint_names, message, remedy, lines)]
     remedy = "check unit and gains, and the masses of the robot's file: the joints do not agree on a factor"
-    return [HealthFinding("torque-unit", "warning", found.joint_names, message, remedy)]
+    return [QualityFinding("torque-unit", "warning", found.joint_names, message, remedy)]
 
 
-def _of_fits(found: RecordingHealth) -> list[HealthFinding]:
+def _of_fits(found: RecordingQuality) -> list[QualityFinding]:
     said = []
     contradicted = contradictions(found.halves)
     for j, name in enumerate(found.joint_names):
@@ -220,18 +222,18 @@ def _of_fits(found: RecordingHealth) -> list[HealthFinding]:
                 f"{('first', 'second')[half]} half by the common fit, {100 * own[half]:.3g} % by its own"
             )
             remedy = "something changed in between (load, sign, controller, slipping belt): use one part, by --split"
-            said.append(HealthFinding("halves", "fault", (name,), message, remedy))
+            said.append(QualityFinding("halves", "fault", (name,), message, remedy))
         elif found.variation[j] > 0 and found.free_errors[j] > MIN_UNRELATED_RESIDUAL * found.variation[j]:
             message = (
                 f"the torque of {name} has nothing to do with the motion: no parameters leave less than "
                 f"{100 * found.free_errors[j] / found.variation[j]:.0f} % of its variation"
             )
             remedy = "check its column; it may be noise around a mean, or another signal"
-            said.append(HealthFinding("unrelated", "fault", (name,), message, remedy))
+            said.append(QualityFinding("unrelated", "fault", (name,), message, remedy))
     return said
 
 
-def _unseen(found: RecordingHealth) -> tuple[str, ...]:
+def _unseen(found: RecordingQuality) -> tuple[str, ...]:
     """Changes after which the recording would fit equally well, and tests that would reveal them."""
     said = []
     names = found.joint_names

@@ -17,14 +17,14 @@ from graphdyn.identification.terms import RigidBodies
 class WithPinocchio:
     """An estimator that runs on Pinocchio's regressor, and on ours for comparison.
 
-    estimator: runs on both; referee: Pinocchio's reading of the robot, made from its RobotModel if left out
+    estimator: runs on both; reference: Pinocchio's reading of the robot, made from its RobotModel if left out
 
     The setting "difference" of its estimate compares the base parameters with those on our regressor: the largest
     difference, as the torque it causes, relative to the largest torque of a base parameter.
     """
 
     estimator: Estimator
-    referee: PinocchioModel | None = None
+    pinocchio: PinocchioModel | None = None
 
     @property
     def name(self) -> str:
@@ -47,7 +47,7 @@ class WithPinocchio:
         model = problem.torque_model
         if not any(isinstance(term, RigidBodies) for term in model.terms):
             raise EstimationFailed("no body is unknown, so there is no regressor of rigid bodies to exchange")
-        bodies = PinocchioBodies(self.referee or PinocchioModel.from_model(model.model))
+        bodies = PinocchioBodies(self.pinocchio or PinocchioModel.from_model(model.model))
         terms = [bodies if isinstance(term, RigidBodies) else term for term in model.terms]
         there = replace(problem, torque_model=replace(model, terms=terms))
         theirs, ours = self.estimator.estimate(there), self.estimator.estimate(problem)

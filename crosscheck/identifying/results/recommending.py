@@ -94,13 +94,13 @@ class Recommendation:
     name: of the method to trust; None where there is none
     reason: why this one, or why none, in one sentence
     best: method that would be recommended without the rejection reasons; None where no result is consistent
-    doubts: reasons for the rejection, joint by joint
+    rejection_reasons: reasons for the rejection, joint by joint
     """
 
     name: str | None
     reason: str
     best: str | None = None
-    doubts: tuple[str, ...] = ()
+    rejection_reasons: tuple[str, ...] = ()
 
 
 def real(result: MethodResult) -> bool:
@@ -188,10 +188,10 @@ def _more(one: Candidate, other: Candidate) -> str:
     return "more parameters" if ranks[0] > ranks[1] else "the weaker prior"
 
 
-def doubted(found: Recommendation, doubts: tuple[str, ...]) -> Recommendation:
+def rejected(found: Recommendation, rejection_reasons: tuple[str, ...]) -> Recommendation:
     """The recommendation, withdrawn if there are rejection reasons."""
-    if not doubts:
+    if not rejection_reasons:
         return found
-    count = "one reason speaks" if len(doubts) == 1 else f"{len(doubts)} reasons speak"
+    count = "one reason speaks" if len(rejection_reasons) == 1 else f"{len(rejection_reasons)} reasons speak"
     reason = found.reason if found.best is None else f"{found.best} is the best result, but {count} against it"
-    return Recommendation(None, f"{reason}: {'; '.join(doubts)}", found.best, doubts)
+    return Recommendation(None, f"{reason}: {'; '.join(rejection_reasons)}", found.best, rejection_reasons)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from crosscheck.identifying.data_quality.data_quality import Health
+from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.preparing.holding_out import Division
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.baselines import Baselines
-from crosscheck.identifying.results.doubts import doubts
 from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel
-from crosscheck.identifying.results.recommending import Recommendation, doubted, mean_error, recommendation
+from crosscheck.identifying.results.recommending import Recommendation, mean_error, recommendation, rejected
+from crosscheck.identifying.results.rejection_reasons import rejection_reasons
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import MethodResult, ResidualStatistics
@@ -28,8 +28,8 @@ class Identified(IdentifiedModel):
     division: which rows were fitted and which predicted
     others: further torque models on the same rows: those that were asked for, and the links of CAD with fitted drives
     constant: errors of a constant torque on the predicted rows
-    health: data quality of the recordings of the fit; None where they are too short to tell
-    validation_health: of every recording that is predicted and not fitted, likewise
+    data_quality: data quality of the recordings of the fit; None where they are too short to tell
+    validation_data_quality: of every recording that is predicted and not fitted, likewise
     truth: the true parameters of a virtual robot           (p,)
     """
 
@@ -38,13 +38,13 @@ class Identified(IdentifiedModel):
     preparation: Preparation
     others: tuple[IdentifiedModel, ...] = ()
     constant: ResidualStatistics
-    health: Health | None = None
-    validation_health: tuple[Health | None, ...] = ()
+    data_quality: DataQuality | None = None
+    validation_data_quality: tuple[DataQuality | None, ...] = ()
     truth: Array | None = None
 
     @property
     def predicted_recordings(self) -> tuple[str, ...]:
-        """Names of the recordings that are predicted and not fitted, in the order of validation_health."""
+        """Names of the recordings that are predicted and not fitted, in the order of validation_data_quality."""
         trials = (*self.division.trials, *self.division.aside)
         return tuple(trial.name for trial in trials if trial.own_recording)
 
@@ -102,19 +102,21 @@ class Identified(IdentifiedModel):
         found = recommendation(self.candidates)
         best = self if found.best is None else self.candidate(found.best).model
         unconstrained = next((m for m in self.models if m.name == best.cad_of), best)
-        said = doubts(
+        said = rejection_reasons(
             None if found.best is None else self.candidate(found.best).result,
             best.problem,
             self.torque_model.model.independent_joints,
             self.baselines_of(best),
-            self.health,
+            self.data_quality,
             unconstrained=unconstrained.problem,
         )
-        for name, health in zip(self.predicted_recordings, self.validation_health, strict=True):
+        for name, data_quality in zip(self.predicted_recordings, self.validation_data_quality, strict=True):
             said += (
-                tuple(f"{name}, which is predicted: {finding.message}" for finding in health.faults) if health else ()
+                tuple(f"{name}, which is predicted: {finding.message}" for finding in data_quality.faults)
+                if data_quality
+                else ()
             )
-        return doubted(found, said)
+        return rejected(found, said)
 
     @property
     def usable(self) -> bool:

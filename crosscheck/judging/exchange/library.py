@@ -1,4 +1,4 @@
-"""A C function of a shared library as a foreign function, called in a process that it may end."""
+"""A C function of a shared library as a function under test, called in a process that it may end."""
 
 from __future__ import annotations
 

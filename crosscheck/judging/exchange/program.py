@@ -1,4 +1,4 @@
-"""A program as a foreign function: states as lines to it, its lines as answers."""
+"""A program as a function under test: states as lines to it, its lines as answers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from graphdyn.layout import Array
 
 
 class ProgramFunction:
-    """A foreign function that a program computes. It runs from the first question to close(), or once per batch.
+    """A function under test that a program computes. It runs from the first question to close(), or once per batch.
 
     command: name of the program and its arguments; what: its name in messages
     time_limit: of each answer [s]

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.judging.exchange.protocols import number_text
-from crosscheck.judging.observing.function_under_test import ForeignFunction
+from crosscheck.judging.observing.function_under_test import FunctionUnderTest
 from crosscheck.quantities import LOADS
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
@@ -44,7 +44,7 @@ class Question:
 
     id: twelve digits, to be repeated with the answer: [{"id": …, "answer": […]}, …]
     function: its name
-    arguments: by name, in the order in which the function takes them and in the joint order of the foreign code; (n,),
+    arguments: by name, in the order in which the function takes them and in the joint order of the user code; (n,),
         or (n, 6) for external wrenches [rad or m, …/s, …/s², N m or N]
     """
 
@@ -62,9 +62,9 @@ def question(function: str, arguments: Mapping[str, Array]) -> Question:
     return Question(SMALLEST_ID + int.from_bytes(digest[:8], "big") % N_IDS, function, arguments)
 
 
-def questions(function: ForeignFunction, arguments: Sequence[Array]) -> list[Question]:
+def questions(function: FunctionUnderTest, arguments: Sequence[Array]) -> list[Question]:
     """The questions of one call with N states, each once. arguments: (N, …) each, in our joint order."""
-    asked = (function.foreign_arguments(row) for row in zip(*arguments, strict=True))
+    asked = (function.function_arguments(row) for row in zip(*arguments, strict=True))
     return once(question(function.name, given) for given in asked)
 
 

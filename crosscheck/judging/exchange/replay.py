@@ -1,4 +1,4 @@
-"""Answers from files as a foreign function, and the questions that are still to be answered."""
+"""Answers from files as a function under test, and the questions that are still to be answered."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.protocols import Shape, UnreadableAnswer, shaped
 from crosscheck.judging.exchange.questions import Question, once, question
-from crosscheck.judging.observing.function_under_test import ForeignFailure, Refusal
+from crosscheck.judging.observing.function_under_test import FunctionFailure, Refusal
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
@@ -30,7 +30,7 @@ class AnswersPending(GraphDynError):
 
 
 class Replay:
-    """A foreign function whose answers are in files.
+    """A function under test whose answers are in files.
 
     given: the answers by id, those of other functions among them
     used: the ids that were asked for, added to at each call
@@ -44,7 +44,7 @@ class Replay:
         """The answer (shape) at each state; none where a number is not finite.
 
         Raises BadAnswers where some answers of a stage are missing, or of another size; AnswersPending where further
-        answers are needed; ForeignFailure where a stage beyond QUESTION_STAGES would need them.
+        answers are needed; FunctionFailure where a stage beyond QUESTION_STAGES would need them.
         """
         asked = [question(function, state) for state in states]
         new = once(one for one in asked if one.id not in self._used)
@@ -57,7 +57,7 @@ class Replay:
     def _begin_stage(self, function: str, missing: Sequence[Question], shape: Shape, *, partly: bool) -> None:
         """missing: questions without an answer; partly: others have one"""
         if missing and self._stages == QUESTION_STAGES:
-            raise ForeignFailure(f"{function} would have to answer questions in a further round")
+            raise FunctionFailure(f"{function} would have to answer questions in a further round")
         if missing and (partly or self._stages == 0):
             ids = listed([one.id for one in missing])
             raise BadAnswers(f"{function}: no answers to {len(missing)} questions, ids {ids}")

@@ -13,8 +13,8 @@ from crosscheck.judging.exchange.questions import Question, once, questions
 from crosscheck.judging.exchange.replay import QUESTION_STAGES, AnswersPending, Replay, listed
 from crosscheck.judging.judge import Progress, check_frame, judge_functions
 from crosscheck.judging.judgment import Judgment
-from crosscheck.judging.observing.function_under_test import ForeignFunction, joint_order
-from crosscheck.judging.setting import Foreign, Setting
+from crosscheck.judging.observing.function_under_test import FunctionUnderTest, joint_order
+from crosscheck.judging.setting import Setting, TestedFunction
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.reference.subject import check_counts, refuse_chords, subject
@@ -63,7 +63,7 @@ def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
     order = joint_order(states.model, setting.joint_names)
     asked: list[Question] = []
     for known in functions:
-        function = ForeignFunction(known, Replay({}, set()), order, loaded=setting.external_wrenches)
+        function = FunctionUnderTest(known, Replay({}, set()), order, loaded=setting.external_wrenches)
         asked += questions(function, known.arguments_at(states_of(known, states, setting)))
     return FirstRound(states.model, tuple(states.model.joint_names[k] for k in order), tuple(once(asked)))
 
@@ -85,7 +85,7 @@ def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> li
 def judge_answers(
     setting: Setting,
     given: Mapping[int, GivenAnswer],
-    others: Mapping[str, Foreign],
+    others: Mapping[str, TestedFunction],
     progress: Progress | None = None,
 ) -> tuple[Judgment, list[int]]:
     """The judgment of answers and of other functions, and the ids that belong to no question.

@@ -86,10 +86,10 @@ def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTa
         ours = known.of_graphdyn(references.states, chosen)
         tolerance = tolerances(known, ours, references.states, chosen, setting.bound)
         answers = references.answers(known, chosen, ours)
-        for referee, theirs in answers.items():
+        for reference, theirs in answers.items():
             if not (np.abs(theirs - ours) <= tolerance).all():
                 raise ReferencesDisagree(
-                    f"{known.name}: {referee} and graphdyn disagree on this robot; see `graphdyn crosscheck`"
+                    f"{known.name}: {reference} and graphdyn disagree on this robot; see `graphdyn crosscheck`"
                 )
         names_of = known.called_with(setting.external_wrenches)
         arguments = dict(zip(names_of, known.arguments_at(references.states), strict=True))

@@ -20,7 +20,7 @@ FAULT_KINDS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Said:
+class FaultDescription:
     """What is wrong, in words.
 
     kind: one of FAULT_KINDS
@@ -39,12 +39,12 @@ class Said:
 class CodeFault:
     """One fault, and how a code is changed that gets it."""
 
-    said: Said
+    said: FaultDescription
     change: Change
 
     @classmethod
     def of(cls, kind: str, message: str, remedy: str, change: Change, size: int = 1) -> CodeFault:
-        return cls(Said(kind, message, remedy, size), change)
+        return cls(FaultDescription(kind, message, remedy, size), change)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,5 +58,5 @@ class Family:
 
     right: Array
     change: Callable[[DynamicsCode, Array], DynamicsCode]
-    say: Callable[[Array], list[Said]]
+    say: Callable[[Array], list[FaultDescription]]
     starts: Array | None = None

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.optimize import least_squares
 
-from crosscheck.judging.faults.fault import CodeFault, Said
+from crosscheck.judging.faults.fault import CodeFault, FaultDescription
 from crosscheck.judging.faults.joint_terms import RIGID_BODY_REMEDY
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
@@ -56,7 +56,9 @@ def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
         )
         message = f"torques are clipped, at a limit: {said} N m or N"
         yield CodeFault(
-            Said("clipped", message, "take the limit of the torques away for the comparison", 1 + len(which), numbers),
+            FaultDescription(
+                "clipped", message, "take the limit of the torques away for the comparison", 1 + len(which), numbers
+            ),
             lambda code: code.giving(lambda tau, _: np.clip(tau, -level, level)),
         )
 
@@ -88,7 +90,7 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
             if row[which].any()
         )
         yield CodeFault(
-            Said(
+            FaultDescription(
                 "friction",
                 f"friction by a {name} law is included: {shown}",
                 RIGID_BODY_REMEDY,

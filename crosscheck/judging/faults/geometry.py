@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from crosscheck.judging.faults.changes import E1, E2, E3, Changed, is_round, of_joints, rounded
-from crosscheck.judging.faults.fault import CodeFault, Family, Said
+from crosscheck.judging.faults.fault import CodeFault, Family, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode, turned_about
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
@@ -118,7 +118,7 @@ def _translation(model: RobotModel, k: int) -> Family:
         moved[k] = moved[k] + x
         return code.but(translations=moved)
 
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         numbers = tuple(
             FittedNumber(axis, float(own + d), float(own), "m")
             for axis, own, d in zip("xyz", ours, x, strict=True)
@@ -128,7 +128,7 @@ def _translation(model: RobotModel, k: int) -> Family:
             return []
         moved = ", ".join(f"{number.name} by {number.difference:.6g} m" for number in numbers)
         message = f"the translation of joint '{name}' is off: {moved}"
-        return [Said("geometry", message, PLACEMENT_REMEDY, 1 + len(numbers), numbers)]
+        return [FaultDescription("geometry", message, PLACEMENT_REMEDY, 1 + len(numbers), numbers)]
 
     return Family(np.zeros(3), change, say)
 
@@ -142,14 +142,16 @@ def _rotation(k: int, message: str, field: str) -> Family:
         array[k] = (np.eye(3) + (s + s @ s / 2) / (1 + x @ x / 4)) @ array[k]
         return code.but(**{field: array})
 
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         if not x.any():
             return []
         size = float(np.linalg.norm(x))
         about = ", ".join(f"{value:.4g}" for value in x / size)
         numbers = (FittedNumber("turned by", 2 * np.arctan(size / 2), 0.0, "rad"),)
         return [
-            Said("geometry", f"{message} by {numbers[0].theirs:.6g} rad about ({about})", PLACEMENT_REMEDY, 4, numbers)
+            FaultDescription(
+                "geometry", f"{message} by {numbers[0].theirs:.6g} rad about ({about})", PLACEMENT_REMEDY, 4, numbers
+            )
         ]
 
     return Family(np.zeros(3), change, say)
@@ -168,19 +170,23 @@ def _zero(name: str, k: int, slides: bool) -> Family:
             rotations[k] = rotations[k] @ turned_about(axis, x[0])
         return code.but(rotations=rotations, translations=translations)
 
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         off = float(x[0])
         part = off / np.pi * 2
         shown = f"{round(part)} π/2" if not slides and abs(part - round(part)) < 1e-6 else f"{off:.6g}"
         said = f"the zero of joint '{name}' is off by {shown} {unit}: its position is taken as q + that"
         number = FittedNumber("zero", off, 0.0, unit)
-        return [Said("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))] if off else []
+        return (
+            [FaultDescription("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))]
+            if off
+            else []
+        )
 
     return Family(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else TRIAL_ZEROS)
 
 
 def _gear(name: str, at: Array) -> Family:
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         factor = rounded(x[0])
         if factor in TRIVIAL_SCALES:
             return []
@@ -188,9 +194,9 @@ def _gear(name: str, at: Array) -> Family:
         shown = f"1/{ratio:g}" if ratio and ratio != 1 and abs(ratio) > 1 and ratio.is_integer() else f"{factor:.6g}"
         what = "left out" if factor == 0 else f"multiplied by {shown}, as by a gear"
         size = 1 if is_round(factor) else 2
-        return [Said("gear", f"the torque of joint '{name}' is {what}", "give torques at the joint", size)] * (
-            factor != 1
-        )
+        return [
+            FaultDescription("gear", f"the torque of joint '{name}' is {what}", "give torques at the joint", size)
+        ] * (factor != 1)
 
     return Family(np.ones(1), lambda code, x: code.giving(lambda tau, _: tau * np.where(at, x[0], 1.0)), say)
 
@@ -202,13 +208,13 @@ def _scale(what: str, at: Array, which: str) -> Family:
             lambda *state: tuple(scale * s if k in which else s for k, s in zip("qva", state, strict=True))
         )
 
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         factor = rounded(x[0])
         if factor in TRIVIAL_SCALES:
             return []
         are = "are" if " and " in what else "is"
         message = f"{what} {are} multiplied by {factor:.6g}"
-        return [Said("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)]
+        return [FaultDescription("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)]
 
     return Family(np.ones(1), change, say, starts=TRIAL_SCALES)
 
@@ -224,11 +230,11 @@ def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
         code = code.taking(lambda q, v, a: (q @ matrix.T, v @ matrix.T, a @ matrix.T))
         return code.giving(lambda tau, _: tau @ matrix) if transmitted else code
 
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         factor = rounded(x[0])
         if factor == 0:
             return []
         message = f"joint '{first}' turns with joint '{second}' too, by a factor {factor:.6g}{back}"
-        return [Said("coupling", message, "joint coordinates are relative to the inside body", 2)]
+        return [FaultDescription("coupling", message, "joint coordinates are relative to the inside body", 2)]
 
     return Family(np.zeros(1), change, say, starts=COUPLING_TRIALS)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import Family, Said
+from crosscheck.judging.faults.fault import Family, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode, State
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
@@ -44,7 +44,7 @@ def _added(x: Array, state: State) -> Array:
     return added
 
 
-def _said(model: RobotModel, x: Array) -> Iterator[Said]:
+def _said(model: RobotModel, x: Array) -> Iterator[FaultDescription]:
     n = model.n_bodies
     terms = dict(zip(JOINT_TERMS, x, strict=True))
     slack = np.where(terms["a spring"] != 0, terms["a constant torque"], 0.0)
@@ -70,7 +70,7 @@ def _said(model: RobotModel, x: Array) -> Iterator[Said]:
         else:
             message = f"{shown} per joint is included"
         size = 1 + len(which) + (int(np.count_nonzero(slack)) if kind == "spring" else 0)
-        yield Said(kind, message, remedy, size, numbers)
+        yield FaultDescription(kind, message, remedy, size, numbers)
 
 
 def _values(row: Array, unit: str) -> str:
@@ -90,7 +90,7 @@ def _symmetric(x: Array, n: int) -> Array:
     return matrix + np.triu(matrix, 1).T
 
 
-def _matrix_said(model: RobotModel, x: Array) -> list[Said]:
+def _matrix_said(model: RobotModel, x: Array) -> list[FaultDescription]:
     n = model.n_bodies
     pairs = [*((k, k) for k in range(n)), *itertools.combinations(range(n), 2)]
     numbers = tuple(
@@ -102,4 +102,4 @@ def _matrix_said(model: RobotModel, x: Array) -> list[Said]:
         return []
     said = ", ".join(f"{number.name} + {number.theirs:.4g}" for number in numbers)
     message = f"a constant matrix, as of coupled rotors, is added to the mass matrix: {said}"
-    return [Said("rotor_inertia", message, DRIVE_REMEDY, 1 + len(numbers), numbers)]
+    return [FaultDescription("rotor_inertia", message, DRIVE_REMEDY, 1 + len(numbers), numbers)]

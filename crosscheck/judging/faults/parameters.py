@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.judging.faults.changes import is_round, rounded
-from crosscheck.judging.faults.fault import Family, Said
+from crosscheck.judging.faults.fault import Family, FaultDescription
 from crosscheck.judging.faults.inertials import TENSOR_NAMES, UPPER_TRIANGLE
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import FittedNumber
@@ -72,7 +72,7 @@ def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
         ten[which] = ten[which] + x
         return with_ten_numbers(code, k, ten)
 
-    def say(x: Array) -> list[Said]:
+    def say(x: Array) -> list[FaultDescription]:
         moved = [i for i, difference in zip(which, x, strict=True) if difference != 0]
         numbers = tuple(
             FittedNumber(PARAMETER_LABELS[i], float(own[i] + difference), float(own[i]), BODY_NUMBER_UNITS[i])
@@ -80,7 +80,11 @@ def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
             if i in moved
         )
         return (
-            [Said("inertial_parameters", _message(name, moved, numbers), PARAMETER_REMEDY, 1 + len(moved), numbers)]
+            [
+                FaultDescription(
+                    "inertial_parameters", _message(name, moved, numbers), PARAMETER_REMEDY, 1 + len(moved), numbers
+                )
+            ]
             if moved
             else []
         )
@@ -108,15 +112,19 @@ def _factor(what: str, field: str, bodies: Array) -> Family:
     return Family(np.ones(1), change, lambda x: _scaled(what, x[0]), starts=np.array([[1.0], [1e3], [1e-3]]))
 
 
-def _scaled(what: str, x: float) -> list[Said]:
+def _scaled(what: str, x: float) -> list[FaultDescription]:
     factor = rounded(x)
     size = 1 if is_round(factor) else 2
     if factor == 1 or ("tensor" not in what and factor == -1) or ("center" in what and factor == 0):
         return []  # no fault, or one of those of signs and inertials
     if factor == 0:
-        return [Said("inertial_parameters", f"{what} left out", "use the values of the model", size)]
+        return [FaultDescription("inertial_parameters", f"{what} left out", "use the values of the model", size)]
     power = np.log10(abs(factor))
     if abs(factor) == 1 or not power.is_integer():
-        return [Said("inertial_parameters", f"{what} multiplied by {factor:.6g}", "use the values of the model", size)]
+        return [
+            FaultDescription(
+                "inertial_parameters", f"{what} multiplied by {factor:.6g}", "use the values of the model", size
+            )
+        ]
     said = f"{what} multiplied by {'-' if factor < 0 else ''}1e{round(power)}"
-    return [Said("unit", said, "use kg, m, kg m², N m", size)]
+    return [FaultDescription("unit", said, "use kg, m, kg m², N m", size)]

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.changes import factor_said, is_round, rounded
-from crosscheck.judging.faults.fault import Family, Said
+from crosscheck.judging.faults.fault import Family, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode, State
 from crosscheck.judging.faults.velocity_terms import velocity_terms
 from crosscheck.judging.judgment import FittedNumber
@@ -81,12 +81,16 @@ def _decomposition(model: RobotModel, number: int) -> Family:
     )
 
 
-def _said(names: Sequence[str], kind: str, x: Array) -> list[Said]:
+def _said(names: Sequence[str], kind: str, x: Array) -> list[FaultDescription]:
     wrong = {name: rounded(factor) for name, factor in zip(names, x, strict=True) if rounded(factor) != 1}
     if not wrong:
         return []
     size = sum(1 if is_round(factor) else 2 for factor in wrong.values())
-    return [Said(kind, "; ".join(factor_said(name, factor) for name, factor in wrong.items()), TERM_REMEDY, size)]
+    return [
+        FaultDescription(
+            kind, "; ".join(factor_said(name, factor) for name, factor in wrong.items()), TERM_REMEDY, size
+        )
+    ]
 
 
 GRAVITY_ROUNDING = 1e-6
@@ -99,7 +103,7 @@ def gravity(model: RobotModel) -> Iterator[Family]:
     yield Family(ours, lambda code, g: code.but(gravity=g), lambda g: [_gravity_message(ours, g)])
 
 
-def _gravity_message(ours: Array, found: Array) -> Said:
+def _gravity_message(ours: Array, found: Array) -> FaultDescription:
     shown, here = (", ".join(f"{x:.6g}" for x in np.where(np.abs(g) < GRAVITY_ROUNDING, 0.0, g)) for g in (found, ours))
     factor = float(found @ ours / (ours @ ours)) if ours.any() else np.nan
     size = 1
@@ -116,4 +120,4 @@ def _gravity_message(ours: Array, found: Array) -> Said:
         FittedNumber(f"g_{axis}", float(x), float(y), "m/s²") for axis, x, y in zip("xyz", found, ours, strict=True)
     )
     remedy = f"use the gravity vector ({here}) m/s² in the axes of the base"
-    return Said("gravity", message, remedy, size, numbers)
+    return FaultDescription("gravity", message, remedy, size, numbers)

@@ -1,4 +1,4 @@
-"""Columns of a foreign regressor: those of ours in another order, or multiplied by factors."""
+"""Columns of a regressor under test: those of ours in another order, or multiplied by factors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.changes import ROUND_NUMBER_TOLERANCE
-from crosscheck.judging.faults.fault import Said
+from crosscheck.judging.faults.fault import FaultDescription
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES
@@ -15,7 +15,7 @@ MAX_COLUMN_REMAINDER = 1e-6
 """Part of a column that may remain after subtracting a multiple of another one to count as that multiple."""
 
 
-def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[Said, float] | None:
+def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[FaultDescription, float] | None:
     """The fault that columns are ours in another order or scale, and what it leaves; None if they are not.
 
     answer, ours: (N, n, 10n)
@@ -50,7 +50,7 @@ def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[Said, f
         if wrong:
             said.append(f"{'' if said else 'columns are '}scaled: {', '.join(wrong)}")
         if said:
-            return Said("parameter_order", ", ".join(said), remedy), left
+            return FaultDescription("parameter_order", ", ".join(said), remedy), left
     return None
 
 

@@ -1,4 +1,4 @@
-"""Which of several right conventions the answers of a foreign function follow."""
+"""Which of several right conventions the answers of a function under test follow."""
 
 from __future__ import annotations
 

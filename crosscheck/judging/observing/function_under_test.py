@@ -1,4 +1,4 @@
-"""A foreign function: called in its own joint order, its answers checked for shape."""
+"""A function under test: called in its own joint order, its answers checked for shape."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from crosscheck.quantities import Quantity
 from graphdyn import GraphDynError, InvalidInput, RobotModel
-from graphdyn.layout import BODY_FREEDOMS, BODY_PARAMETERS, Array
+from graphdyn.layout import BODY_DOF, BODY_PARAMETERS, Array
 
 
 def in_words(error: BaseException) -> str:
@@ -21,20 +21,20 @@ def in_words(error: BaseException) -> str:
     return f"{type(error).__name__}: {message}" if message else type(error).__name__
 
 
-class ForeignFailure(GraphDynError):
-    """A foreign function raised an exception or returned an array of the wrong shape."""
+class FunctionFailure(GraphDynError):
+    """A function under test raised an exception or returned an array of the wrong shape."""
 
 
 @dataclass(frozen=True)
 class Refusal:
-    """In place of an answer, where foreign code says that it has none at a state."""
+    """In place of an answer, where user code says that it has none at a state."""
 
     reason: str
 
 
 @runtime_checkable
 class BatchFunction(Protocol):
-    """Foreign code that is given many states at once: a program, a file of answers."""
+    """User code that is given many states at once: a program, a file of answers."""
 
     def answers(
         self, function: str, states: Sequence[Mapping[str, Array]], shape: tuple[int | None, ...]
@@ -59,10 +59,10 @@ class Answers:
 
 
 @dataclass(frozen=True, eq=False)
-class ForeignFunction:
+class FunctionUnderTest:
     """A function under test.
 
-    order: number of our joint at each place of the foreign arrays (n,)
+    order: number of our joint at each place of the function's arrays (n,)
     batched: it takes all states at once, arrays (N, n), and answers (N, …)
     loaded: it takes external wrenches as its last argument, where functions of its kind do
     """
@@ -85,41 +85,41 @@ class ForeignFunction:
     def __call__(self, *arguments: Array) -> Array:
         """The answers at N states, in our joint order: arguments (N, …) each.
 
-        External wrenches are zero if they are left out. Raises ForeignFailure where a state has no answer.
+        External wrenches are zero if they are left out. Raises FunctionFailure where a state has no answer.
         """
         if len(arguments) < len(self.arguments):
-            arguments = (*arguments, np.zeros((*arguments[0].shape, BODY_FREEDOMS)))
+            arguments = (*arguments, np.zeros((*arguments[0].shape, BODY_DOF)))
         answers = self.ask(*arguments)
         for message in answers.failures.values():
-            raise ForeignFailure(message)
+            raise FunctionFailure(message)
         return answers.values
 
     def ask(self, *arguments: Array) -> Answers:
-        """The answers at N states, in our joint order. Raises ForeignFailure where no state has one."""
+        """The answers at N states, in our joint order. Raises FunctionFailure where no state has one."""
         changed: set[str] = set()
         found = list(self._answers(arguments, changed))
-        failures = {k: str(answer) for k, answer in enumerate(found) if isinstance(answer, ForeignFailure)}
-        values = [answer for answer in found if not isinstance(answer, ForeignFailure)]
+        failures = {k: str(answer) for k, answer in enumerate(found) if isinstance(answer, FunctionFailure)}
+        values = [answer for answer in found if not isinstance(answer, FunctionFailure)]
         if not values:
-            raise next(answer for answer in found if isinstance(answer, ForeignFailure))
+            raise next(answer for answer in found if isinstance(answer, FunctionFailure))
         if len({value.shape for value in values}) > 1:
             shapes = " and ".join(sorted({str(value.shape) for value in values}))
-            raise ForeignFailure(f"{self.name} returned different shapes at different states: {shapes}")
+            raise FunctionFailure(f"{self.name} returned different shapes at different states: {shapes}")
         answered = np.array([k not in failures for k in range(len(found))])
         return Answers(self._in_our_order(np.stack(values)), answered, failures, frozenset(changed))
 
-    def foreign_arguments(self, row: Sequence[Array]) -> dict[str, Array]:
+    def function_arguments(self, row: Sequence[Array]) -> dict[str, Array]:
         """The arguments of one state as the function gets them, by name; copies."""
         return {name: x[self.order] for name, x in zip(self.arguments, row, strict=True)}
 
-    def _answers(self, arguments: tuple[Array, ...], changed: set[str]) -> Iterator[Array | ForeignFailure]:
+    def _answers(self, arguments: tuple[Array, ...], changed: set[str]) -> Iterator[Array | FunctionFailure]:
         """The answer at each state, or what was wrong; adds names of changed arguments to `changed`."""
         if isinstance(self.function, BatchFunction):
-            states = [self.foreign_arguments(row) for row in zip(*arguments, strict=True)]
+            states = [self.function_arguments(row) for row in zip(*arguments, strict=True)]
             shape = self.known.shape_for(len(self.order))
             for answer, state in zip(self.function.answers(self.name, states, shape), states, strict=True):
                 if isinstance(answer, Refusal):
-                    yield ForeignFailure(f"{self.name} has no answer: {answer.reason}; at {_where(state)}")
+                    yield FunctionFailure(f"{self.name} has no answer: {answer.reason}; at {_where(state)}")
                 else:
                     yield answer
         elif self.batched:
@@ -128,8 +128,8 @@ class ForeignFunction:
         else:
             for row in zip(*arguments, strict=True):
                 try:
-                    yield self._call(self.function, self.foreign_arguments(row), None, changed)
-                except ForeignFailure as failure:
+                    yield self._call(self.function, self.function_arguments(row), None, changed)
+                except FunctionFailure as failure:
                     yield failure
 
     def _call(
@@ -139,14 +139,14 @@ class ForeignFunction:
         kept = {name: x.copy() for name, x in arguments.items()}
         try:
             returned = function(*arguments.values())
-        except (Exception, SystemExit) as error:  # foreign code may raise anything
+        except (Exception, SystemExit) as error:  # user code may raise anything
             where = "" if count else f"; at {_where(kept)}"
-            raise ForeignFailure(f"{self.name} raised {in_words(error)}{_line(error)}{where}") from error
+            raise FunctionFailure(f"{self.name} raised {in_words(error)}{_line(error)}{where}") from error
         changed |= {name for name, x in arguments.items() if not np.array_equal(x, kept[name])}
         return self._checked(self._real(returned), count)
 
     def _checked(self, answer: Array, count: int | None) -> Array:
-        """Raises ForeignFailure for a wrong shape."""
+        """Raises FunctionFailure for a wrong shape."""
         n = len(self.order)
         shape = self.known.shape_for(n) if count is None else (count, *self.known.shape_for(n))
         if len(shape) == answer.ndim and all(
@@ -157,7 +157,7 @@ class ForeignFunction:
         called = f"one state at a time, arrays of shape ({n},)"
         if count is not None:
             called = f"all states at once, arrays of shape ({count}, {n})"
-        raise ForeignFailure(
+        raise FunctionFailure(
             f"{self.name} returned shape {answer.shape}, expected ({expected}{',' if len(shape) == 1 else ''}): it is "
             f"called with {called}"
         )
@@ -171,7 +171,7 @@ class ForeignFunction:
                 raise TypeError("it has imaginary parts")
             return answer.astype(float)
         except (TypeError, ValueError) as error:
-            raise ForeignFailure(
+            raise FunctionFailure(
                 f"{self.name} returned {type(returned).__name__}, which is no array of real numbers: {error}"
             ) from error
 

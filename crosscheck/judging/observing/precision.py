@@ -11,7 +11,7 @@ from math import comb
 
 import numpy as np
 
-from crosscheck.judging.observing.function_under_test import ForeignFailure, ForeignFunction
+from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import inverse_dynamics
 
@@ -29,7 +29,7 @@ SINGLE_NOISE_RANGE = (1e-8, 2e-6)
 """Relative noise of functions that compute in single precision."""
 
 
-def noise(function: ForeignFunction, states: JudgedStates) -> float:
+def noise(function: FunctionUnderTest, states: JudgedStates) -> float:
     """Relative noise of the answers: the median over lines of the largest standard deviation of an entry.
 
     Zero where the function refuses a point of the lines.
@@ -46,7 +46,7 @@ def noise(function: ForeignFunction, states: JudgedStates) -> float:
     ]
     try:
         answers = function(*points)
-    except ForeignFailure:
+    except FunctionFailure:
         return 0.0
     if function.name == "forward_dynamics":  # the torques that the accelerations need: without cond(M)
         answers = inverse_dynamics(states.model, points[0], points[1], answers).tau

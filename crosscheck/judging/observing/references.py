@@ -22,7 +22,7 @@ BACKWARD_SCALE = "largest of Ï„, the joint wrenches, the external wrenches and â
 
 
 class References:
-    """The reference implementations ("referees") at the judged states.
+    """The reference implementations ("references") at the judged states.
 
     Raises MujocoRefuses where MuJoCo is asked for and cannot represent the robot, or is not installed.
     """
@@ -67,12 +67,12 @@ class References:
             found["mujoco"] = self._mujoco_answers[function.mujoco]
         return found
 
-    def required(self, referee: str) -> Callable[[Array], Array]:
+    def required(self, reference: str) -> Callable[[Array], Array]:
         """Torques of accelerations (N, n) by one reference implementation."""
         states = self.states
-        if referee == "pinocchio":
+        if reference == "pinocchio":
             return lambda a: self.pinocchio.required(a)[0]
-        if referee == "mujoco":
+        if reference == "mujoco":
             assert self._mujoco is not None
             mujoco = self._mujoco
             return lambda a: mujoco.evaluate(states.q, states.v, a, states.tau)["inverse_dynamics"]

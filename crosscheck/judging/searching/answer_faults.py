@@ -19,7 +19,7 @@ from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Joint, Placement, RobotModel
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, LINEAR, Array
+from graphdyn.layout import ANGULAR, BODY_DOF, LINEAR, Array
 
 SIGN_FACTOR_TOLERANCE = 1e-4
 """Distance of a fitted factor from 1 or -1 within which it is that number."""
@@ -68,8 +68,8 @@ def _layouts(known: Quantity) -> Iterator[AnswerFault]:
             "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
             lambda s, c: np.swapaxes(x := known.of_graphdyn(s, c), -1, -2).reshape(x.shape),
         )  # fmt: skip
-    if BODY_FREEDOMS in known.shape:
-        axis = known.shape.index(BODY_FREEDOMS) - len(known.shape)
+    if BODY_DOF in known.shape:
+        axis = known.shape.index(BODY_DOF) - len(known.shape)
         for name, signs in (("linear", (-1.0, 1.0)), ("angular", (1.0, -1.0))):
             yield AnswerFault(
                 "sign", f"the {name} part has the opposite sign", "negate it",
@@ -215,9 +215,9 @@ def _back(joint: Joint) -> Joint:
 def fitted_faults(
     known: Quantity, answer: Array, ours: Array, chosen: Chosen, model: RobotModel
 ) -> Iterator[AnswerFault]:
-    """Factors on the answers, fitted to those of the foreign function.
+    """Factors on the answers, fitted to those of the function under test.
 
-    answer, ours: of the foreign function and of graphdyn, read as chosen   (N, …)
+    answer, ours: of the function under test and of graphdyn, read as chosen   (N, …)
     """
     yield from _scaled(known, answer, ours, chosen)
     yield from _per_joint(known, answer, ours, model)
@@ -229,8 +229,8 @@ def _scaled(known: Quantity, answer: Array, ours: Array, chosen: Chosen) -> Iter
     factor = _factor(answer, ours)
     message = f"all answers are multiplied by {factor:.6g}" if factor else "all answers are zero"
     yield AnswerFault("unit" if factor else "zero", message, remedy, lambda s, c: factor * known.of_graphdyn(s, c))
-    if BODY_FREEDOMS in known.shape:
-        axis = known.shape.index(BODY_FREEDOMS) - len(known.shape)
+    if BODY_DOF in known.shape:
+        axis = known.shape.index(BODY_DOF) - len(known.shape)
         halves = (_halves(1.0, 0.0, chosen, axis), _halves(0.0, 1.0, chosen, axis))
         linear, angular = (_factor(answer * half, ours * half) for half in halves)
         yield AnswerFault(

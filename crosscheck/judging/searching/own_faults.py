@@ -41,12 +41,12 @@ def _of_coriolis_matrix(answer: Array, ours: Array, states: JudgedStates, bound:
 def _of_base_regressor(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
     if not np.isfinite(answer).all():
         return None
-    foreign = [str(k + 1) for k in np.flatnonzero(outside_of(answer, ours).max(axis=(0, 1)) > bound)]
+    tested = [str(k + 1) for k in np.flatnonzero(outside_of(answer, ours).max(axis=(0, 1)) > bound)]
     missing = np.flatnonzero(outside_of(ours, answer).max(axis=(0, 1)) > bound)
     ranks = f"rank {column_space(answer).shape[1]}, not {column_space(ours).shape[1]}"
     said = []
-    if foreign:
-        said.append(f"no combination of the columns of inertial parameters gives columns {_listed(foreign)}")
+    if tested:
+        said.append(f"no combination of the columns of inertial parameters gives columns {_listed(tested)}")
     if len(missing):
         names = [_parameter(states.model, int(k)) for k in missing]
         said.append(f"no combination of its columns gives those of {_listed(names)}")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.all_faults import families, faults
-from crosscheck.judging.faults.fault import FAULT_KINDS, CodeFault, Family, Said
+from crosscheck.judging.faults.fault import FAULT_KINDS, CodeFault, Family, FaultDescription
 from crosscheck.judging.faults.from_answers import limits, smooth_friction
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
@@ -50,11 +50,11 @@ class Explanation:
     parts: NDArray[np.str_]
 
     @property
-    def said_by_element(self) -> list[list[Said]]:
+    def said_by_element(self) -> list[list[FaultDescription]]:
         return [[x.said] if isinstance(x, CodeFault) else x.say(numbers) for x, numbers in self.elements]
 
     @property
-    def said(self) -> list[Said]:
+    def said(self) -> list[FaultDescription]:
         return [said for element in self.said_by_element for said in element]
 
     @property

@@ -1,4 +1,4 @@
-"""The states at which foreign functions are evaluated."""
+"""The states at which functions under test are evaluated."""
 
 from __future__ import annotations
 

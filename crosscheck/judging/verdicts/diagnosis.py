@@ -1,4 +1,4 @@
-"""From observations to diagnoses: which faults, put into graphdyn, give the numbers of a foreign function."""
+"""From observations to diagnoses: which faults, put into graphdyn, give the numbers of a function under test."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from crosscheck.judging.judgment import Diagnosis, Standing
+from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.deviation import Deviation, evidence_of
 from crosscheck.judging.observing.observation import of_experiments
 from crosscheck.judging.observing.precision import precision_said
@@ -63,7 +63,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     one = all(
         same_code(first.code, x.code) or (x.kinds == first.kinds and same_everywhere(first, x, search)) for x in alike
     )
-    standing: Standing = "holds" if one else "candidate"
+    status: DiagnosisStatus = "holds" if one else "candidate"
     also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MAX_ALTERNATIVES]
     apart = what_tells_apart(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
     return [
@@ -74,7 +74,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
             evidence,
             said.remedy,
             float(first.worst.max()),
-            standing,
+            status,
             also,
             apart,
             said.numbers,

@@ -1,4 +1,4 @@
-"""What is wrong with a foreign function whose answers deviate: the searches, one after the other."""
+"""What is wrong with a function under test whose answers deviate: the searches, one after the other."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.conventions import found_conventions, relative_errors
 from crosscheck.judging.observing.deviation import MAX_NOISE_FACTOR, Deviation
-from crosscheck.judging.observing.function_under_test import ForeignFailure, ForeignFunction
+from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import of_judged
 from crosscheck.judging.observing.observing import observe
 from crosscheck.judging.observing.precision import noise
@@ -36,7 +36,7 @@ WORST_STATE_REMEDY = "look at the worst state"
 
 
 def diagnoses_of(
-    function: ForeignFunction, found: Judged, declared: Chosen, readings: Readings, say: Progress
+    function: FunctionUnderTest, found: Judged, declared: Chosen, readings: Readings, say: Progress
 ) -> list[Diagnosis]:
     """What is wrong with a function that does not agree.
 
@@ -53,7 +53,7 @@ def diagnoses_of(
     return [*diagnoses, *_of_numbers(function, found, declared, readings, say)]
 
 
-def _failures(function: ForeignFunction, found: Judged) -> Diagnosis:
+def _failures(function: FunctionUnderTest, found: Judged) -> Diagnosis:
     failures, failed = found.verdict.failures, ~found.answers.answered
     where = region(failed, found.asked, function.known.arguments)
     message = f"no answer at {len(failures)} of {len(failed)} states{f', only where {where}' if where else ''}"
@@ -62,7 +62,7 @@ def _failures(function: ForeignFunction, found: Judged) -> Diagnosis:
 
 
 def _of_numbers(
-    function: ForeignFunction, found: Judged, declared: Chosen, readings: Readings, say: Progress
+    function: FunctionUnderTest, found: Judged, declared: Chosen, readings: Readings, say: Progress
 ) -> list[Diagnosis]:
     """What is wrong with the numbers; empty if they agree."""
     name, verdict = function.name, found.verdict
@@ -100,7 +100,7 @@ def _of_numbers(
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
         for diagnosis in _of_terms(function, found, precision, readings, say)
     ]
-    if by_terms and by_terms[0].standing in ("holds", "candidate"):
+    if by_terms and by_terms[0].status in ("holds", "candidate"):
         return by_terms
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
@@ -147,7 +147,7 @@ def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
 
 
 def _of_terms(
-    function: ForeignFunction, found: Judged, precision: float, readings: Readings, say: Progress
+    function: FunctionUnderTest, found: Judged, precision: float, readings: Readings, say: Progress
 ) -> list[Diagnosis]:
     """From experiments, for functions that are parts of the equations of motion; empty for others."""
     name, states = function.name, found.states
@@ -157,7 +157,7 @@ def _of_terms(
     except np.linalg.LinAlgError:
         message = "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular"
         return [Diagnosis(name, "unknown", message, "", WORST_STATE_REMEDY, np.inf, "unknown")]
-    except ForeignFailure as failure:
+    except FunctionFailure as failure:
         return [
             Diagnosis(
                 name, "unknown", f"an experiment has no answer: {failure}", "", WORST_STATE_REMEDY, np.inf, "unknown"

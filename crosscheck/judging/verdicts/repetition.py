@@ -1,4 +1,5 @@
-"""Whether a foreign function answers the same question alike whenever it is asked, and what it keeps if it does not."""
+"""Whether a function under test answers the same question alike whenever it is asked, and what it keeps if it does
+not."""
 
 from __future__ import annotations
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.conventions import relative_errors
-from crosscheck.judging.observing.function_under_test import Answers, ForeignFailure, ForeignFunction
+from crosscheck.judging.observing.function_under_test import Answers, FunctionFailure, FunctionUnderTest
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities import LOADS, argument_at
@@ -24,7 +25,7 @@ N_REPEATS = 3
 PURE_FUNCTION_REMEDY = "compute every answer from the arguments alone; clear what is kept between calls"
 
 
-def repeated(function: ForeignFunction, first: Answers, states: JudgedStates, chosen: Chosen) -> Array:
+def repeated(function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen) -> Array:
     """Relative difference of the second answer to each question from the first; all are asked in the reverse order.
 
     first: the answers, states: all that were asked. One number per answered state (M,); infinite for one that has no
@@ -34,7 +35,7 @@ def repeated(function: ForeignFunction, first: Answers, states: JudgedStates, ch
     differences = np.full(len(states.q), np.inf)
     try:
         again = function.ask(*(x[::-1] for x in arguments))
-    except ForeignFailure:
+    except FunctionFailure:
         return differences[first.answered]
     both = first.answered & again.answered[::-1]
     here, there = (x.values[both[x.answered]] for x in (first, _reversed(again)))
@@ -54,7 +55,7 @@ def _reversed(answers: Answers) -> Answers:
 
 
 def kept_between_calls(
-    function: ForeignFunction,
+    function: FunctionUnderTest,
     first: Answers,
     states: JudgedStates,
     chosen: Chosen,
@@ -78,7 +79,7 @@ def kept_between_calls(
     rows = [np.repeat(x[worst : worst + 1], N_REPEATS, axis=0) for x in function.known.arguments_at(states)]
     try:
         same = function.ask(*rows).values
-    except ForeignFailure:
+    except FunctionFailure:
         return diagnosis("kept_state", "an answer depends on the calls before it")
     if not all(np.array_equal(same[-1], x, equal_nan=True) for x in same[1:]):
         return diagnosis("not_repeatable", "the same question, asked several times in a row, has different answers")
@@ -88,7 +89,7 @@ def kept_between_calls(
 
 
 def earlier_arguments(
-    function: ForeignFunction, first: Answers, states: JudgedStates, chosen: Chosen, tolerance: float
+    function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen, tolerance: float
 ) -> FoundFault | None:
     """The fault that some arguments are those of an earlier call: all answers but the first show it."""
     rest = first.answered & (np.arange(len(first.answered)) > 0)
@@ -107,7 +108,7 @@ def earlier_arguments(
     return None
 
 
-def _stale(function: ForeignFunction, states: JudgedStates) -> Iterator[tuple[str, JudgedStates]]:
+def _stale(function: FunctionUnderTest, states: JudgedStates) -> Iterator[tuple[str, JudgedStates]]:
     """States some of whose arguments are those of the call before, or of the first call."""
     names = function.arguments
     subsets = chain.from_iterable(combinations(names, size) for size in range(len(names), 0, -1))

@@ -1,4 +1,4 @@
-"""The verdict on one foreign function: its answers beside those of the reference implementations."""
+"""The verdict on one function under test: its answers beside those of the reference implementations."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from crosscheck.judging.judgment import FailedState, JudgedFunction, WorstCall, largest_errors
 from crosscheck.judging.observing.conventions import FoundConventions, found_conventions, relative_errors
-from crosscheck.judging.observing.function_under_test import Answers, ForeignFunction
+from crosscheck.judging.observing.function_under_test import Answers, FunctionUnderTest
 from crosscheck.judging.observing.references import BACKWARD_SCALE, References, backward_errors
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.repetition import repeated
@@ -35,7 +35,7 @@ class Judged:
 
 
 def judged(
-    function: ForeignFunction, answers: Answers, references: References, declared: Chosen, tolerance: float
+    function: FunctionUnderTest, answers: Answers, references: References, declared: Chosen, tolerance: float
 ) -> Judged:
     """references: at all states; declared: conventions that are known."""
     known, answer = function.known, answers.values
@@ -44,33 +44,33 @@ def judged(
     states = references.states
     found = found_conventions(known, answer, states, declared, tolerance)
     theirs = references.answers(known, found.chosen, found.ours)
-    others = {referee: x for referee, x in theirs.items() if referee != "graphdyn"}
+    others = {reference: x for reference, x in theirs.items() if reference != "graphdyn"}
     ours = theirs["graphdyn"]
 
     def errors(x: Array, y: Array) -> Array:
         return relative_errors(known, x, y, states, found.chosen)
 
-    def backward(x: Array, referee: str) -> Array:
-        return backward_errors(x, references.required(referee), states)
+    def backward(x: Array, reference: str) -> Array:
+        return backward_errors(x, references.required(reference), states)
 
     solved = known.name == "forward_dynamics"
-    errors_of = {referee: errors(answer, x) for referee, x in theirs.items()}
-    backward_of = {referee: backward(answer, referee) for referee in theirs if solved}
+    errors_of = {reference: errors(answer, x) for reference, x in theirs.items()}
+    backward_of = {reference: backward(answer, reference) for reference in theirs if solved}
     worst = int(largest_errors(errors_of, backward_of).argmax())
     row = [x[worst] for x in known.arguments_at(states)]
     verdict = JudgedFunction(
         name=known.name,
         errors=errors_of,
-        referees_differ={
-            referee: relative_errors(known, x, ours, states, found.chosen) for referee, x in others.items()
+        references_differ={
+            reference: relative_errors(known, x, ours, states, found.chosen) for reference, x in others.items()
         },
         backward_errors=backward_of,
-        referees_differ_backward={referee: backward(x, "graphdyn") for referee, x in others.items() if solved},
+        references_differ_backward={reference: backward(x, "graphdyn") for reference, x in others.items() if solved},
         bound=tolerance,
         scale=known.judged_relative_to,
         backward_scale=BACKWARD_SCALE if solved else "",
         worst=WorstCall(
-            {argument: tuple(x.ravel().tolist()) for argument, x in function.foreign_arguments(row).items()},
+            {argument: tuple(x.ravel().tolist()) for argument, x in function.function_arguments(row).items()},
             tuple(ours[worst].ravel().tolist()),
             tuple(answer[worst].ravel().tolist()),
         ),

@@ -51,13 +51,13 @@ class PinocchioModel(OrderedModel):
         said = tuple(" ".join(line.split()) for line in written if line.startswith("Error"))
         if problem is not None:
             raise PinocchioRefuses(f"Pinocchio cannot read {path}: {str(problem).strip()}", said) from problem
-        referee = cls(native, model)
-        referee.frame_ids([frame.name for frame in model.frames])
+        pinocchio = cls(native, model)
+        pinocchio.frame_ids([frame.name for frame in model.frames])
         if cut:
             there = native.frames[native.getFrameId(model.base_name, pin.BODY)].placement
-            referee = referee.turned(Placement(there.rotation, there.translation).inverse(), model.gravity)
-        referee.said = said
-        return referee
+            pinocchio = pinocchio.turned(Placement(there.rotation, there.translation).inverse(), model.gravity)
+        pinocchio.said = said
+        return pinocchio
 
     @classmethod
     def from_model(cls, model: RobotModel) -> PinocchioModel:
@@ -69,7 +69,7 @@ class PinocchioModel(OrderedModel):
         return PinocchioModel(moved(self.native, base), self.model.with_gravity(gravity))
 
     def carried(self, q: Array, v: Array, a: Array, tau: Array, motion: BaseMotion) -> CarriedValues:
-        """Values of the robot on a carriage that moves as prescribed: q, v, a, tau (N, n)."""
+        """Values of the robot on a moving base that moves as prescribed: q, v, a, tau (N, n)."""
         return carried(self, q, v, a, tau, motion)
 
     def frame_placements(self, q: Array, names: Sequence[str]) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""The robot on a carriage that moves as prescribed."""
+"""The robot on a moving base that moves as prescribed."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ def carried(robot: OrderedModel, q: Array, v: Array, a: Array, tau: Array, motio
 
     q, v, a, tau (N, n); motion with N rows, or one for all
     """
-    native, carriage = _on_carriage(robot.native)
+    native, moving_base = _on_moving_base(robot.native)
     data, rows = native.createData(), []
-    columns = robot.columns + carriage.nv
+    columns = robot.columns + moving_base.nv
     ids = [native.getJointId(name) for name in robot.model.joint_names]
     for k in range(len(q)):
         placement, velocity, acceleration = _imposed(motion, k)
@@ -31,24 +31,24 @@ def carried(robot: OrderedModel, q: Array, v: Array, a: Array, tau: Array, motio
         mass = pin.crba(native, data, full_q)
         mass = np.triu(mass) + np.triu(mass, 1).T
         bias = pin.nonLinearEffects(native, data, full_q, full_v)
-        pushed = bias[columns] + mass[np.ix_(columns, np.arange(carriage.nv))] @ acceleration
+        pushed = bias[columns] + mass[np.ix_(columns, np.arange(moving_base.nv))] @ acceleration
         rows.append((required, wrenches, np.linalg.solve(mass[np.ix_(columns, columns)], tau[k] - pushed)))
     return CarriedValues(*(np.array(column) for column in zip(*rows, strict=True)))
 
 
-def _on_carriage(robot: pin.Model) -> tuple[pin.Model, pin.JointModelFreeFlyer]:
-    carriage = pin.JointModelFreeFlyer()
+def _on_moving_base(robot: pin.Model) -> tuple[pin.Model, pin.JointModelFreeFlyer]:
+    moving_base = pin.JointModelFreeFlyer()
     front = pin.Model()
     front.gravity = robot.gravity
-    front.addJoint(0, carriage, pin.SE3.Identity(), "carriage")
-    front.addFrame(pin.Frame("carriage", 1, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
-    whole = pin.appendModel(front, robot, front.getFrameId("carriage"), pin.SE3.Identity())
+    front.addJoint(0, moving_base, pin.SE3.Identity(), "moving_base")
+    front.addFrame(pin.Frame("moving_base", 1, 0, pin.SE3.Identity(), pin.FrameType.OP_FRAME))
+    whole = pin.appendModel(front, robot, front.getFrameId("moving_base"), pin.SE3.Identity())
     whole.gravity = robot.gravity
-    return whole, carriage
+    return whole, moving_base
 
 
 def _imposed(motion: BaseMotion, k: int) -> tuple[pin.SE3, Array, Array]:
-    """Placement, spatial velocity and spatial acceleration of the carriage in its own axes (6,), of row k."""
+    """Placement, spatial velocity and spatial acceleration of the moving base in its own axes (6,), of row k."""
     rotation, translation, velocity, acceleration = (
         (x if x.ndim == trailing else x[k])
         for x, trailing in (

@@ -13,7 +13,7 @@ from crosscheck.reference.pinocchio_model.native import write_position
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.reference_values import multipliers_of
 from graphdyn.equations import COMPLEX_STEP_SIZE
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, Array
+from graphdyn.layout import ANGULAR, BODY_DOF, Array
 
 
 def reaction_derivatives(robot: OrderedModel, q: Array, v: Array, a: Array) -> dict[str, Array]:
@@ -50,7 +50,7 @@ class _Loosened:
         self._joints = [native.joints[own[k]] for k in robot.ids]
         self._columns = np.array([joint.idx_v for joint in self._joints])
         first = np.array([native.joints[free[k]].idx_v for k in robot.ids])
-        self._rows = first[:, None] + np.arange(BODY_FREEDOMS)
+        self._rows = first[:, None] + np.arange(BODY_DOF)
 
     def wrench_derivatives(self, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array, Array]:
         """The joint wrenches (n, 6), and their derivatives by q, v, a (n, 6, n), of one state."""

@@ -60,12 +60,12 @@ def pose(model: RobotModel) -> Array:
     """q (n,) to draw the robot in: zero, unless all link origins would be on one line; with loops a closed one."""
     if model.chords:
         return model.closed_pose
-    zero = np.zeros(model.n_freedoms)
+    zero = np.zeros(model.nv)
     points = np.vstack([model.base.translation, link_origins(maximal_state(model, zero))])
     extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     if extents[1] > FLAT_EXTENT_SHARE * extents[0]:
         return zero
-    revolute = np.array([not model.joints[k].is_prismatic for k in model.freedoms.independent])
+    revolute = np.array([not model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent])
     return np.where(revolute, BENT_ANGLE, 0.0)
 
 

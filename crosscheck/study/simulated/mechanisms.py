@@ -47,7 +47,7 @@ class Mechanism:
 
     def of_motors(self, values: ArrayLike) -> Array:
         """(n,), or one number for all, as (m,): zero for springs."""
-        n = self.model.n_freedoms
+        n = self.model.nv
         if not self.flexible:
             return np.array(np.broadcast_to(values, n), dtype=float)
         return _alternating(np.broadcast_to(np.asarray(values, dtype=float), n // 2))
@@ -90,7 +90,7 @@ def flexible(plant: ControlledRobot, errors: ErrorSettings) -> Mechanism:
     if not np.all(plant.rotors > 0):
         joint = names[int(np.argmin(plant.rotors))]
         raise InvalidInput(f"flexible joints need a rotor_inertia in [robot] above zero; that of '{joint}' is zero")
-    n = plant.model.n_freedoms
+    n = plant.model.nv
     stiffness = np.broadcast_to(np.asarray(errors.joint_stiffness, dtype=float), n)
     inertia = mass_matrix(plant.model, np.zeros(n))
     share = np.broadcast_to(np.asarray(errors.joint_damping, dtype=float), n)

@@ -97,8 +97,8 @@ def _paper(
     plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
 ) -> tuple[MotionLaw, ...]:
     laws: list[MotionLaw] = [ConstantAcceleration(PAPER_ACCELERATION), ConstantAcceleration(-PAPER_ACCELERATION)]
-    rest = [Locked() for _ in range(plant.model.n_freedoms)]
-    return tuple([*laws, *rest][: plant.model.n_freedoms])
+    rest = [Locked() for _ in range(plant.model.nv)]
+    return tuple([*laws, *rest][: plant.model.nv])
 
 
 _Made = Callable[[ControlledRobot, RobotSettings, np.random.Generator, float], tuple[MotionLaw, ...]]

@@ -77,15 +77,15 @@ def plant_of(settings: RobotSettings) -> ControlledRobot:
 
     def each(name: str, value: Numbers) -> Array:
         array = np.asarray(value, dtype=float)
-        if array.shape not in ((), (model.n_freedoms,)):
+        if array.shape not in ((), (model.nv,)):
             raise BadConfiguration(
                 f"{settings.file}: {name} in [robot] has {array.size} numbers; robot '{settings.name}' has "
-                f"{model.n_freedoms} joints: {', '.join(model.independent_joints)}"
+                f"{model.nv} joints: {', '.join(model.independent_joints)}"
             )
-        return np.array(np.broadcast_to(array, (model.n_freedoms,)))
+        return np.array(np.broadcast_to(array, (model.nv,)))
 
     rotors = each("rotor_inertia", settings.rotor_inertia)
-    inertia = np.diag(mass_matrix(model, np.zeros(model.n_freedoms))) + rotors
+    inertia = np.diag(mass_matrix(model, np.zeros(model.nv))) + rotors
     stiff, damped = CONTROLLER_FREQUENCY**2 * inertia, 2 * CONTROLLER_DAMPING * CONTROLLER_FREQUENCY * inertia
     if settings.position_gain is not None and settings.velocity_gain is not None:
         stiff, damped = each("position_gain", settings.position_gain), each("velocity_gain", settings.velocity_gain)

@@ -12,7 +12,7 @@ function quantities(figure) {
   const slides = free.map((j) => robot.joints[j].kind === "prismatic");
   const unit = (turns, slide) => [...new Set(slides.map((is) => (is ? slide : turns)))].join(" or ");
   const instants = () => Array.from(motion.time, (t) => figure.moving(t));
-  const perFreedom = (array) => Object.fromEntries(free.map((j, k) => [robot.joints[j].name, Array.from(motion.time, (_, row) => array[row * free.length + k])]));
+  const perDof = (array) => Object.fromEntries(free.map((j, k) => [robot.joints[j].name, Array.from(motion.time, (_, row) => array[row * free.length + k])]));
   const perJoint = (part) => {
     const all = instants();
     return Object.fromEntries(robot.joints.map((joint, j) => [joint.name, all.map((instant) => Math.hypot(...instant.wrenches[j][part]))]));
@@ -22,9 +22,9 @@ function quantities(figure) {
     const names = robot.joints[j].kind === "prismatic" ? ["f·t₁", "f·t₂", "m·t₁", "m·t₂", "m·p"] : ["f_x", "f_y", "f_z", "m·t₁", "m·t₂"];
     return Object.fromEntries(names.map((name, i) => [`λ${"₁₂₃₄₅"[i]} ${name}`, rows.map((row) => row[i])]));
   };
-  const found = [["torque of the rigid bodies", unit("N m", "N"), () => perFreedom(motion.tau)]];
-  if (motion.recorded) found.push(["torque, recorded", unit("N m", "N"), () => perFreedom(motion.recorded)]);
-  found.push(["position", unit("rad", "m"), () => perFreedom(motion.q)], ["reaction force", "N", () => perJoint(0)], ["reaction moment", "N m", () => perJoint(1)]);
+  const found = [["torque of the rigid bodies", unit("N m", "N"), () => perDof(motion.tau)]];
+  if (motion.recorded) found.push(["torque, recorded", unit("N m", "N"), () => perDof(motion.recorded)]);
+  found.push(["position", unit("rad", "m"), () => perDof(motion.q)], ["reaction force", "N", () => perJoint(0)], ["reaction moment", "N m", () => perJoint(1)]);
   robot.joints.forEach((joint, j) => found.push([`multipliers of ${joint.name}`, "N, N m", ofJoint(j)]));
   return found;
 }

@@ -43,7 +43,7 @@ class Figure {
   // All else that can be shown, in sizes that suit the stage: size is the half of what it shows [m].
   furnish(size) {
     const { robot, n } = this, largest = Math.max(...robot.bodies.map((body) => body.mass)) || 1;
-    const frame = frameGeometry(0.1 * size, 0.004 * size), ball = new THREE.SphereGeometry(1, 32, 20);
+    const frame = frameGeometry(0.1 * size, 0.004 * size), sphere = new THREE.SphereGeometry(1, 32, 20);
     const rod = new THREE.CylinderGeometry(0.004 * size, 0.004 * size, 0.36 * size, 8);
     const colors = new THREE.MeshBasicMaterial({ vertexColors: true, depthTest: false, transparent: true });
     const axis = new THREE.MeshBasicMaterial({ color: COLORS.axis, depthTest: false, transparent: true });
@@ -62,12 +62,12 @@ class Figure {
       this.layers.torques.push(arc);
     });
     robot.bodies.forEach((body, j) => {
-      const dot = added(this.bodies[j + 1], new THREE.Mesh(ball, center), 2);
+      const dot = added(this.bodies[j + 1], new THREE.Mesh(sphere, center), 2);
       dot.position.set(...body.center);
       dot.scale.setScalar(0.026 * size * Math.cbrt(Math.max(body.mass / largest, 0.02)));
       this.layers.centers.push(dot);
       if (!body.ellipsoid) return;
-      const ellipsoid = added(this.bodies[j + 1], new THREE.Mesh(ball, glass), 1);
+      const ellipsoid = added(this.bodies[j + 1], new THREE.Mesh(sphere, glass), 1);
       ellipsoid.matrixAutoUpdate = false;
       ellipsoid.matrix.copy(matrixOf({ rotation: body.ellipsoid.rotation, translation: body.center }));
       ellipsoid.matrix.scale(new THREE.Vector3(...body.ellipsoid.axes.map((half) => Math.max(half, 1e-6))));

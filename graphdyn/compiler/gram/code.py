@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 
-from graphdyn.compiler.llvm.vector_code import WATCH_KINDS, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, VectorCode, loop_over_rows
 from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Program
 
 COLUMN_VECTORS = 48
@@ -63,7 +63,7 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
 
     values = code.values(program, columns, store)
     seen = [
-        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCH_KINDS
+        code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%watch.{kind}") for kind in GUARD_KINDS
     ]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])

@@ -20,12 +20,12 @@ from numpy.typing import NDArray
 from graphdyn.compiler.gram.code import COLUMN_STRIDE, emit_gram, products, tiles
 from graphdyn.compiler.interpreter import Interpreter, merged
 from graphdyn.compiler.llvm.memory import address, aligned
-from graphdyn.compiler.native import MachineCode, host_lanes, watch_memory, watches
+from graphdyn.compiler.native import MachineCode, guard_memory, guards, host_lanes
 from graphdyn.compiler.programs import record_equations
 from graphdyn.compiler.running import MAX_COMPILED_LENGTH, beyond_reduction, chosen_backend, in_threads, turned_back
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Program, Watch
+from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Guard, Program
 
 SAMPLES_PER_PORTION = 8192
 """Samples that are summed on their own, whatever the number of threads, so that the sums do not depend on it."""
@@ -36,7 +36,7 @@ TILE_OPERATIONS = 5
 MAX_TILE_LANES = 8
 """Lanes for which the tiles are counted, so that one model is compiled on every machine or on none."""
 
-Seen = dict[Watch, float]
+Seen = dict[Guard, float]
 
 
 class GramBackend(Protocol):
@@ -85,7 +85,7 @@ class TorqueGram:
             "v": v,
             "a": a,
             "tau": tau,
-            "extra": extra.reshape(count, self.model.n_freedoms * self.n_extra),
+            "extra": extra.reshape(count, self.model.nv * self.n_extra),
         }
         if weights is not None:
             arrays["weights"] = weights
@@ -103,7 +103,7 @@ class TorqueGram:
         parts = in_threads(self._backend.bind(inputs), portions, threads)
         total = np.add.reduce([sums for sums, _ in parts])
         return self._backend.matrices(total), {
-            kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.watches
+            kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.guards
         }
 
 
@@ -188,8 +188,8 @@ class CompiledGram:
 
     def _whole(self, first: int, last: int, addresses: Sequence[int]) -> tuple[Array, Seen]:
         """Over rows first … last - 1, a multiple of the lanes: the sums of each lane (products, lanes)."""
-        watched, sums = watch_memory(self.lanes), np.zeros((len(self._products), self.lanes))
+        guarded, sums = guard_memory(self.lanes), np.zeros((len(self._products), self.lanes))
         if first < last:
             scratch = aligned((sum(self._groups), COLUMN_STRIDE * self.lanes))
-            self._gram(first, last, address(scratch), *addresses, address(sums), address(watched))
-        return sums, watches(self._program, watched)
+            self._gram(first, last, address(scratch), *addresses, address(sums), address(guarded))
+        return sums, guards(self._program, guarded)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphdyn.compiler.llvm.vector_code import WATCH_KINDS, Carried, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, Carried, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, program_of
 
@@ -21,7 +21,7 @@ Turns = dict[int, tuple[str, str]]
 """Names of sine and cosine of angles, by the number of the angle."""
 
 
-def turns_ahead(program: Program, lanes: int) -> tuple[Turns, Carried]:
+def sincos_pipelining(program: Program, lanes: int) -> tuple[Turns, Carried]:
     """All sines and cosines as the lines of the loop know them, and what computes them a turn before."""
     angles = sorted({given[0] for kind, *given in program.operations if kind in ("sine", "cosine")})
     # the operations that lead to the angles: none where these are inputs
@@ -125,7 +125,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     without
     """
     code = VectorCode(lanes)
-    turns, carried = turns_ahead(program, lanes) if ahead else ({}, None)
+    turns, carried = sincos_pipelining(program, lanes) if ahead else ({}, None)
 
     def columns(name: str) -> list[str]:
         width = program.inputs[name]
@@ -145,7 +145,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
             code.write_columns(block, width, changing)
             code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
     seen = [
-        code.watch(kind, [values[k] for k in program.watches.get(kind, ())], f"%watch.{kind}") for kind in WATCH_KINDS
+        code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%watch.{kind}") for kind in GUARD_KINDS
     ]
     arrays = [f"in.{name}" for name in program.inputs] + [f"out.{name}" for name in program.outputs]
     parameters = ["i64 %first", "i64 %last", "i1 %bypass", *(f"ptr noalias %{name}" for name in ("scratch", *arrays))]

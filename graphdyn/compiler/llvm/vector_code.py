@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
-from graphdyn.scalars.expressions import Program, Watch
+from graphdyn.scalars.expressions import Guard, Program
 
 MAX_ANGLE = 1e6
 """Largest |angle| [rad] that is reduced without loss: 2/π of it stays below 2^20 = 53 - 33 bits."""
@@ -43,10 +43,10 @@ COSINE_COEFFICIENTS = (
 )
 
 
-WATCH_KINDS: tuple[Watch, ...] = ("finite", "squares", "minimum")
+GUARD_KINDS: tuple[Guard, ...] = ("finite", "squares", "minimum")
 """Order in which code keeps what it watches: one vector each."""
 
-FINITE_CHECK_STARTS = (0.0, 0.0, float("inf"))
+GUARD_STARTS = (0.0, 0.0, float("inf"))
 
 PREFETCHED_TURNS = 4
 """Turns of a loop by which memory is asked for before it is read, where other traffic leaves the processor's own
@@ -166,7 +166,7 @@ class VectorCode:
             computed(number, values)
         return values
 
-    def watch(self, kind: Watch, values: Sequence[str], seen: str) -> str:
+    def guard(self, kind: Guard, values: Sequence[str], seen: str) -> str:
         """What was seen before, and in these values: one instruction for each."""
         for value in values:
             if kind == "minimum":  # the comparison with NaN fails
@@ -312,11 +312,11 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: 
     """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
 
     It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of
-    WATCH_KINDS, or none if the lines do that themselves.
+    GUARD_KINDS, or none if the lines do that themselves.
     """
     before, after = (carried.first[0].lines, carried.following[0].lines) if carried else ([], [])
     entry, phis, stores = [], [], []
-    for place, (kind, value) in enumerate(zip(WATCH_KINDS if seen else (), seen, strict=True)):
+    for place, (kind, value) in enumerate(zip(GUARD_KINDS if seen else (), seen, strict=True)):
         # what was watched is in registers during the loop, loaded before it and stored behind it
         entry += [
             f"  %place.{kind} = getelementptr double, ptr %watched, i64 {place * code.lanes}",

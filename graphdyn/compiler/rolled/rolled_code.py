@@ -10,9 +10,9 @@ import numpy as np
 
 from graphdyn.compiler.llvm.emitter import with_table
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
-from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, WATCH_KINDS, VectorCode, loop_over_rows
+from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, GUARD_KINDS, VectorCode, loop_over_rows
 from graphdyn.layout import Array
-from graphdyn.scalars.expressions import Program, Watch
+from graphdyn.scalars.expressions import Guard, Program
 
 OWN, INSIDE, CONSTANTS = "own", "inside", "constants"
 """Arrays of a step beside those of the robot: memory of the body and of its inside body, its row of the table."""
@@ -57,7 +57,7 @@ class LongProgram:
     passes: tuple[tuple[bool, Mapping[Kind, BodyProgram]], ...]
     inputs: dict[str, int]
     outputs: dict[str, range]
-    watches: tuple[Watch, ...]
+    guards: tuple[Guard, ...]
     memory: int
 
     @cached_property
@@ -148,10 +148,10 @@ def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, 
         if array in outputs:
             code.write_columns(f"%{array}", widths[array], {k: values[x] for k, x in enumerate(outputs[array])})
     # in memory, as every step of every body goes on watching
-    for place, kind in enumerate(WATCH_KINDS):
-        if kind in step.program.watches:
+    for place, kind in enumerate(GUARD_KINDS):
+        if kind in step.program.guards:
             before = code.load(code.vector, "%watched", place * lanes)
-            seen = code.watch(kind, [values[k] for k in step.program.watches[kind]], before)
+            seen = code.guard(kind, [values[k] for k in step.program.guards[kind]], before)
             code.store(f"{code.vector} {seen}", "%watched", place * lanes)
     pointers = [CONSTANTS, OWN, INSIDE, *_arrays(step.program, program), "watched"]
     arguments = ", ".join(f"ptr noalias %{pointer}" for pointer in pointers)

@@ -23,13 +23,13 @@ from graphdyn.compiler.programs import (
 )
 from graphdyn.compiler.rolled.body_steps import RECURSION_PASSES, STEP_MEMORY, SUMMED_NAMES, Pass
 from graphdyn.compiler.rolled.rolled_code import CONSTANTS, INSIDE, OWN, BodyProgram, Kind, LongProgram
-from graphdyn.layout import BODY_FREEDOMS, Array
+from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.mechanism.mechanism import Link, links
 from graphdyn.recursions.motion import Root, resting_root
-from graphdyn.scalars.expressions import Recorder, Watch
+from graphdyn.scalars.expressions import Guard, Recorder
 from graphdyn.scalars.vectors import Scalars, scalars, zeros
 
 MAX_UNROLLED_BODIES = 24
@@ -77,9 +77,9 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
         recorded.append((each.outwards, steps))
     n = model.n_bodies
     inputs = dict.fromkeys(RECURSIONS[request.recursion].inputs, n)
-    inputs |= {"external_wrenches": n * BODY_FREEDOMS} if request.external else {}
+    inputs |= {"external_wrenches": n * BODY_DOF} if request.external else {}
     inputs |= {"ground": GROUND_COLUMNS} if request.moving_base else {}
-    pivots: tuple[Watch, ...] = ("minimum",) if request.recursion == "forward_dynamics" else ()
+    pivots: tuple[Guard, ...] = ("minimum",) if request.recursion == "forward_dynamics" else ()
     return LongProgram(
         kinds=kinds,
         inside=tuple(link.inside for link in bodies),
@@ -90,7 +90,7 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
         outputs={
             name: range(n if name == "pivots" else prod(ARRAY_SPECS[name].shape_for(model))) for name in request.outputs
         },
-        watches=("finite", "squares", *pivots),
+        guards=("finite", "squares", *pivots),
     )
 
 
@@ -141,7 +141,7 @@ class StepInputs:
     def external(self) -> list[Wrench] | None:
         if not self._request.external:
             return None
-        columns = self._input("external_wrenches", BODY_FREEDOMS)
+        columns = self._input("external_wrenches", BODY_DOF)
         return in_joint_axes([self.link], np.array([columns], dtype=object))
 
     def joint(self, name: str) -> Any:
@@ -168,14 +168,14 @@ class StepInputs:
         with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia
             answer = one.step(self)
         wanted = {name: answer[name] for name in self._request.outputs if name in answer}
-        watches: dict[Watch, list[Any]] = {"finite": [x for columns in self._given.values() for x in columns]}
+        guards: dict[Guard, list[Any]] = {"finite": [x for columns in self._given.values() for x in columns]}
         if not self.link.prismatic and "q" in self._given:
-            watches["squares"] = self._given["q"]
+            guards["squares"] = self._given["q"]
         if "pivots" in answer:
-            watches["minimum"] = answer["pivots"]
+            guards["minimum"] = answer["pivots"]
         added = {k: x for k, x in self._added.items() if not (isinstance(x, float) and x == 0.0)}
         memory = {OWN: list(self._kept.values()), INSIDE: list(added.values())}
-        program = self._recorder.program({**memory, **wanted}, watches)
+        program = self._recorder.program({**memory, **wanted}, guards)
         sums = [k for name in SUMMED_NAMES for k in range(VECTORS_PER_BODY)[_PLACES[name]]] if self._inwards else []
         for column in (*sums, *self._kept):  # sums of inside bodies, too, which this step has changed
             self._known.pop(column, None)

@@ -26,7 +26,7 @@ class LoopAnalysis:
     mobility: motions that keep all loops closed
     grubler_mobility: 6 bodies less the rows, after Grübler and Kutzbach: what it would be, were all rows independent
     usual_rank: rank in a regular pose; the pose is singular where the rank is lower
-    motions: joint motions that keep the loops closed, orthonormal columns   (n_freedoms, mobility)
+    motions: joint motions that keep the loops closed, orthonormal columns   (nv, mobility)
     determined_multipliers, determined_wrenches, determined_chord_multipliers: which reactions the equations determine,
         in the shapes (n, 5), (n, 6) and (n_chord_rows,) of forward_dynamics, where the others are NaN
     self_stresses: combinations of reactions that hold each other without any load; each by the names of the joint or
@@ -51,7 +51,7 @@ class LoopAnalysis:
 
 
 def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
-    """At ONE pose q (n_freedoms,) [rad or m].
+    """At ONE pose q (nv,) [rad or m].
 
     Raises InvalidInput for a robot without chords and for more than one pose; InconsistentState, naming the loop, where
     one is open.
@@ -69,8 +69,8 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
     return LoopAnalysis(
         n_rows=of_tree + model.n_chord_rows,
         rank=of_tree + rank,
-        mobility=model.n_freedoms - rank,
-        grubler_mobility=model.n_freedoms - model.n_chord_rows,
+        mobility=model.nv - rank,
+        grubler_mobility=model.nv - model.n_chord_rows,
         usual_rank=of_tree + usual,
         motions=spaces.right[:, spaces.free],
         determined_multipliers=~undetermined["multipliers"],

@@ -56,7 +56,7 @@ def _at_motors(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: 
 
     x["right"], x["free"]: V (…, n, n) of J = U Σ Vᵀ at the pose itself, and which of its columns are closed motions
     """
-    right, free, eye = x["right"], x["free"][..., None, :], np.eye(model.n_freedoms)
+    right, free, eye = x["right"], x["free"][..., None, :], np.eye(model.nv)
     rows = model.loops.jacobian(model.loops.links(x["q"])) @ right
     held = rows * (1 - free)
     transposed = np.swapaxes(held, -1, -2)

@@ -141,7 +141,7 @@ def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
     _refuse_idle(model, spaces, kept, motors)
     inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
     to_motors = (np.swapaxes(right, -1, -2) * inverse[..., None, :]) @ np.swapaxes(left, -1, -2)
-    whole = np.zeros((*motions.shape[:-2], model.n_freedoms, model.n_freedoms))
+    whole = np.zeros((*motions.shape[:-2], model.nv, model.nv))
     whole[..., motors, :] = to_motors @ np.swapaxes(motions, -1, -2)
     return whole
 

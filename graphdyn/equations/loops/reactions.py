@@ -57,7 +57,7 @@ def transmission(model: RobotModel, wrenches: Array, chord_multipliers: Array) -
     return {
         "multipliers": _components(wrenches, held),
         "joint_wrenches": wrenches,
-        "coupling_multipliers": transmitted @ model.freedoms.reactions.T,
+        "coupling_multipliers": transmitted @ model.degrees_of_freedom.reactions.T,
         "chord_multipliers": chord_multipliers,
     }
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from graphdyn.equations.kinematics import MaximalState
 from graphdyn.equations.system.constraints import constraints
-from graphdyn.layout import ANGULAR, BODY_FREEDOMS, JOINT_CONSTRAINTS, LINEAR, Array, body_rows
+from graphdyn.layout import ANGULAR, BODY_DOF, JOINT_CONSTRAINTS, LINEAR, Array, body_rows
 from graphdyn.model.chord import Chord
 from graphdyn.model.spatial import apply, cross
 
@@ -37,7 +37,7 @@ def chord_rows(state: MaximalState) -> tuple[Array, Array]:
     model, vertices, ground = state.model, state.vertices, state.ground
     assert ground is not None
     batch, number = state.position.shape[:-2], state.velocity.dtype
-    rows = np.zeros((*batch, model.n_chord_rows, BODY_FREEDOMS * model.n_bodies), dtype=number)
+    rows = np.zeros((*batch, model.n_chord_rows, BODY_DOF * model.n_bodies), dtype=number)
     zeta = np.zeros((*batch, model.n_chord_rows), dtype=number)
     first = 0
     for chord in model.chords:

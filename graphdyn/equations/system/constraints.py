@@ -55,7 +55,7 @@ def coupling_rows(state: MaximalState) -> Array:
     Times body velocities: Σ ratio v less the rate of the driven joint, all relative to the inside bodies. Their
     multipliers are then what the couplings supply to the joints that they drive [N m or N].
     """
-    rows: Array = -state.model.freedoms.rows @ np.swapaxes(actuator_terms(state), -1, -2)
+    rows: Array = -state.model.degrees_of_freedom.rows @ np.swapaxes(actuator_terms(state), -1, -2)
     return rows
 
 

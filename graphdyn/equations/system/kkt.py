@@ -20,7 +20,7 @@ from graphdyn.equations.kinematics import MaximalState
 from graphdyn.errors import GimbalLock, RankDeficientConstraints, SingularMassMatrix
 from graphdyn.layout import (
     ANGULAR,
-    BODY_FREEDOMS,
+    BODY_DOF,
     JOINT_CONSTRAINTS,
     LINEAR,
     Array,
@@ -122,8 +122,8 @@ class KKTSystem:
         solution = solve(balanced, self.rhs * balance) * balance
         residual = self.rhs - apply(matrix, solution)
         solution = solution + solve(balanced, residual * balance) * balance
-        n_freedoms = self.mass.shape[-1]
-        return KKTSolution(self, solution[..., :n_freedoms], solution[..., n_freedoms:])
+        nv = self.mass.shape[-1]
+        return KKTSolution(self, solution[..., :nv], solution[..., nv:])
 
     def solve_redundant(self, least_norm: bool = True, check: bool = False) -> KKTSolution:
         """As solve, of rows that may depend on each other: φ_q = U Σ Vᵀ, whose first rows Vᵀ are independent.
@@ -131,9 +131,9 @@ class KKTSystem:
         Accelerations are unique; multipliers are the smallest. Systems of different rank are solved one by one.
         check: with the rank tests of solve
         """
-        jacobian, n_freedoms = self.constraint_jacobian, self.mass.shape[-1]
+        jacobian, nv = self.constraint_jacobian, self.mass.shape[-1]
         batch = jacobian.shape[:-2]
-        acceleration, multipliers = np.empty((*batch, n_freedoms)), np.empty(jacobian.shape[:-1])
+        acceleration, multipliers = np.empty((*batch, nv)), np.empty(jacobian.shape[:-1])
         for row in np.ndindex(batch):
             left, values, right = np.linalg.svd(jacobian[row])
             rank = int(np.count_nonzero(values > LOOP_RANK_TOLERANCE * values.max()))
@@ -155,8 +155,8 @@ class KKTSystem:
         """
         unit = np.sqrt(np.abs(self.mass).max(axis=(-2, -1), keepdims=True)[..., 0])
         unit = np.where(unit > 0, unit, 1.0)
-        n_rows, n_freedoms = self.constraint_jacobian.shape[-2:]
-        return np.concatenate([np.repeat(1 / unit, n_freedoms, axis=-1), np.repeat(unit, n_rows, axis=-1)], axis=-1)
+        n_rows, nv = self.constraint_jacobian.shape[-2:]
+        return np.concatenate([np.repeat(1 / unit, nv, axis=-1), np.repeat(unit, n_rows, axis=-1)], axis=-1)
 
     def _balanced(self) -> Array:
         balance = self._balance()
@@ -164,14 +164,14 @@ class KKTSystem:
 
     def _dependent_rows(self) -> RankDeficientConstraints:
         """Name the rows of the first deficient system whose combination vanishes (left null vectors of φ_q)."""
-        n_rows, n_freedoms = self.constraint_jacobian.shape[-2:]
-        systems = self.constraint_jacobian.reshape(-1, n_rows, n_freedoms)
+        n_rows, nv = self.constraint_jacobian.shape[-2:]
+        systems = self.constraint_jacobian.reshape(-1, n_rows, nv)
         ranks = np.atleast_1d(np.linalg.matrix_rank(systems))
         first = int(np.argmax(ranks < n_rows))
         left, _, _ = np.linalg.svd(systems[first])
         share = np.linalg.norm(left[:, ranks[first] :], axis=1)
         involved = [k for k in np.argsort(-share) if share[k] > DEPENDENT_SHARE * share.max()]
-        n = n_freedoms // BODY_FREEDOMS
+        n = nv // BODY_DOF
         names = [*constraint_row_names(n), *(f"coupling {k}" for k in range(1, n_rows - JOINT_CONSTRAINTS * n + 1))]
         return RankDeficientConstraints(int(ranks[first]), n_rows, [names[k] for k in involved])
 
@@ -208,7 +208,7 @@ class KKTSolution:
 
     @property
     def _of_joints(self) -> int:
-        return int(JOINT_CONSTRAINTS * self.acceleration.shape[-1] // BODY_FREEDOMS)
+        return int(JOINT_CONSTRAINTS * self.acceleration.shape[-1] // BODY_DOF)
 
     def dynamics_residual(self) -> Array:
         """‖A q̈ + φ_qᵀλ - B‖∞ relative to the largest of the terms that are summed (…)."""

@@ -76,5 +76,5 @@ def applied_terms(state: MaximalState, tau: Array, external_wrenches: Array) -> 
     """B (…, 6n), Eq. (37)-(39): passive terms and actuators."""
     actuators = actuator_terms(state)
     if state.model.couplings:
-        actuators = actuators[..., list(state.model.freedoms.independent)]
+        actuators = actuators[..., list(state.model.degrees_of_freedom.independent)]
     return stacked(passive_terms(state, external_wrenches)) + apply(actuators, tau)

@@ -108,7 +108,7 @@ class DrivenRobot:
         """The robots of parameters (R, p). Negative friction and rotor inertia count as zero: they would drive the
         joints.
         """
-        shape = (len(parameters), torque_model.model.n_freedoms)
+        shape = (len(parameters), torque_model.model.nv)
 
         def drive(kind: type) -> Array:
             columns = torque_model.slice_of(kind)

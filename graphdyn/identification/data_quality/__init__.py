@@ -6,7 +6,7 @@ from graphdyn.identification.data_quality.excited_parameters import Excitation, 
 from graphdyn.identification.data_quality.gain import Gains
 from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag
-from graphdyn.identification.data_quality.recording_quality import RecordingHealth, recording_health
+from graphdyn.identification.data_quality.recording_quality import RecordingQuality, recording_quality
 from graphdyn.identification.data_quality.searching import MAX_RATE_GAIN_ERROR, DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
@@ -20,9 +20,9 @@ __all__ = [
     "Lag",
     "Piece",
     "RecordedColumns",
-    "RecordingHealth",
+    "RecordingQuality",
     "TooShort",
     "contradictions",
     "excitation",
-    "recording_health",
+    "recording_quality",
 ]

@@ -29,6 +29,6 @@ def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -
 
 
 def contradictions(halves: Array) -> NDArray[np.bool_]:
-    """Halves and joints where a recording contradicts its other half (2, n). halves: of RecordingHealth."""
+    """Halves and joints where a recording contradicts its other half (2, n). halves: of RecordingQuality."""
     common, own = halves[:, 0], halves[:, 1]
     return np.asarray(common > np.maximum(MIN_CONTRADICTION * own, MIN_WORTH))

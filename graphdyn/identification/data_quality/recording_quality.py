@@ -28,7 +28,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
-class RecordingHealth:
+class RecordingQuality:
     """Data quality of a recording with n joints, those that no others drive.
 
     faults: in the order of their correction; none are searched if a channel holds no signal of its own
@@ -54,14 +54,14 @@ class RecordingHealth:
     channels: Channels
 
 
-def recording_health(
+def recording_quality(
     torque_model: TorqueModel,
     pieces: Sequence[Piece],
     *,
     torques: Sequence[Array] | None = None,
     columns: RecordedColumns | None = None,
     min_speed: ArrayLike = 0.0,
-) -> RecordingHealth:
+) -> RecordingQuality:
     """Search a recording for faults.
 
     torque_model: robot, drives and known torques; its inertial parameters are read for the gains alone
@@ -74,7 +74,7 @@ def recording_health(
     of the torque is not finite.
     """
     model = torque_model.model
-    columns = columns or RecordedColumns.of_joints(model.n_freedoms)
+    columns = columns or RecordedColumns.of_joints(model.nv)
     with one_thread():
         thinned = ThinnedRecording(pieces)
         kept = np.abs(thinned.samples.v) >= min_speed
@@ -89,7 +89,7 @@ def recording_health(
             faults, unseen, left = search(torque_model, pieces, columns, kept, found_gains)
             if contradictions(halves).any() and contradictions(left).any():
                 faults = ()  # something changed in between, and no change of the whole recording undoes it
-        return RecordingHealth(
+        return RecordingQuality(
             joint_names=model.independent_joints,
             faults=faults,
             unseen=unseen,

@@ -94,7 +94,7 @@ def search(
 ) -> tuple[tuple[DataFault, ...], tuple[Change, ...], Array]:
     """The faults, the changes that the corrected recording cannot reveal, and then its halves (2, 2, n)."""
     model = torque_model.model
-    slides = [model.joints[k].is_prismatic for k in model.freedoms.independent]
+    slides = [model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent]
     faults: list[DataFault] = []
     while True:
         thinned = ThinnedRecording(pieces)

@@ -91,6 +91,8 @@ def _rows(samples: Samples, chosen: NDArray[np.intp]) -> Samples:
 
 def _joined(parts: Sequence[Samples]) -> Samples:
     if parts[0].base is not None:
-        raise InvalidInput("the base of the robot moves; the health of a recording is known for a base at rest only")
+        raise InvalidInput(
+            "the base of the robot moves; the data quality of a recording is known for a base at rest only"
+        )
     q, v, a, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in ("q", "v", "a", "tau"))
     return Samples(q, v, a, tau)

@@ -64,7 +64,7 @@ class Tunable:
         return getattr(self.make(**self.start), "has_memory", False)
 
     def _at_start(self, model: RobotModel) -> Term:
-        return self.make(**{name: np.full(model.n_freedoms, value) for name, value in self.start.items()})
+        return self.make(**{name: np.full(model.nv, value) for name, value in self.start.items()})
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ def tuned(problem: Problem) -> tuple[TorqueModel, tuple[Tuned, ...]]:
     searched = [(k, term) for k, term in enumerate(model.terms) if isinstance(term, Tunable)]
     if not searched:
         return model, ()
-    n = model.model.n_freedoms
+    n = model.model.nv
     names = [(term, name, value) for _, term in searched for name, value in term.start.items()]
 
     def settings(u: Array) -> list[Array]:

@@ -71,7 +71,7 @@ class ExtendedKalmanFilter:
                 "the filter of Kalman takes the torque as a function of q, v and a; leave friction with memory and "
                 "drifts out"
             )
-        n, p = torque_model.model.n_freedoms, len(torque_model.columns)
+        n, p = torque_model.model.nv, len(torque_model.columns)
         if not (np.isfinite(period) and period > 0):
             raise InvalidInput(f"period is {period!r}; give seconds above zero")
         self._model, self._period, self._held = torque_model, period, held

@@ -41,7 +41,7 @@ class RecursiveLeastSquares:
             raise InvalidInput(
                 "friction with memory needs whole runs, not sample by sample; leave it out, or use a Problem"
             )
-        n = torque_model.model.n_freedoms
+        n = torque_model.model.nv
         deviations = as_floats("noise", noise)
         if deviations.shape not in ((), (n,)) or not np.all(deviations > 0) or not np.all(np.isfinite(deviations)):
             raise InvalidInput(f"noise is {deviations}; give one positive number, or {n}")

@@ -87,7 +87,7 @@ class Problem:
     _memory: list[Rows] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        n = self.torque_model.model.n_freedoms
+        n = self.torque_model.model.nv
         speed = as_floats("min_speed", self.min_speed)
         if speed.shape not in ((), (n,)) or not np.all(speed >= 0):
             raise InvalidInput(f"min_speed is {speed}; give one speed ≥ 0, or {n}")
@@ -103,7 +103,7 @@ class Problem:
     @property
     def n_joints(self) -> int:
         """Number of joints of the robot that no others drive."""
-        return self.torque_model.model.n_freedoms
+        return self.torque_model.model.nv
 
     @cached_property
     def structure(self) -> ParameterStructure:

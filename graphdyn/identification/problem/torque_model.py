@@ -52,7 +52,7 @@ class TorqueModel:
         if repeated:
             raise InvalidInput(f"two parameters of the torque model are called '{repeated[0]}'; give each term once")
         if self.noise is not None:
-            positive("noise of the torques", self.noise, self.model.n_freedoms)
+            positive("noise of the torques", self.noise, self.model.nv)
         symbols = [column.symbol for column in self.columns]
         for symbol, (value, deviation) in self.expected.items():
             if symbol not in symbols:

@@ -56,7 +56,7 @@ class RotorInertia:
         state = maximal_state(model, samples.q, samples.v, samples.a, base=samples.base)
         assert state.acceleration is not None
         jacobian = null_space(state).reshape(*samples.q.shape[:1], model.n_bodies, 6, -1)[:, :, ANGULAR]
-        for j, number in enumerate(model.freedoms.independent):
+        for j, number in enumerate(model.degrees_of_freedom.independent):
             carrier = model.joints[number].inside - 1
             if carrier < 0:  # a rotor in the base
                 if samples.base is not None:
@@ -69,11 +69,11 @@ class RotorInertia:
         return rows
 
     def _rotors(self, model: RobotModel) -> tuple[Array, Array]:
-        n = model.n_freedoms
+        n = model.nv
         gears = as_floats("gears of the rotors", self.gears)
         if gears.shape != (n,) or not np.all(np.isfinite(gears)) or not np.all(gears):
             raise InvalidInput(f"gears of the rotors are {np.array2string(gears)}; give {n} numbers that are not zero")
-        joints = [model.joints[number] for number in model.freedoms.independent]
+        joints = [model.joints[number] for number in model.degrees_of_freedom.independent]
         own = [joint.placement.rotation @ joint.axis for joint in joints]
         axes = as_floats("axes of the rotors", own if self.axes is None else self.axes)
         if axes.shape != (n, 3) or not np.all(np.abs(np.linalg.norm(axes, axis=-1) - 1) <= UNIT_AXIS_TOLERANCE):

@@ -64,8 +64,8 @@ class Stribeck:
         return per_joint_columns(model, "Stribeck friction", "FS", *TORQUE_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        v_s = positive("Stribeck velocity", self.velocity, model.n_freedoms)
-        falling = np.exp(-(np.abs(samples.v / v_s) ** positive("exponent", self.exponent, model.n_freedoms)))
+        v_s = positive("Stribeck velocity", self.velocity, model.nv)
+        falling = np.exp(-(np.abs(samples.v / v_s) ** positive("exponent", self.exponent, model.nv)))
         return per_joint_rows(smooth_sign(samples.v, self.width) * falling)
 
 

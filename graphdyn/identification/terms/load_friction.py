@@ -53,7 +53,7 @@ class SmoothCoulomb:
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
         names: list[TermParameter] = []
-        for k, per_joint in enumerate(each_positive("width", self.widths, model.n_freedoms), start=1):
+        for k, per_joint in enumerate(each_positive("width", self.widths, model.nv), start=1):
             plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE_UNITS)
             names += [
                 TermParameter(f"{column.name} of width {width:g}", column.symbol, column.unit)

@@ -44,7 +44,7 @@ class MaxwellSlip:
     has_memory: ClassVar[bool] = True
 
     def columns(self, model: RobotModel) -> tuple[TermParameter, ...]:
-        count = len(each_positive("deflection", self.deflections, model.n_freedoms))
+        count = len(each_positive("deflection", self.deflections, model.nv))
         several = count > 1
         return tuple(
             TermParameter(f"{column.name} {k}" if several else column.name, column.symbol, column.unit)

@@ -71,7 +71,7 @@ def per_joint_columns(
     model: RobotModel, what: str, symbol: str, unit: str, slide_unit: str
 ) -> tuple[TermParameter, ...]:
     """One column for each independent joint; the second unit is that of a prismatic joint."""
-    joints = [(k + 1, model.joints[k]) for k in model.freedoms.independent]
+    joints = [(k + 1, model.joints[k]) for k in model.degrees_of_freedom.independent]
     return tuple(
         TermParameter(f"{joint.name} {what}", f"{symbol}_{j}", slide_unit if joint.is_prismatic else unit)
         for j, joint in joints

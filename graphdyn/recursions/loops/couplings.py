@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.model.coupling import Freedoms
+from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.recursions.declarations import with_couplings
 from graphdyn.recursions.forward import Drives
 from graphdyn.recursions.inertia import inverted, inverted_mass_matrix, mass_matrix
@@ -22,28 +22,35 @@ from graphdyn.recursions.motion import Root
 from graphdyn.scalars.vectors import PerJoint, Scalars, scalars
 
 
-def projected(answer: Scalars, shape: Sequence[int | str], freedoms: Freedoms | None) -> Scalars:
-    """An answer for all joints, with each axis "n" of its shape turned to the free ones; as it is without freedoms."""
+def projected(answer: Scalars, shape: Sequence[int | str], degrees_of_freedom: DegreesOfFreedom | None) -> Scalars:
+    """An answer for all joints, with each axis "n" of its shape turned to the free ones; as it is without degrees of
+    freedom."""
     for axis, size in enumerate(shape):
-        if size == "n" and freedoms is not None:
-            answer = np.moveaxis(np.moveaxis(answer, axis, -1) @ scalars(freedoms.matrix), -1, axis)
+        if size == "n" and degrees_of_freedom is not None:
+            answer = np.moveaxis(np.moveaxis(answer, axis, -1) @ scalars(degrees_of_freedom.matrix), -1, axis)
     return answer
 
 
 @with_couplings
 def forward_dynamics(
-    links: Links, root: Root, freedoms: Freedoms, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads = None
+    links: Links,
+    root: Root,
+    degrees_of_freedom: DegreesOfFreedom,
+    q: PerJoint,
+    v: PerJoint,
+    tau: PerJoint,
+    external: Loads = None,
 ) -> dict[str, list[Any]]:
     """As graphdyn.recursions.forward answers, of q and v of all joints and the torques of the free ones."""
-    _, a, pivots = solved(links, root, freedoms, q, v, tau, external)
-    found = inverse_dynamics(links, root, q, v, everywhere(a, freedoms), external)
+    _, a, pivots = solved(links, root, degrees_of_freedom, q, v, tau, external)
+    found = inverse_dynamics(links, root, q, v, everywhere(a, degrees_of_freedom), external)
     return {**found, "a": list(a), "pivots": pivots}
 
 
 def driven(
     links: Links,
     root: Root,
-    freedoms: Freedoms,
+    degrees_of_freedom: DegreesOfFreedom,
     q: PerJoint,
     v: PerJoint,
     tau: PerJoint,
@@ -54,9 +61,9 @@ def driven(
 
     A joint that is held has a row and a column of the unit matrix, and a = 0.
     """
-    mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
+    mass = projected(mass_matrix(links, q), ("n", "n"), degrees_of_freedom)
     mass[np.diag_indices(len(mass))] += np.array(drives.rotor, dtype=object)
-    bias = projected(torques(links, root, q, v, [0.0] * len(links), external), ("n",), freedoms)
+    bias = projected(torques(links, root, q, v, [0.0] * len(links), external), ("n",), degrees_of_freedom)
     free = np.array(drives.free, dtype=object)
     moving = mass * np.outer(free, free)
     moving[np.diag_indices(len(mass))] += 1.0 - free
@@ -66,34 +73,51 @@ def driven(
 
 
 @with_couplings
-def mass_matrix_inverse(links: Links, freedoms: Freedoms, q: PerJoint) -> dict[str, Any]:
+def mass_matrix_inverse(links: Links, degrees_of_freedom: DegreesOfFreedom, q: PerJoint) -> dict[str, Any]:
     """mass_matrix_inverse (n n) and pivots."""
-    inverse, pivots = _inverted_mass_matrix(links, freedoms, q)
+    inverse, pivots = _inverted_mass_matrix(links, degrees_of_freedom, q)
     return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
 
 
 @with_couplings
 def power(
-    links: Links, root: Root, freedoms: Freedoms, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
+    links: Links,
+    root: Root,
+    degrees_of_freedom: DegreesOfFreedom,
+    q: PerJoint,
+    v: PerJoint,
+    a: PerJoint,
+    external: Loads = None,
 ) -> dict[str, list[Any]]:
     """τ_j v_j (n) of the free joints, whose torques move the driven ones too."""
     tau = torques(links, root, q, v, a, external)
-    rates = np.array(v, dtype=object)[list(freedoms.independent)]
-    return {"power": list(projected(tau, ("n",), freedoms) * rates)}
+    rates = np.array(v, dtype=object)[list(degrees_of_freedom.independent)]
+    return {"power": list(projected(tau, ("n",), degrees_of_freedom) * rates)}
 
 
 def solved(
-    links: Links, root: Root, freedoms: Freedoms | None, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads
+    links: Links,
+    root: Root,
+    degrees_of_freedom: DegreesOfFreedom | None,
+    q: PerJoint,
+    v: PerJoint,
+    tau: PerJoint,
+    external: Loads,
 ) -> tuple[Scalars, Scalars, list[Any]]:
-    """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n,), and the pivots (n); of all joints without freedoms, else of the free ones."""
-    inverse, pivots = inverted_mass_matrix(links, q) if freedoms is None else _inverted_mass_matrix(links, freedoms, q)
+    """M⁻¹ (n, n), a = M⁻¹ (τ - h) (n,), and the pivots (n); of all joints without degrees of freedom, else of the free
+    ones."""
+    inverse, pivots = (
+        inverted_mass_matrix(links, q)
+        if degrees_of_freedom is None
+        else _inverted_mass_matrix(links, degrees_of_freedom, q)
+    )
     bias = torques(links, root, q, v, [0.0] * len(links), external)
-    return inverse, inverse @ (np.array(tau, dtype=object) - projected(bias, ("n",), freedoms)), pivots
+    return inverse, inverse @ (np.array(tau, dtype=object) - projected(bias, ("n",), degrees_of_freedom)), pivots
 
 
-def everywhere(a: Scalars, freedoms: Freedoms | None) -> list[Any]:
+def everywhere(a: Scalars, degrees_of_freedom: DegreesOfFreedom | None) -> list[Any]:
     """The accelerations of all joints (n,)."""
-    return list(a if freedoms is None else scalars(freedoms.matrix) @ a)
+    return list(a if degrees_of_freedom is None else scalars(degrees_of_freedom.matrix) @ a)
 
 
 def torques(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads) -> Scalars:
@@ -101,7 +125,7 @@ def torques(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, ext
     return np.array(inverse_dynamics(links, root, q, v, a, external)["tau"], dtype=object)
 
 
-def _inverted_mass_matrix(links: Links, freedoms: Freedoms, q: PerJoint) -> tuple[Scalars, list[Any]]:
+def _inverted_mass_matrix(links: Links, degrees_of_freedom: DegreesOfFreedom, q: PerJoint) -> tuple[Scalars, list[Any]]:
     """(Kᵀ M K)⁻¹ (n, n), and its pivots (n)."""
-    mass = projected(mass_matrix(links, q), ("n", "n"), freedoms)
+    mass = projected(mass_matrix(links, q), ("n", "n"), degrees_of_freedom)
     return inverted(mass, [range(j)[::-1] for j in range(len(mass))])

@@ -41,7 +41,7 @@ class Closing:
     dependent_columns: Scalars
     inverse: Scalars
     rows: list[ChordRows]
-    watched: list[Any]
+    guarded: list[Any]
 
     def opened_by(self, a: PerJoint) -> list[Any]:
         """Negative where accelerations (n) of all joints open a loop."""
@@ -78,12 +78,12 @@ def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closin
     motions_of[independent, range(len(independent))] = 1.0
     motions_of[dependent, :] = -(inverse @ (columns.T @ jacobian[:, independent]))
     sizes = [sum(x * x for x in jacobian[[not is_zero(x) for x in column]].ravel()) for column in columns.T]
-    watched = [_ratio(pivot, size) * DEPENDENT_PIVOT_FACTOR for pivot, size in zip(pivots, sizes, strict=True)]
+    guarded = [_ratio(pivot, size) * DEPENDENT_PIVOT_FACTOR for pivot, size in zip(pivots, sizes, strict=True)]
     for row in rows:
-        watched += [1.0 - gap * gap * (1.0 / CLOSED_TOLERANCE**2) for gap in row.gap]
-        watched += row.agreeing
-        watched += [_opening(line, v, 0.0) for line in row.jacobian]
-    return Closing(motions_of, dependent, columns, inverse, rows, watched)
+        guarded += [1.0 - gap * gap * (1.0 / CLOSED_TOLERANCE**2) for gap in row.gap]
+        guarded += row.agreeing
+        guarded += [_opening(line, v, 0.0) for line in row.jacobian]
+    return Closing(motions_of, dependent, columns, inverse, rows, guarded)
 
 
 @with_chords
@@ -98,9 +98,9 @@ def forward_dynamics(
     needed = torques(links, root, q, v, start, external)
     gained = k @ (inverse @ (k.T @ (np.array(tau, dtype=object) - needed)))
     a = [x + y for x, y in zip(start, gained, strict=True)]
-    watched = [_ratio(pivot, size) for pivot, size in zip(pivots, mass.diagonal(), strict=True)]
+    guarded = [_ratio(pivot, size) for pivot, size in zip(pivots, mass.diagonal(), strict=True)]
     answer = _reactions(model, links, root, held, q, v, a, tau, external)
-    return {"a": a, **answer, "pivots": held.watched + watched}
+    return {"a": a, **answer, "pivots": held.guarded + guarded}
 
 
 @with_chords
@@ -113,7 +113,7 @@ def inverse_dynamics(
     to_motors, pivots = _actuation(model, held)
     tau = list(to_motors @ needed)
     answer = _reactions(model, links, root, held, q, v, a, tau, external)
-    return {"tau": tau, **answer, "pivots": held.watched + held.opened_by(a) + pivots}
+    return {"tau": tau, **answer, "pivots": held.guarded + held.opened_by(a) + pivots}
 
 
 def at_motors(recursion: Recursion) -> Callable[..., dict[str, list[Any]]]:
@@ -130,7 +130,7 @@ def at_motors(recursion: Recursion) -> Callable[..., dict[str, list[Any]]]:
         to_motors, pivots = _actuation(x.model, held)
         answer = list((to_motors @ of_tree).ravel())
         opened = [each for rates in a for each in held.opened_by(rates)]
-        return {name: answer, "pivots": held.watched + opened + pivots}
+        return {name: answer, "pivots": held.guarded + opened + pivots}
 
     return at_actuated
 

@@ -76,23 +76,25 @@ def adaptive(
         # which joints slide is decided here, and holds until a watch ends the stretch
         contact = equations.contact(t, q, v, tau_at(t, q, v), MAX_SLIDING_PASSES, loose)
         stretch = _Stretch(equations, tau_at, contact, progress)
-        watched = stretch.watches() + (_limit_watches(equations) if stop_at_limits else [])
-        watched += [_Watch(_of_state(event.function, n), event.name, event.direction, event.stop) for event in events]
-        solution = _solve(stretch, (t, end), y, tolerances, watched, dense=at is not None)
+        checked = stretch.checks() + (_limit_checks(equations) if stop_at_limits else [])
+        checked += [
+            _EventCheck(_of_state(event.function, n), event.name, event.direction, event.stop) for event in events
+        ]
+        solution = _solve(stretch, (t, end), y, tolerances, checked, dense=at is not None)
         reached = float(solution.t[-1])
         finished = reached >= duration
         if reached > t or finished:
             parts.append(stretch.rows(solution, at, t, last=finished))
         y, loose = solution.y[:, -1].copy(), None
-        for watch, times, states in zip(watched, solution.t_events, solution.y_events, strict=True):
+        for check, times, states in zip(checked, solution.t_events, solution.y_events, strict=True):
             for time, state in zip(times, states, strict=True):
-                if watch.rests is not None:
-                    y[n + watch.rests] = 0.0
-                elif watch.breaks_loose is not None:
-                    loose = watch.breaks_loose
+                if check.rests is not None:
+                    y[n + check.rests] = 0.0
+                elif check.breaks_loose is not None:
+                    loose = check.breaks_loose
                 else:
-                    occurrences.append(Occurrence(watch.name, float(time), state[:n], state[n : 2 * n]))
-                    ended = watch.name if watch.stop else ended
+                    occurrences.append(Occurrence(check.name, float(time), state[:n], state[n : 2 * n]))
+                    ended = check.name if check.stop else ended
         progress(reached)
         if ended or finished:
             break
@@ -112,7 +114,7 @@ def adaptive(
 
 
 @dataclass(frozen=True, eq=False)
-class _Watch:
+class _EventCheck:
     """function: (t, y) → a number; rests, breaks_loose: the joint that does so where it vanishes."""
 
     function: Callable[[float, Array], float]
@@ -143,20 +145,20 @@ class _Stretch:
         found = self._equations.rates(t, q, v, tau, self._contact)
         return np.concatenate([v, found.a, [tau @ v, found.passive @ v]])
 
-    def watches(self) -> list[_Watch]:
+    def checks(self) -> list[_EventCheck]:
         """Of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
         plant = self._equations.plant
         if not plant.sticks:
             return []
         n, dry = len(self._contact.sign), plant.constants["coulomb"]
-        watches = []
+        checks = []
         for j in np.flatnonzero(dry > 0).tolist():
             if self._contact.free[j]:
                 against = -int(self._contact.sign[j])
-                watches.append(_Watch(partial(_less, n + j, 0.0), direction=against, rests=j))
+                checks.append(_EventCheck(partial(_less, n + j, 0.0), direction=against, rests=j))
             else:
-                watches.append(_Watch(partial(self._excess, j, dry[j]), direction=1, breaks_loose=j))
-        return watches
+                checks.append(_EventCheck(partial(self._excess, j, dry[j]), direction=1, breaks_loose=j))
+        return checks
 
     def _excess(self, j: int, dry: float, t: float, y: Array) -> float:
         """By how much more than dry friction a joint at rest would need to be held."""
@@ -207,15 +209,15 @@ def _torque_from(
     return lambda t, q, v: held, min((tick + 1) * torque.period, duration)
 
 
-def _limit_watches(equations: Equations) -> list[_Watch]:
+def _limit_checks(equations: Equations) -> list[_EventCheck]:
     """Every joint with limits stops the simulation where it reaches one."""
     model = equations.plant.model
-    watches = []
+    checks = []
     for side, limits, direction in zip(("lower", "upper"), position_limits(model), (-1, 1), strict=True):
         for j in np.flatnonzero(np.isfinite(limits)).tolist():
             name = f"{side} limit of joint '{model.joint_names[j]}'"
-            watches.append(_Watch(partial(_beyond, model, j, float(limits[j])), name, direction))
-    return watches
+            checks.append(_EventCheck(partial(_beyond, model, j, float(limits[j])), name, direction))
+    return checks
 
 
 def _less(k: int, level: float, t: float, y: Array) -> float:
@@ -223,7 +225,7 @@ def _less(k: int, level: float, t: float, y: Array) -> float:
 
 
 def _beyond(model: RobotModel, j: int, limit: float, t: float, y: Array) -> float:
-    return float(model.joint_positions(y[: model.n_freedoms])[j] - limit)
+    return float(model.joint_positions(y[: model.nv])[j] - limit)
 
 
 def _of_state(function: Callable[[float, Array, Array], float], n: int) -> Callable[[float, Array], float]:
@@ -235,14 +237,14 @@ def _solve(
     span: tuple[float, float],
     y: Array,
     tolerances: Tolerances,
-    watched: Sequence[_Watch],
+    checked: Sequence[_EventCheck],
     dense: bool,
 ) -> Any:
     from scipy.integrate import solve_ivp
 
-    def scipy_event(watch: _Watch) -> Callable[[float, Array], float]:
-        function = partial(watch.function)
-        function.terminal, function.direction = watch.stop, watch.direction  # type: ignore[attr-defined]
+    def scipy_event(check: _EventCheck) -> Callable[[float, Array], float]:
+        function = partial(check.function)
+        function.terminal, function.direction = check.stop, check.direction  # type: ignore[attr-defined]
         return function
 
     atol = np.full(len(y), tolerances.atol)
@@ -255,7 +257,7 @@ def _solve(
             method="DOP853",
             rtol=tolerances.rtol,
             atol=atol,
-            events=[scipy_event(watch) for watch in watched] or None,
+            events=[scipy_event(check) for check in checked] or None,
             dense_output=dense,
         )
     if solution.status < 0 or not np.all(np.isfinite(solution.y)):
@@ -263,6 +265,6 @@ def _solve(
             f"the integration failed at {solution.t[-1]:g} s ({solution.message.strip()}); "
             "the torques may be too stiff or too large"
         )
-    if not watched:
+    if not checked:
         solution.t_events, solution.y_events = [], []
     return solution

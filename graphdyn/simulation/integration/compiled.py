@@ -15,7 +15,7 @@ from graphdyn.compiler.running import MAX_COMPILED_LENGTH, chosen_backend, in_th
 from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_law
 from graphdyn.compiler.stepping.layout import StepCode
 from graphdyn.compiler.stepping.stepping import CompiledSteps, StepRange, in_blocks, out_of_blocks
-from graphdyn.experiments.experiment import carriage
+from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import Program
@@ -61,7 +61,7 @@ def compiled_steps(
             own: Tableau = tableau(method)
             known[key] = CompiledSteps(
                 StepCode(
-                    n=plant.model.n_freedoms,
+                    n=plant.model.nv,
                     accelerations=_accelerations(plant.model, inputs),
                     law=record_law(nominal or plant.model, law) if law else None,
                     a=own.a,
@@ -111,7 +111,7 @@ def ground_of(plant: PlantConstants, method: str, stretch: StepRange, end: float
     stages = tableau(method).c
     steps = np.arange(stretch.start, stretch.start + stretch.count)
     times = np.minimum((steps[:, None] + stages) * stretch.h, end).ravel()
-    columns = ground_columns(plant.model, carriage(plant.base, times), times.shape)
+    columns = ground_columns(plant.model, base_motion(plant.base, times), times.shape)
     return np.ascontiguousarray(columns).reshape(len(steps), len(stages), -1)
 
 

@@ -53,19 +53,19 @@ def loop_adaptive(
 ) -> SimulatedCourse:
     """As adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
     run = _AdaptiveRun(equations, start, torque, closed_stages, tolerances, duration)
-    watched = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
+    checked = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
     rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""
     targets = np.append(duration if at is None else at[at > 0], duration)
     if at is None or at[0] == 0:
         times, rows = [0.0], [run.row()]
-    before = [event.function(0.0, *run.state) for event in watched]
+    before = [event.function(0.0, *run.state) for event in checked]
     while run.t < duration and not ended:
         target = float(targets[np.searchsorted(targets, run.t, side="right")])
         origin = run.t, run.y
         run.advance(target)
         found = []
-        after = [event.function(run.t, *run.state) for event in watched]
-        for event, values in zip(watched, zip(before, after, strict=True), strict=True):
+        after = [event.function(run.t, *run.state) for event in checked]
+        for event, values in zip(checked, zip(before, after, strict=True), strict=True):
             if changes(np.array(values, dtype=float), event.direction):
                 found.append((*run.crossing(origin, event), event))
         for time, y, event in sorted(found, key=lambda item: item[0]):

@@ -39,7 +39,7 @@ SETTINGS = AxisSettings((1.0, -1.0, 1.0), (0.0, 25.0, -90.0))
 
 def course(model):
     rng = np.random.default_rng(0)
-    return Trajectory(FourierBasis(4.0, 3), 0.3 * rng.normal(size=(model.n_freedoms, 5)))
+    return Trajectory(FourierBasis(4.0, 3), 0.3 * rng.normal(size=(model.nv, 5)))
 
 
 def timed(model, rate=50.0):

@@ -1,4 +1,4 @@
-"""Foreign code runs in a process of its own: whatever it does to that process, there is a verdict or an error."""
+"""User code runs in a process of its own: whatever it does to that process, there is a verdict or an error."""
 
 import json
 import os
@@ -128,7 +128,7 @@ class TestOutput:
 
     def test_the_report(self, judged):
         done = judged("talks")
-        assert done.out.startswith("Foreign functions for ur5: agrees\n")
+        assert done.out.startswith("Functions under test for ur5: agrees\n")
         assert "printed" not in done.out
 
 

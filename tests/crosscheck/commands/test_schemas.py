@@ -43,7 +43,7 @@ def check(record):
 
 @pytest.fixture
 def written(tmp_path, monkeypatch):
-    """The JSON that a command writes, and its exit code; foreign code runs in this process."""
+    """The JSON that a command writes, and its exit code; user code runs in this process."""
     monkeypatch.setattr(own_process, "tell", lambda _: None)
 
     def run(*arguments):
@@ -93,7 +93,7 @@ class TestSchemas:
             "graphdyn robots 1",
             "graphdyn errata 1",
             "graphdyn show 1",
-            "graphdyn judge 1",
+            "graphdyn judge 2",
         } <= formats
         assert {file_name(form) for form in formats} == set(SCHEMAS)
 
@@ -173,13 +173,13 @@ class TestCrosscheck:
         check(record)
 
     def test_disagreement(self, written, pendulum, plant):
-        plant.referee_value("tau", lambda x: x * (1 + PLANTED))
+        plant.pinocchio_value("tau", lambda x: x * (1 + PLANTED))
         record, code = written("crosscheck", pendulum, "--samples", 1)
         assert code == 1
         check(record)
 
     def test_not_finite(self, written, pendulum, plant):
-        plant.referee_value("tau", lambda _: math.nan)
+        plant.pinocchio_value("tau", lambda _: math.nan)
         record, code = written("crosscheck", pendulum, "--samples", 1)
         assert code == 1
         assert record["robots"][0]["quantities"]["torque"]["max_relative_error"] is None

@@ -175,12 +175,12 @@ def test_the_same_motion_with_pinocchio():
     from scipy.integrate import solve_ivp
 
     model = kr500()
-    referee = PinocchioModel.from_model(model)
+    pinocchio = PinocchioModel.from_model(model)
     q, v = np.array([0.2, 0.5, -0.3, 0.4, 0.6, -0.2]), np.zeros(6)
 
     def rates(t, y):
         at_rest = np.zeros((1, 6))
-        there = PinocchioAnswers(referee, model, y[None, :6], y[None, 6:], at_rest, at_rest)
+        there = PinocchioAnswers(pinocchio, model, y[None, :6], y[None, 6:], at_rest, at_rest)
         return np.concatenate([y[6:], there.a[0]])
 
     theirs = solve_ivp(rates, (0.0, 0.5), np.concatenate([q, v]), method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]

@@ -1,4 +1,4 @@
-"""A robot on a carriage against Pinocchio with a free joint in front, whose motion is imposed."""
+"""A robot on a moving base against Pinocchio with a free joint in front, whose motion is imposed."""
 
 import numpy as np
 import pytest

@@ -50,7 +50,7 @@ SHARED = {
 """Numbers of Pinocchio that several quantities take, and which these are."""
 
 OURS_ALONE = {"dynamics_residual", "constraint_residual", "constraint_rank", "kkt_rank"}
-"""Judged without the referee."""
+"""Judged without the reference."""
 
 DERIVED = [name for name, row in QUANTITIES.items() if row.when != "all" and row.forms]
 """Quantities that are compared at the first random states only, by two methods."""
@@ -89,10 +89,10 @@ def test_without_a_plant_it_agrees(tree):
 
 
 @answers
-def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, name, loaded):
+def test_one_wrong_entry_of_the_pinocchio(tree, plant, monkeypatch, name, loaded):
     """Flagged in its quantities only and in its case only; named by every channel that reports it."""
     size = PLANTED_FORWARD if name in {*DERIVED, *SOLVED} else PLANTED
-    planted, visible = plant.referee_quantity(name, lambda x: x * (1 + size), loaded), VISIBLE_IN[name, loaded]
+    planted, visible = plant.pinocchio_quantity(name, lambda x: x * (1 + size), loaded), VISIBLE_IN[name, loaded]
     with pytest.raises(crosscheck.Disagreement) as caught:
         crosscheck.assert_agrees(tree, SAMPLES, SEED)
     comparison = caught.value.comparison
@@ -113,7 +113,7 @@ def test_one_wrong_entry_of_the_referee(tree, plant, monkeypatch, name, loaded):
 
 @pytest.mark.parametrize("field", SHARED)
 def test_one_wrong_number_of_several_quantities(tree, plant, field):
-    plant.referee_value(field, lambda x: x * (1 + PLANTED_FORWARD))
+    plant.pinocchio_value(field, lambda x: x * (1 + PLANTED_FORWARD))
     assert flagged(compared(tree)) == SHARED[field]
 
 
@@ -122,7 +122,7 @@ def test_one_wrong_number_of_several_quantities(tree, plant, field):
 def test_answers_that_are_not_finite(tree, plant, value):
     """All of them at once: each disagrees, and none hides another."""
     for name, loaded in VISIBLE_IN:
-        plant.referee_quantity(name, lambda _: value, loaded)
+        plant.pinocchio_quantity(name, lambda _: value, loaded)
     comparison = compared(tree)
     assert not comparison.agrees
     assert flagged(comparison) >= set().union(*VISIBLE_IN.values())
@@ -134,7 +134,7 @@ def test_answers_that_are_not_finite(tree, plant, value):
 @pytest.mark.parametrize("value", [1 + PLANTED_FORWARD, math.nan, math.inf])
 @pytest.mark.parametrize("loaded", [False, True])
 def test_one_wrong_torque_at_our_accelerations(tree, plant, loaded, value):
-    plant.referee_required(loaded, lambda x: x * value)
+    plant.pinocchio_required(loaded, lambda x: x * value)
     assert flagged(compared(tree)) == {name for name in BACKWARD if ("external" in name) == loaded}
 
 
@@ -149,14 +149,14 @@ def exit_code(monkeypatch, comparison):
 
 @pytest.mark.parametrize("which", [0, 1], ids=["rotation", "position"])
 def test_wrong_frame(small_arm, plant, which):
-    plant.referee_frames(which, lambda x: x * (1 + PLANTED))
+    plant.pinocchio_frames(which, lambda x: x * (1 + PLANTED))
     comparison = compared(small_arm)
     assert flagged(comparison) == {"frame_placement"}
     assert set(comparison.quantities["frame_placement"].by_route) == {"urdf"}
 
 
 class TestOursAlone:
-    """Quantities that no referee can be wrong about."""
+    """Quantities that no reference can be wrong about."""
 
     def test_projected_accelerations(self, tree, plant):
         plant.projected_accelerations(1 + PLANTED_FORWARD)
@@ -226,7 +226,7 @@ class TestBaseParameters:
     """The baseline identification notices a regressor that differs."""
 
     def test_every_entry_slightly(self, tree, plant):
-        plant.referee_regressor(lambda w: w * (1 + PLANTED_FORWARD))
+        plant.pinocchio_regressor(lambda w: w * (1 + PLANTED_FORWARD))
         comparison = compared(tree)
         assert flagged(comparison) == {"base_parameters"}
         assert comparison.identification.difference > COMPARED["base_parameters"].tolerance.bound
@@ -235,7 +235,7 @@ class TestBaseParameters:
     def test_rank(self, tree, plant):
         """A body without columns: fewer parameters there than here, whatever the estimates."""
         rank = compared(tree).identification.rank
-        plant.referee_regressor(lambda w: np.where(np.arange(w.shape[-1]) // 10 == 1, 0.0, w))
+        plant.pinocchio_regressor(lambda w: np.where(np.arange(w.shape[-1]) // 10 == 1, 0.0, w))
         short = compared(tree)
         assert short.identification.rank == rank > short.identification.rank_there
         assert flagged(short) == {"base_parameters"}
@@ -252,7 +252,7 @@ class TestBaseParameters:
 
     def test_against_the_model(self, tree, plant):
         """The estimates are judged against the model itself too: both cannot be wrong together."""
-        plant.referee_model(lambda model: heavier(model, 2))
+        plant.pinocchio_model(lambda model: heavier(model, 2))
         identification = compared(tree).identification
         bound = COMPARED["base_parameters"].tolerance.bound
         assert identification.difference <= bound < identification.error
@@ -293,7 +293,7 @@ class TestAnotherRobot:
     @numbered
     def test_mass(self, tree, plant, number):
         """Visible in every force, in no motion, and not in W of τ = W π."""
-        plant.referee_model(lambda model: heavier(model, number))
+        plant.pinocchio_model(lambda model: heavier(model, number))
         found = flagged(compared(tree))
         assert found >= {"inverse_dynamics", "joint_wrenches", "multipliers", "joint_wrenches_external", "bias_torque"}
         assert not found & (KINEMATIC | {"joint_torque_regressor", "body_regressor", "constraint_rank"})
@@ -301,7 +301,7 @@ class TestAnotherRobot:
     @numbered
     def test_inertia(self, tree, plant, number):
         """Visible as a reaction even where no torque feels it."""
-        plant.referee_model(lambda model: skewed(model, number))
+        plant.pinocchio_model(lambda model: skewed(model, number))
         found = flagged(compared(tree))
         assert found >= {"joint_wrenches", "multipliers", "joint_wrenches_external"}
         assert not found & (KINEMATIC | {"joint_torque_regressor", "body_regressor", "constraint_rank"})
@@ -309,7 +309,7 @@ class TestAnotherRobot:
     @numbered
     def test_placement(self, tree, plant, number):
         """Moving the first joint moves the whole robot: it is elsewhere, and not another robot."""
-        plant.referee_model(lambda model: longer(model, number))
+        plant.pinocchio_model(lambda model: longer(model, number))
         found = flagged(compared(tree))
         everywhere = {"body_velocities", "body_accelerations", "inverse_dynamics", "mass_matrix"}
         assert "link_placement" in found
@@ -318,7 +318,7 @@ class TestAnotherRobot:
     @pytest.mark.parametrize("change", [twisted, tilted])
     @numbered
     def test_direction_of_an_axis(self, tree, plant, change, number):
-        plant.referee_model(lambda model: change(model, number))
+        plant.pinocchio_model(lambda model: change(model, number))
         assert flagged(compared(tree)) >= KINEMATIC | {
             "inverse_dynamics",
             "joint_wrenches",
@@ -328,7 +328,7 @@ class TestAnotherRobot:
 
     def test_gravity(self, tree, plant):
         """Only what is weighed: inertia and kinematics do not know gravity, and without gravity all agree."""
-        plant.referee_gravity(1 + PHYSICAL)
+        plant.pinocchio_gravity(1 + PHYSICAL)
         comparison = compared(tree)
         found = flagged(comparison)
         assert found >= {
@@ -345,12 +345,12 @@ class TestAnotherRobot:
             assert result.by_case.get("zero gravity", 0.0) <= result.quantity.tolerance.bound
 
     def test_damping_and_friction_are_no_rigid_dynamics(self, tree, plant):
-        plant.referee_model(lambda model: with_joint(model, 2, damping=7.0, friction=3.0))
+        plant.pinocchio_model(lambda model: with_joint(model, 2, damping=7.0, friction=3.0))
         assert compared(tree).agrees
 
     def test_the_error_is_measured(self, tree, plant):
         """All bodies heavier by a part x: every wrench and the mass matrix are off by x, no torque by more."""
-        plant.referee_model(lambda model: model.with_inertial_parameters((1 + PHYSICAL) * model.inertial_parameters))
+        plant.pinocchio_model(lambda model: model.with_inertial_parameters((1 + PHYSICAL) * model.inertial_parameters))
         quantities = compared(tree).quantities
         assert quantities["mass_matrix"].max_relative_error == pytest.approx(PHYSICAL, rel=MEASURED)
         # the scale of a wrench is that of the terms that are summed, a little above the largest wrench
@@ -373,12 +373,12 @@ class TestAnotherRobot:
 
 def test_worst_state_reproduces_the_error(tree, plant):
     """The state in the record, fed back, gives the recorded error."""
-    plant.referee_model(lambda model: heavier(model, 1))
+    plant.pinocchio_model(lambda model: heavier(model, 1))
     result = compared(tree).quantities["inverse_dynamics"]
     case = next(case for case in cases(tree, SAMPLES, SEED) if case.name == result.worst.case)
     q, v, a = (np.array([x]) for x in (result.worst.q, result.worst.v, result.worst.a))
-    referee = PinocchioModel.from_model(case.model)  # the heavier one
-    values = PinocchioAnswers(referee, case.model, q, v, a, np.zeros_like(q))
+    pinocchio = PinocchioModel.from_model(case.model)  # the heavier one
+    values = PinocchioAnswers(pinocchio, case.model, q, v, a, np.zeros_like(q))
     error = np.abs(inverse_dynamics(case.model, q, v, a).tau - values.tau).max()
     scale = max(np.abs(values.tau).max(), np.abs(values.joint_wrenches).max())
     assert error / scale == pytest.approx(result.max_relative_error, rel=MEASURED)

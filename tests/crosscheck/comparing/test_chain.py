@@ -81,7 +81,7 @@ def test_a_tilted_base_link(tilted, lock):
 
 
 def test_another_load_is_noticed(tilted):
-    """The referee reads the file by itself: the gripper held elsewhere is a disagreement."""
+    """The reference reads the file by itself: the gripper held elsewhere is a disagreement."""
     model = urdf.load(tilted, chain=("torso", "tool"), lock={"grip": 0.07})
     q, v = model.random_state(np.random.default_rng(0), 5)
     ours = PinocchioModel.from_model(model).rnea(q, v, v)

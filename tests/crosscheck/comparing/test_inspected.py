@@ -32,10 +32,10 @@ OTHER_NAMES = {"other-encoding", "name-spacing"}
 ARMS_REFUSED = {"aubo_i5", "mk3"}
 
 
-def errors(referee, model):
+def errors(pinocchio, model):
     """The quantities that miss their bounds at random states, and by how much."""
     (case, *_) = cases(model, SAMPLES, 0)
-    states = ComparedStates.of(replace(case, tau=None), np.ones(len(case.q), dtype=bool))(referee)
+    states = ComparedStates.of(replace(case, tau=None), np.ones(len(case.q), dtype=bool))(pinocchio)
     found = {
         name: states.errors(quantity)
         for name, quantity in COMPARED.items()
@@ -52,10 +52,10 @@ def agrees(path, otherwise=False):
         model = replace(urdf.load(path).uncoupled, chords=(), actuated=None)  # Pinocchio's is the tree
     assert errors(PinocchioModel.from_model(model), model) == {}
     try:
-        referee = PinocchioModel.from_urdf(path, model)
+        pinocchio = PinocchioModel.from_urdf(path, model)
     except PinocchioRefuses:
         return False
-    assert ("inverse_dynamics" in errors(referee, model)) if otherwise else errors(referee, model) == {}
+    assert ("inverse_dynamics" in errors(pinocchio, model)) if otherwise else errors(pinocchio, model) == {}
     return True
 
 

@@ -28,13 +28,13 @@ def test_pinocchio_with_mimic(name):
         text = re.sub('"(gripper_(left|right)_joint)"', r'"a_\1"', locate("talos_full_v2")[0].read_text())
     model, native = urdf.load(text), pin.buildModelFromXML(text, mimic=True)
     assert model.couplings
-    assert native.nv == model.n_freedoms
+    assert native.nv == model.nv
     data, rng = native.createData(), np.random.default_rng(0)
     joints = [native.joints[native.getJointId(joint)] for joint in model.independent_joints]
     columns = np.array([joint.idx_v for joint in joints])
     q, v = model.random_state(rng, SAMPLES)
     a = rng.normal(size=q.shape)
-    tau, mass = np.empty_like(q), np.empty((SAMPLES, model.n_freedoms, model.n_freedoms))
+    tau, mass = np.empty_like(q), np.empty((SAMPLES, model.nv, model.nv))
     for k in range(SAMPLES):
         there = np.zeros((3, native.nv))
         there[:, columns] = q[k], v[k], a[k]

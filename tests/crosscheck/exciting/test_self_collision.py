@@ -1,4 +1,4 @@
-"""Links that must not hit each other: balls around them, pairs, meshes, and `graphdyn excite` with them."""
+"""Links that must not hit each other: spheres around them, pairs, meshes, and `graphdyn excite` with them."""
 
 import json
 from functools import cache
@@ -12,14 +12,13 @@ import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.exciting import collision_free as searching
 from crosscheck.exciting import self_collision as pairing
-from crosscheck.exciting.ball_cover import ball_cover
 from crosscheck.exciting.collision_free import collision_free
 from crosscheck.exciting.link_meshes import link_meshes
 from crosscheck.exciting.self_collision import Hit, self_collision
+from crosscheck.exciting.sphere_cover import sphere_cover
 from crosscheck.exciting.srdf import disabled_pairs
 from graphdyn import InvalidInput
 from graphdyn.excitation import (
-    Ball,
     Clearance,
     ExcitationProblem,
     FourierBasis,
@@ -27,6 +26,7 @@ from graphdyn.excitation import (
     NoFeasibleMotion,
     OptimizedMotion,
     Poses,
+    Sphere,
     TabulatedCourse,
 )
 from graphdyn.excitation.constraints import clearance_signal, smallest_distances
@@ -43,7 +43,7 @@ FOLDED = np.array([[0, 2.9, 3.0]])
 """Where the third bar is in the first."""
 
 CELL = 0.5
-"""Parts of the excess by which balls may stand out more: two cells, to which depths are rounded."""
+"""Parts of the excess by which spheres may stand out more: two cells, to which depths are rounded."""
 
 ENDS = '<axis xyz="0 {y} {z}"/><limit lower="{low}" upper="3" velocity="2" effort="200"/><origin xyz="{x} 0 0"/>'
 
@@ -91,12 +91,12 @@ def problem_of(model, harmonics=2):
     return ExcitationProblem(TorqueModel(model, (RigidBodies(),)), limits, FourierBasis(4.0, harmonics), 1.0, 50.0)
 
 
-def test_balls_contain_every_triangle_and_stand_out_by_little():
-    """Random points of the surface of a bent bar lie in balls; random points of the balls lie little outside."""
+def test_spheres_contain_every_triangle_and_stand_out_by_little():
+    """Random points of the surface of a bent bar lie in spheres; random points of the spheres lie little outside."""
     rng, excess = np.random.default_rng(0), 0.03
     boxes = [((0.0, 0.0, 0.0), (0.4, 0.1, 0.1)), ((0.3, 0.0, 0.0), (0.4, 0.1, 0.3))]
     triangles = np.concatenate([box_triangles(*box) for box in boxes])
-    centers, radii = ball_cover(triangles, excess)
+    centers, radii = sphere_cover(triangles, excess)
     weights = rng.dirichlet(np.ones(3), size=(len(triangles), 200))
     points = np.einsum("mpk,mkx->mpx", weights, triangles).reshape(-1, 3)
     assert np.all((np.linalg.norm(points[:, None] - centers, axis=-1) <= radii).any(axis=1))
@@ -114,16 +114,16 @@ def box_triangles(low, high):
 
 
 def test_slopes_of_clearances(folding_arm):
-    """Of the smooth smallest distance by the positions, against differences; and against all pairs of balls."""
+    """Of the smooth smallest distance by the positions, against differences; and against all pairs of spheres."""
     model = urdf.load(folding_arm)
     rng = np.random.default_rng(1)
-    balls = {body: tuple(Ball(body, x, 0.02) for x in rng.normal(0, 0.2, (7, 3))) for body in (0, 1, 3)}
+    spheres = {body: tuple(Sphere(body, x, 0.02) for x in rng.normal(0, 0.2, (7, 3))) for body in (0, 1, 3)}
     q, step = rng.normal(size=(6, 3)), 1e-6
     for one, other in ((1, 3), (3, 1), (0, 3)):
-        clearance = Clearance("x", balls[one], balls[other], -0.1)
+        clearance = Clearance("x", spheres[one], spheres[other], -0.1)
         signal = clearance_signal(clearance, Poses(model, q))
         poses = Poses(model, q)
-        apart = poses.centers(balls[one])[:, :, None] - poses.centers(balls[other])[:, None]
+        apart = poses.centers(spheres[one])[:, :, None] - poses.centers(spheres[other])[:, None]
         nearest = np.linalg.norm(apart, axis=-1).min(axis=(1, 2)) - 0.04
         assert np.abs(smallest_distances(clearance, poses) - nearest).max() < ROUNDING
         assert signal.values.max() == pytest.approx(1 - (nearest.min() + 0.1) / 0.01, abs=1e-9)
@@ -248,8 +248,8 @@ def test_faulty_srdf(text, message, tmp_path):
 
 
 def test_faulty_clearance():
-    with pytest.raises(InvalidInput, match=r"'x' has balls of the bodies \{1, 2\} and \{\} and the distance 0"):
-        Clearance("x", (Ball(1, np.zeros(3)), Ball(2, np.zeros(3))), ())
+    with pytest.raises(InvalidInput, match=r"'x' has spheres of the bodies \{1, 2\} and \{\} and the distance 0"):
+        Clearance("x", (Sphere(1, np.zeros(3)), Sphere(2, np.zeros(3))), ())
 
 
 def test_the_program(program, folding_arm, tmp_path):

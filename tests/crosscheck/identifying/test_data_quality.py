@@ -19,9 +19,9 @@ from crosscheck.commands import app
 from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
-from crosscheck.identifying.data_quality.data_quality import health
+from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.results.baselines import Baselines
-from crosscheck.identifying.results.doubts import doubts, residual_ratio
+from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
 from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
@@ -42,7 +42,7 @@ def arm():
 
 
 def health_of(recording):
-    return health(arm().torque_model, [recording], identified_arm.CUTOFF)
+    return data_quality(arm().torque_model, [recording], identified_arm.CUTOFF)
 
 
 RECORDINGS = ("ur10", "tx40", "kr300")
@@ -71,7 +71,7 @@ def file(tmp_path_factory):
     q = decimate(recording.q, every, ftype="fir", axis=0) - np.deg2rad(RIGHT["q"]["offset"])
     tau = decimate(recording.tau, every, ftype="fir", axis=0)
     columns = np.column_stack([q * RIGHT["q"]["sign"], tau * RIGHT["tau"]["sign"]])
-    path = tmp_path_factory.mktemp("health") / "log.csv"
+    path = tmp_path_factory.mktemp("data_quality") / "log.csv"
     header = ",".join([*RIGHT["q"]["columns"], *RIGHT["tau"]["columns"]])
     np.savetxt(path, columns, delimiter=",", header=header, comments="")
     return path
@@ -176,7 +176,9 @@ class TestWords:
     def test_of_units_on_which_joints_agree(self, monkeypatch, right, gain, severity):
         gains = np.array(gain + [np.nan] * 2)
         found = replace(right.measures, gains=Gains(gains, 0.1 * gains, np.ones(6), gains))
-        monkeypatch.setattr("crosscheck.identifying.data_quality.data_quality.recording_health", lambda *_, **__: found)
+        monkeypatch.setattr(
+            "crosscheck.identifying.data_quality.data_quality.recording_quality", lambda *_, **__: found
+        )
         said = health_of(arm().fitted).findings
         assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
         if severity == "fault":
@@ -201,7 +203,7 @@ class TestWords:
         """Health asks rows one by one; friction with memory is no part of it."""
         robot = identified_arm.virtual()
         model = replace(robot.torque_model, terms=(RigidBodies(), MaxwellSlip()), expected={"FM_1": (1.0, 1.0)})
-        found = health(model, [robot.fitted.take(slice(0, 500))], identified_arm.CUTOFF)
+        found = data_quality(model, [robot.fitted.take(slice(0, 500))], identified_arm.CUTOFF)
         assert found.measures.joint_names == robot.torque_model.model.joint_names
 
     def test_too_short(self):
@@ -232,7 +234,7 @@ class TestVerdict:
     def test_clean(self):
         found = identified_arm.identified()
         assert found.usable
-        assert found.recommendation.doubts == ()
+        assert found.recommendation.rejection_reasons == ()
 
     def test_a_fault_of_the_recording(self):
         clean = identified_arm.virtual()
@@ -245,7 +247,7 @@ class TestVerdict:
         )  # fmt: skip
         assert not found.usable
         assert found.recommendation.name is None
-        assert found.recommendation.doubts
+        assert found.recommendation.rejection_reasons
         text = as_text(identify_report(found, found.shown()))
         assert "no usable model" in text
         assert "Why no model is recommended" in text
@@ -256,14 +258,15 @@ class TestVerdict:
         arm = identified_arm.virtual()
         spoilt = replace(arm.held_out, tau=arm.held_out.tau * [1, -1, 1])
         found = identified_arm.identified(["wls", "consistent"], held_out=OtherRecordings((spoilt,)))
-        assert found.health.faults == ()
+        assert found.data_quality.faults == ()
         assert not found.usable
         name = arm.held_out.provenance.files[0]
         assert any(
-            words.startswith(f"{name}, which is predicted: the torque of") for words in found.recommendation.doubts
+            words.startswith(f"{name}, which is predicted: the torque of")
+            for words in found.recommendation.rejection_reasons
         )
         assert f"Of {name}, which is predicted:" in as_text(identify_report(found, found.shown()), 250)
-        assert record(found, None, [])["validation_health"][0]["findings"][0].code == "reversed-torque"
+        assert record(found, None, [])["validation_data_quality"][0]["findings"][0].code == "reversed-torque"
 
     def test_every_joint_counts(self):
         found = identified_arm.compared()
@@ -271,7 +274,7 @@ class TestVerdict:
         sizes = best.held_out.moving
         names, joints = found.torque_model.model.joint_names, np.arange(3)
 
-        def doubted(relative, constant=None, cad=None):
+        def rejected(relative, constant=None, cad=None):
             held_out = replace(best.held_out, moving=replace(sizes, relative=np.array(relative)))
             changed = {
                 "constant": found.baselines.constant if constant is None else replace(
@@ -279,17 +282,17 @@ class TestVerdict:
                 "cad": found.baselines.cad if cad is None else replace(
                     found.baselines.cad, moving=replace(sizes, relative=np.array(cad))),
             }  # fmt: skip
-            return doubts(replace(best, held_out=held_out), found.problem, names, Baselines(**changed), None)
+            return rejection_reasons(replace(best, held_out=held_out), found.problem, names, Baselines(**changed), None)
 
         assert len(joints) == len(names)
-        assert doubted([0.01, 0.01, 0.01], cad=[0.5, 0.5, 0.5], constant=[1, 1, 1]) == ()
-        (said,) = doubted([0.01, 0.6, 0.01], cad=[0.5, 0.5, 0.5], constant=[1, 1, 1])
+        assert rejected([0.01, 0.01, 0.01], cad=[0.5, 0.5, 0.5], constant=[1, 1, 1]) == ()
+        (said,) = rejected([0.01, 0.6, 0.01], cad=[0.5, 0.5, 0.5], constant=[1, 1, 1])
         assert said == f"{names[1]} is predicted with an error of 60.0 %, more than 50.0 %"
-        (said,) = doubted([0.01, 0.01, 0.3], cad=[0.5, 0.5, 0.5], constant=[1, 1, 0.2])
+        (said,) = rejected([0.01, 0.01, 0.3], cad=[0.5, 0.5, 0.5], constant=[1, 1, 0.2])
         assert said == f"{names[2]} is predicted no better than by a constant: 30.0 % against 20.0 %"
-        (said,) = doubted([0.01, 0.01, 0.3], cad=[0.5, 0.5, 0.1], constant=[1, 1, 1])
+        (said,) = rejected([0.01, 0.01, 0.3], cad=[0.5, 0.5, 0.1], constant=[1, 1, 1])
         assert said == f"{names[2]} is predicted worse than by CAD with fitted drives: 30.0 % against 10.0 %"
-        said = doubted([0.12, 0.12, 0.12], cad=[0.1, 0.1, 0.1], constant=[1, 1, 1])
+        said = rejected([0.12, 0.12, 0.12], cad=[0.1, 0.1, 0.1], constant=[1, 1, 1])
         assert said == (
             "CAD with fitted drives predicts better on the mean over the joints: 10.0 % against 12.0 %; use "
             "--known-bodies",
@@ -301,7 +304,7 @@ class TestVerdict:
         np.testing.assert_allclose(residual_ratio(found.problem, best.base_values), 1.0, atol=0.2)
         far = replace(best, base_values=2 * best.base_values)
         names = found.torque_model.model.joint_names
-        said = doubts(far, found.problem, names, found.baselines, None)
+        said = rejection_reasons(far, found.problem, names, found.baselines, None)
         assert any("times that of parameters without constraints" in words for words in said)
 
 
@@ -316,8 +319,8 @@ class TestRealRecordings:
     @pytest.mark.parametrize("name", few(RECORDINGS, "tx40"))
     def test_clean(self, name):
         row = self.judged(name, "clean")
-        assert row.health.findings == ()
-        assert row.health.unseen
+        assert row.data_quality.findings == ()
+        assert row.data_quality.unseen
 
     @pytest.mark.parametrize(
         ("name", "variant"),
@@ -353,4 +356,4 @@ def test_health_of_known_bodies_alone():
 
     terms = tuple(friction_terms(["viscous", "coulomb"], width=0.05))
     model = TorqueModel(arm().subject.model, terms, (KnownBodies(),))
-    assert health(model, [arm().fitted], identified_arm.CUTOFF) is not None
+    assert data_quality(model, [arm().fitted], identified_arm.CUTOFF) is not None

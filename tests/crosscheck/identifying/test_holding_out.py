@@ -81,7 +81,7 @@ class TestHoldingOut:
         held_out = {"held_out": Folds(folds)} if folds else {}
         identified(["ols", "wls"], progress=said.append, **held_out)
         assert len(said) == 3 + 3 * (1 + folds)
-        assert said[:4] == ["health", "filter", "read", "OLS"]
+        assert said[:4] == ["data_quality", "filter", "read", "OLS"]
         assert said[-1] == "CAD links: WLS"
 
     def test_a_method_that_fails_in_a_fold_fails(self):

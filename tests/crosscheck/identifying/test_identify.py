@@ -139,7 +139,7 @@ def mass_of_base(found, links):
 class TestRecord:
     """What --json writes, also of a method without an answer and of numbers that are not finite."""
 
-    schema = json.loads((REPOSITORY / "docs/schemas/identify-2.schema.json").read_text(encoding="utf-8"))
+    schema = json.loads((REPOSITORY / "docs/schemas/identify-3.schema.json").read_text(encoding="utf-8"))
 
     def checked(self, whole):
         Draft202012Validator(self.schema).validate(plain(whole))

@@ -87,7 +87,7 @@ def run(tmp_path, monkeypatch):
             (tmp_path / path.name).symlink_to(path)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
-    monkeypatch.setattr(own_process, "tell", lambda _: None)  # foreign code runs in this process
+    monkeypatch.setattr(own_process, "tell", lambda _: None)  # user code runs in this process
 
     def identified(arguments, *more):
         done = CliRunner().invoke(app, [*arguments, *more, "--poses", str(POSES), "--json", "found.json"])

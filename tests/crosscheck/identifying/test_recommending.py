@@ -62,7 +62,9 @@ class TestRecommendation:
         assert "no result is physically consistent" in answer_of(*found.comparison.results).reason
         assert found.recommendation.best == "CAD links: WLS"
         assert not found.usable
-        assert any("times that of parameters without constraints" in words for words in found.recommendation.doubts)
+        assert any(
+            "times that of parameters without constraints" in words for words in found.recommendation.rejection_reasons
+        )
 
     def test_none_without_an_answer(self):
         found = identified_from(replace(virtual().fitted, joint_wrenches=None), ["graph"])

@@ -44,7 +44,7 @@ class TestBackwardError:
         function = judgment.functions["forward_dynamics"]
         assert not judgment.agrees
         assert judgment.decided
-        assert set(function.backward_errors) == set(judgment.referees)
+        assert set(function.backward_errors) == set(judgment.references)
         for backward in function.backward_errors.values():
             assert 1e-8 < backward.max() < 1e-6
         assert "single precision" in judgment.diagnoses[0].message
@@ -93,18 +93,18 @@ class TestBackwardError:
         judgment = crosscheck.judge("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
         assert judgment.functions["inverse_dynamics"].backward_errors == {}
 
-    def test_a_referee_that_differs_backward_decides_nothing(self, textbook, monkeypatch):
+    def test_a_reference_that_differs_backward_decides_nothing(self, textbook, monkeypatch):
         """Pinocchio's accelerations are off by what the forward scale does not notice."""
         original = PinocchioModel.evaluate
 
-        def evaluate(referee, *arguments):
-            values = original(referee, *arguments)
+        def evaluate(reference, *arguments):
+            values = original(reference, *arguments)
             heaviest = np.linalg.eigh(values.mass_matrix)[1][..., -1]
             return dataclasses.replace(values, a=values.a + 1e-8 * np.abs(values.a).max() * heaviest)
 
         monkeypatch.setattr(PinocchioModel, "evaluate", evaluate)
         judgment = crosscheck.judge("ur5", forward_dynamics=textbook.forward_dynamics, samples=SAMPLES)
         function = judgment.functions["forward_dynamics"]
-        assert function.within(function.referees_differ)
+        assert function.within(function.references_differ)
         assert not judgment.decided
         assert judgment.verdict == "UNDECIDED"

@@ -58,7 +58,7 @@ def test_cases(case):
     assert verdict(case, judgment) not in ("WRONG", "missed"), [x.message for x in judgment.diagnoses]
     for diagnosis in judgment.diagnoses:
         assert diagnosis.remedy
-        if diagnosis.standing == "holds" and math.isfinite(diagnosis.explains):
+        if diagnosis.status == "holds" and math.isfinite(diagnosis.explains):
             assert diagnosis.explains <= 1e-9 or diagnosis.kind == "precision"
 
 
@@ -80,7 +80,7 @@ class TestStandings:
         arm = TextbookArm.of(ur5)
         arm.tensors[0, 2, 2] += 0.01
         (diagnosis,) = diagnoses(arm.inverse_dynamics)
-        assert diagnosis.standing == "candidate"
+        assert diagnosis.status == "candidate"
         told = (diagnosis.message, *diagnosis.also)
         assert "I_zz of body 'shoulder_link' is 0.01666 kg m², not 0.00666 kg m²" in told
         assert "a constant diagonal (0.01, 0, 0, 0, 0, 0) is added to the mass matrix" in told
@@ -90,9 +90,9 @@ class TestStandings:
         """Gravity is reversed, and something that has no name is added where the arm moves."""
         arm = short_arm.but(gravity=-short_arm.gravity)
         part, rest = diagnoses(lambda q, v, a: arm.inverse_dynamics(q, v, a) + np.sin(q) * v**4, short)
-        assert (part.message, part.standing) == ("gravity has the opposite sign", "part")
+        assert (part.message, part.status) == ("gravity has the opposite sign", "part")
         assert part.evidence.startswith("explains at rest (v = 0, a = 0); ")
-        assert rest.standing == "unknown"
+        assert rest.status == "unknown"
         assert "moving at a = 0, gravity subtracted" in rest.message
         assert part.explains > 1e-3
 
@@ -100,7 +100,7 @@ class TestStandings:
         (diagnosis,) = diagnoses(
             lambda q, v, a: short_arm.inverse_dynamics(q, v, a) + np.sin(3 * q) * (np.arange(3) == 2), short
         )
-        assert diagnosis.standing == "unknown"
+        assert diagnosis.status == "unknown"
         assert diagnosis.message.endswith("; only torques of elbow_joint deviate")
         assert 1e-4 < diagnosis.explains < 1
 
@@ -125,7 +125,7 @@ class TestPrecision:
     def test_single_precision_alone(self, textbook):
         single = in_single_precision(textbook.in_single_precision().inverse_dynamics)
         (diagnosis,) = diagnoses(single)
-        assert (diagnosis.kind, diagnosis.standing) == ("precision", "holds")
+        assert (diagnosis.kind, diagnosis.status) == ("precision", "holds")
         assert "as in single precision" in diagnosis.message
 
     def test_scatter_is_not_single_precision(self):
@@ -159,7 +159,7 @@ class TestFittedNumbers:
         (row,) = (line for line in text.splitlines() if "c_y" in line and "│" in line)
         assert [cell.strip() for cell in row.split("│")[4:6]] == ["0.01", "m"]
         (diagnosis,) = json.loads(json.dumps(plain(record(judgment, []))))["diagnoses"]
-        assert diagnosis["standing"] == "holds"
+        assert diagnosis["status"] == "holds"
         assert diagnosis["numbers"][1]["difference"] == pytest.approx(-0.02, abs=1e-9)
 
 
@@ -175,7 +175,7 @@ def test_a_pair_is_verified_together(ur5):
     plant = factors("weight", 2, 0)
     arm = TextbookArm.of(ur5)
     arm.axes[2] *= -1
-    messages = {x.message: x.standing for x in diagnoses(plant(arm, ur5))}
+    messages = {x.message: x.status for x in diagnoses(plant(arm, ur5))}
     assert messages == {
         "gravity on body 'forearm_link' is left out": "holds",
         "the axis of joint 'elbow_joint' points the other way": "holds",

@@ -1,4 +1,4 @@
-"""crosscheck.judge: what it refuses of arguments and of foreign code, and what it takes."""
+"""crosscheck.judge: what it refuses of arguments and of user code, and what it takes."""
 
 import operator
 import re
@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import crosscheck
-from crosscheck.judging.observing.function_under_test import ForeignFailure
+from crosscheck.judging.observing.function_under_test import FunctionFailure
 from graphdyn import InvalidInput, SingularMassMatrix, kr500
 
 SAMPLES = 5
@@ -46,9 +46,9 @@ class TestInput:
             crosscheck.judge(ur5, inverse_dynamics=textbook.inverse_dynamics, lock=["elbow_joint"])
 
     def test_wrong_shape(self):
-        with pytest.raises(ForeignFailure, match=r"inverse_dynamics returned shape \(6, 1\), expected \(6,\)"):
+        with pytest.raises(FunctionFailure, match=r"inverse_dynamics returned shape \(6, 1\), expected \(6,\)"):
             crosscheck.judge("ur5", inverse_dynamics=lambda q, v, a: q[:, None])
-        with pytest.raises(ForeignFailure, match=r"regressor returned shape \(6, 6\), expected \(6, 60\)"):
+        with pytest.raises(FunctionFailure, match=r"regressor returned shape \(6, 6\), expected \(6, 60\)"):
             crosscheck.judge("ur5", joint_torque_regressor=lambda q, v, a: np.eye(6))
 
     def test_foreign_exception_without_a_message(self):
@@ -56,7 +56,7 @@ class TestInput:
             raise ValueError
 
         with pytest.raises(
-            ForeignFailure, match=r"inverse_dynamics raised ValueError \(.*, line \d+, in silent\); at q"
+            FunctionFailure, match=r"inverse_dynamics raised ValueError \(.*, line \d+, in silent\); at q"
         ):
             crosscheck.judge("ur5", inverse_dynamics=silent, samples=SAMPLES)
 
@@ -66,7 +66,7 @@ class TestInput:
 
         line = broken.__code__.co_firstlineno + 1
         words = rf"mass_matrix raised KeyError: 'wrist' \({re.escape(__file__)}, line {line}, in broken\); at q = \["
-        with pytest.raises(ForeignFailure, match=words) as caught:
+        with pytest.raises(FunctionFailure, match=words) as caught:
             crosscheck.judge("ur5", mass_matrix=broken)
         assert isinstance(caught.value.__cause__, KeyError)
 
@@ -77,16 +77,16 @@ class TestInput:
             return np.linalg.inv(np.zeros((6, 6)))
 
         words = rf"LinAlgError: Singular matrix \({re.escape(__file__)}, line \d+, in broken\)"
-        with pytest.raises(ForeignFailure, match=words):
+        with pytest.raises(FunctionFailure, match=words):
             crosscheck.judge("ur5", mass_matrix=broken)
 
     def test_a_compiled_function_has_no_line(self):
-        with pytest.raises(ForeignFailure, match=r"mass_matrix raised TypeError: [^(]*; at q = \["):
+        with pytest.raises(FunctionFailure, match=r"mass_matrix raised TypeError: [^(]*; at q = \["):
             crosscheck.judge("ur5", mass_matrix=operator.index)
 
     def test_foreign_exit(self):
         """It would end the caller's program with the exit code of an agreement."""
-        with pytest.raises(ForeignFailure, match="mass_matrix raised SystemExit: 0"):
+        with pytest.raises(FunctionFailure, match="mass_matrix raised SystemExit: 0"):
             crosscheck.judge("ur5", mass_matrix=lambda q: sys.exit(0))
 
     @pytest.mark.parametrize("error", [KeyboardInterrupt, pytest.skip.Exception])
@@ -107,7 +107,7 @@ class TestInput:
         ],
     )
     def test_no_numbers(self, returned, words):
-        with pytest.raises(ForeignFailure, match=f"mass_matrix returned {words}"):
+        with pytest.raises(FunctionFailure, match=f"mass_matrix returned {words}"):
             crosscheck.judge("ur5", mass_matrix=lambda q: returned)
 
     def test_no_forward_dynamics(self):

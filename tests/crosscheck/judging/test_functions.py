@@ -70,7 +70,7 @@ class TestRightFunctions:
         still = {"frame_jacobian": lambda q: np.zeros((6, 6)), "frame_velocity": lambda q, v: np.zeros(6)}
         judgment = crosscheck.judge("ur5", **still, frame="base_link", samples=3)
         assert judgment.agrees
-        assert judgment.referees == ("graphdyn",)
+        assert judgment.references == ("graphdyn",)
 
     @pytest.mark.parametrize("reference", ["local", "world", "local_world_aligned"])
     def test_references_are_found_out(self, code, reference):
@@ -374,7 +374,8 @@ class TestOptions:
         )
         assert judgment.agrees
         with pytest.raises(
-            crosscheck.judging.observing.function_under_test.ForeignFailure, match="called with all states at once, arr"
+            crosscheck.judging.observing.function_under_test.FunctionFailure,
+            match="called with all states at once, arr",
         ):
             judged(mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q[0]), batched=True)
 
@@ -388,9 +389,9 @@ class TestOptions:
         options = {"chain": ("base_link", "forearm_link"), "gravity": moon}
         with pytest.warns(urdf.ChainWarning):
             arm = urdf.load("ur5_gripper", **options)
-        foreign = lambda q, v, a: graphdyn.inverse_dynamics(arm, q, v, a).tau  # noqa: E731
+        tested = lambda q, v, a: graphdyn.inverse_dynamics(arm, q, v, a).tau  # noqa: E731
         with pytest.warns(urdf.ChainWarning):
-            judgment = crosscheck.judge("ur5_gripper", inverse_dynamics=foreign, **options, samples=3)
+            judgment = crosscheck.judge("ur5_gripper", inverse_dynamics=tested, **options, samples=3)
         assert judgment.agrees
         assert judgment.chain == ("base_link", "forearm_link")
 

@@ -18,7 +18,7 @@ SAMPLES = 5
 
 
 ALIKE = 1e-12
-"""Two referees on one scale: some hundred roundings each."""
+"""Two references on one scale: some hundred roundings each."""
 
 
 def rnea(model):
@@ -68,13 +68,13 @@ class TestAgreement:
 
     def test_mujoco_as_foreign_code(self, ur5):
         pytest.importorskip("mujoco", reason="the package mujoco is not installed")
-        foreign = MujocoModel(ur5)
+        tested = MujocoModel(ur5)
 
         def call(name):
             def function(*arguments):
                 q, *others = (x[None] for x in arguments)
                 v, last = others or (0 * q, 0 * q)
-                return foreign.evaluate(q, v, last, last)[name][0]
+                return tested.evaluate(q, v, last, last)[name][0]
 
             return function
 
@@ -102,7 +102,7 @@ class TestAgreement:
         names = [ur5.joint_names[k] for k in order]
         back = np.argsort(order)
 
-        def foreign(q, v, a):
+        def tested(q, v, a):
             return textbook.inverse_dynamics(q[back], v[back], a[back])[order]
 
         def mass_matrix(q):
@@ -112,9 +112,9 @@ class TestAgreement:
             ours = joint_torque_regressor(ur5, q[back], v[back], a[back]).reshape(6, 6, 10)
             return ours[np.ix_(order, order)].reshape(6, 60)
 
-        given = {"inverse_dynamics": foreign, "mass_matrix": mass_matrix, "joint_torque_regressor": regressor}
+        given = {"inverse_dynamics": tested, "mass_matrix": mass_matrix, "joint_torque_regressor": regressor}
         assert crosscheck.judge("ur5", **given, joint_names=names, samples=SAMPLES).agrees
-        assert not crosscheck.judge("ur5", inverse_dynamics=foreign, samples=1).agrees
+        assert not crosscheck.judge("ur5", inverse_dynamics=tested, samples=1).agrees
 
 
 class TestVerdict:
@@ -123,7 +123,7 @@ class TestVerdict:
         assert not wrong_judgment.agrees
         assert wrong_judgment.decided
         assert function.errors["pinocchio"].max() == pytest.approx(function.errors["graphdyn"].max())
-        assert function.referees_differ["pinocchio"].max() <= ALIKE
+        assert function.references_differ["pinocchio"].max() <= ALIKE
 
     def test_worst_call_reproduces(self, wrong_judgment, textbook, ur5):
         faulty = textbook.but(cross=-1.0).inverse_dynamics
@@ -132,8 +132,8 @@ class TestVerdict:
         assert np.array_equal(faulty(*state), worst.answer)
         assert np.allclose(inverse_dynamics(ur5, *state).tau, worst.expected, rtol=0, atol=1e-12)
 
-    def test_referees_that_differ_decide_nothing(self, textbook, plant):
-        plant.referee_value("tau", lambda x: x * 1.01)
+    def test_references_that_differ_decide_nothing(self, textbook, plant):
+        plant.reference_value("tau", lambda x: x * 1.01)
         with pytest.raises(crosscheck.WrongDynamics, match="UNDECIDED") as caught:
             crosscheck.assert_correct("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
         judgment = caught.value.judgment
@@ -171,7 +171,7 @@ class TestVerdict:
 
     @pytest.mark.parametrize("limits", ['lower="-1" upper="2"', 'lower="0.5" upper="2"', 'lower="-1" upper="-0.5"'])
     def test_limits_are_kept(self, small_arm, limits):
-        """The second joint has limits, perhaps without zero: foreign code may refuse what lies beyond."""
+        """The second joint has limits, perhaps without zero: user code may refuse what lies beyond."""
         text = small_arm.read_text(encoding="utf-8")
         small_arm.write_text(text.replace('lower="-1" upper="2"', limits), encoding="utf-8")
         model = urdf.load(small_arm)
@@ -202,7 +202,7 @@ class TestReferees:
         monkeypatch.setitem(sys.modules, "mujoco", None)
         judgment = crosscheck.judge("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=1)
         assert judgment.agrees
-        assert judgment.referees == ("graphdyn", "pinocchio")
+        assert judgment.references == ("graphdyn", "pinocchio")
         assert judgment.notes == (
             "MuJoCo is not among the reference implementations: the package mujoco is not installed: "
             "pip install 'graphdyn[mujoco]'",
@@ -215,7 +215,7 @@ class TestReferees:
             MujocoModel(odd)
         judgment = crosscheck.judge(odd, inverse_dynamics=rnea(odd), samples=1)
         assert judgment.agrees
-        assert judgment.referees == ("graphdyn", "pinocchio")
+        assert judgment.references == ("graphdyn", "pinocchio")
 
     @pytest.mark.parametrize("load", [kr500, lambda: urdf.load("ur5"), mixed_tree], ids=["kr500", "ur5", "tree"])
     def test_mujoco_agrees(self, load):
@@ -223,4 +223,4 @@ class TestReferees:
         robot = load()
         judgment = crosscheck.judge(robot, inverse_dynamics=rnea(robot), mass_matrix=None, samples=SAMPLES)
         (function,) = judgment.functions.values()
-        assert function.referees_differ["mujoco"].max() <= ALIKE
+        assert function.references_differ["mujoco"].max() <= ALIKE

@@ -78,7 +78,7 @@ class TestTexts:
         record = json.loads(json.dumps(plain(record_of(wrong, [])), allow_nan=False))
         assert record["verdict"] == "disagrees"
         function = record["functions"]["inverse_dynamics"]
-        assert set(function["errors"]) == set(wrong.referees)
+        assert set(function["errors"]) == set(wrong.references)
         assert function["errors"]["pinocchio"]["1"] > function["bound"]
         assert set(function["worst"]["arguments"]) == {"q", "v", "a"}
         (diagnosis,) = record["diagnoses"]

@@ -1,4 +1,4 @@
-"""How a foreign function behaves from call to call, and where among the states it fails or deviates."""
+"""How a function under test behaves from call to call, and where among the states it fails or deviates."""
 
 import json
 
@@ -16,7 +16,7 @@ from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.observing.function_under_test import Refusal
 from crosscheck.judging.observing.regions import region, roundest
 from crosscheck.quantities import FUNCTIONS
-from crosscheck.quantities.tolerances import FOREIGN, FOREIGN_SINGLE
+from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE
 from crosscheck.report.json import plain
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput
@@ -64,7 +64,7 @@ class TestStateBetweenCalls:
         diagnosis = only(judged(delayed))
         assert (diagnosis.kind, diagnosis.message) == ("kept_state", message)
         assert diagnosis.evidence.startswith("asked again in the reverse order, 71 of 71 answers differ, by a relative")
-        assert diagnosis.explains <= FOREIGN.bound
+        assert diagnosis.explains <= FUNCTION_UNDER_TEST.bound
 
     def test_what_is_computed_once(self, ur5):
         kept = []
@@ -99,7 +99,7 @@ class TestStateBetweenCalls:
         (function,) = judgment.functions.values()
         assert function.within(function.errors)
         assert only(judgment).kind == "kept_state"
-        assert function.repeated.min() > FOREIGN.bound
+        assert function.repeated.min() > FUNCTION_UNDER_TEST.bound
         assert "inverse_dynamics: other answers when asked again." in as_text(judge_report(judgment), 100)
 
     def test_not_repeatable(self, ur5):
@@ -176,7 +176,7 @@ class TestSingleStates:
 
     def test_they_are_shown(self, failing):
         text = " ".join(as_text(judge_report(failing), 100).split())
-        assert "Foreign functions for ur5: DISAGREES inverse_dynamics: no answer at single states. " in text
+        assert "Functions under test for ur5: DISAGREES inverse_dynamics: no answer at single states. " in text
         assert "States without an answer inverse_dynamics states " in text
         written = plain(record(failing, []))["functions"]["inverse_dynamics"]["failures"]
         assert len(written) == 12
@@ -205,7 +205,7 @@ class TestSingleStates:
 
     def test_shapes_that_differ(self, ur5):
         with pytest.raises(
-            crosscheck.judging.observing.function_under_test.ForeignFailure,
+            crosscheck.judging.observing.function_under_test.FunctionFailure,
             match=r"returned different shapes at different sta",
         ):
             crosscheck.judge(
@@ -238,10 +238,10 @@ class TestRegions:
         ],
     )
     def test_found(self, arm, within, where):
-        def foreign(q, v, a):
+        def tested(q, v, a):
             return tau_of(arm)(q, v, a) + 0.3 * bool(within(arm, q, v, a))
 
-        diagnosis = only(judged(foreign, samples=100, lock=WRIST_LOCKED))
+        diagnosis = only(judged(tested, samples=100, lock=WRIST_LOCKED))
         assert (diagnosis.kind, diagnosis.message) == ("region", f"the answers deviate only where {where}")
         assert diagnosis.evidence.endswith(f"states deviate, only where {where}")
 
@@ -300,7 +300,12 @@ class TestPrecision:
         judgment = crosscheck.judge("ur5", **options, precision="single", samples=10)
         assert judgment.agrees
         (function,) = judgment.functions.values()
-        assert FOREIGN.bound < function.largest_errors.max() <= function.bound == FOREIGN_SINGLE.bound
+        assert (
+            FUNCTION_UNDER_TEST.bound
+            < function.largest_errors.max()
+            <= function.bound
+            == FUNCTION_UNDER_TEST_SINGLE.bound
+        )
         assert judgment.precision == "single"
 
     def test_tolerance_comes_first(self, ur5):

@@ -15,7 +15,7 @@ from crosscheck.quantities.scales import (
     relative,
     term_sizes,
 )
-from crosscheck.quantities.tolerances import BACKWARD, FOREIGN
+from crosscheck.quantities.tolerances import BACKWARD, FUNCTION_UNDER_TEST
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import (
     Body,
@@ -154,18 +154,18 @@ class TestBackwardError:
         a = np.random.default_rng(1).uniform(-10, 10, q.shape)
         tau = inverse_dynamics(model, q, v, a).tau * np.linspace(0.5, 1.5, n)
         mass, rest = mass_matrix(model, q), tau - bias_torque(model, q, v)
-        referee = PinocchioModel.from_model(model)
+        pinocchio = PinocchioModel.from_model(model)
 
         def error(a):
-            required, wrenches = referee.inverse_dynamics(q, v, a)
+            required, wrenches = pinocchio.inverse_dynamics(q, v, a)
             return backward_error(required, tau, wrenches, mass, a)
 
         for method in ("dense", "projected", "recursive"):
             assert error(forward_dynamics(model, q, v, tau, method=method).a).max() <= BACKWARD.bound / 10
         single = np.linalg.solve(mass.astype(np.float32), rest.astype(np.float32)[..., None])[..., 0]
-        assert error(single.astype(float)).max() > 10 * FOREIGN.bound
+        assert error(single.astype(float)).max() > 10 * FUNCTION_UNDER_TEST.bound
         other = model.with_gravity([0.0, 0.0, -9.811])
-        assert error(forward_dynamics(other, q, v, tau).a).max() > FOREIGN.bound
+        assert error(forward_dynamics(other, q, v, tau).a).max() > FUNCTION_UNDER_TEST.bound
 
 
 def test_nan_stays_nan():

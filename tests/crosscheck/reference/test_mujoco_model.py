@@ -45,9 +45,9 @@ def state(model):
 @pytest.fixture(scope="module")
 def there(model, state):
     """MuJoCo's model and data at the state, joints in our order."""
-    foreign = MujocoModel(model)
-    native, data = foreign._native, foreign._data
-    assert np.array_equal(foreign._columns, np.arange(model.n_bodies))
+    tested = MujocoModel(model)
+    native, data = tested._native, tested._data
+    assert np.array_equal(tested._columns, np.arange(model.n_bodies))
     data.qpos[:], data.qvel[:], data.qacc[:] = state
     mujoco.mj_fwdPosition(native, data)
     mujoco.mj_fwdVelocity(native, data)

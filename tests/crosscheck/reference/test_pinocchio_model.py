@@ -1,4 +1,4 @@
-"""PinocchioModel: the referee speaks graphdyn's order, angles and axes, and says why it refuses."""
+"""PinocchioModel: the reference speaks graphdyn's order, angles and axes, and says why it refuses."""
 
 import math
 
@@ -24,10 +24,10 @@ def state_of(model, size=3):
     return q, v, rng.normal(size=q.shape)
 
 
-def assert_same_torques(referee, model):
+def assert_same_torques(pinocchio, model):
     q, v, a = state_of(model)
     ours = inverse_dynamics(model, q, v, a)
-    assert np.abs(referee.rnea(q, v, a) - ours.tau).max() <= SMALL * np.abs(ours.joint_wrenches).max()
+    assert np.abs(pinocchio.rnea(q, v, a) - ours.tau).max() <= SMALL * np.abs(ours.joint_wrenches).max()
 
 
 class TestOrderAndAngles:
@@ -35,10 +35,10 @@ class TestOrderAndAngles:
         """The file lists y_elbow before a_slide; Pinocchio sorts siblings the other way round."""
         model = urdf.load(small_arm)
         assert model.joint_names == ("z_shoulder", "y_elbow", "a_slide")
-        referee = PinocchioModel.from_urdf(small_arm, model)
-        there = referee.configuration(np.array([0.0, 0.2, 0.3]))
+        pinocchio = PinocchioModel.from_urdf(small_arm, model)
+        there = pinocchio.configuration(np.array([0.0, 0.2, 0.3]))
         assert there.tolist() == [1.0, 0.0, 0.3, 0.2]  # (cos, sin) of the shoulder, a_slide, y_elbow
-        assert_same_torques(referee, model)
+        assert_same_torques(pinocchio, model)
 
     def test_order_of_the_regressor(self, small_arm):
         """W π = τ with our parameters in our order, joint by joint."""
@@ -51,8 +51,8 @@ class TestOrderAndAngles:
 
     def test_continuous_joints_of_a_file_are_cosine_and_sine(self, small_arm):
         model = urdf.load(small_arm)
-        referee = PinocchioModel.from_urdf(small_arm, model)
-        there = referee.configuration(np.array([0.7, 0.0, 0.0]))
+        pinocchio = PinocchioModel.from_urdf(small_arm, model)
+        there = pinocchio.configuration(np.array([0.7, 0.0, 0.0]))
         assert there[:2].tolist() == [math.cos(0.7), math.sin(0.7)]
 
     def test_continuous_joints_of_a_model_are_angles(self):
@@ -72,9 +72,9 @@ class TestOrderAndAngles:
             for name, i, joint in zip(names, inside, (tree.joints[0], chain, branch), strict=True)
         ]
         model = RobotModel("forest", tree.bodies, tuple(joints))
-        referee = PinocchioModel.from_model(model)
-        assert referee.configuration(np.array([1.0, 2.0, 3.0])).tolist() == [1.0, 3.0, 2.0]
-        assert_same_torques(referee, model)
+        pinocchio = PinocchioModel.from_model(model)
+        assert pinocchio.configuration(np.array([1.0, 2.0, 3.0])).tolist() == [1.0, 3.0, 2.0]
+        assert_same_torques(pinocchio, model)
         assert compared(model).agrees
 
 
@@ -116,8 +116,8 @@ class TestGravity:
     def test_weightless_at_rest(self, small_arm):
         model = urdf.load(small_arm, gravity=(0.0, 0.0, 0.0))
         rest = np.zeros((1, 3))
-        for referee in (PinocchioModel.from_urdf(small_arm, model), PinocchioModel.from_model(model)):
-            assert not referee.rnea(rest, rest, rest).any()
+        for pinocchio in (PinocchioModel.from_urdf(small_arm, model), PinocchioModel.from_model(model)):
+            assert not pinocchio.rnea(rest, rest, rest).any()
 
     def test_the_models_gravity_not_pinocchios(self):
         """9.80665 for KR500, where Pinocchio would take 9.81: the force of the ground is the weight."""

@@ -14,7 +14,7 @@ from crosscheck.study.simulated.mechanisms import flexible
 from crosscheck.study.simulated.motions import PAPER_ACCELERATION, reference
 from crosscheck.study.simulated.plants import plant_of, torque_model_of
 from crosscheck.study.simulated.runs import known_model, simulated
-from crosscheck.study.validation import yardstick
+from crosscheck.study.validation import validation_metric
 from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
 from graphdyn.identification import Samples
 from graphdyn.identification.terms import Coulomb, PayloadMass
@@ -175,10 +175,10 @@ def test_springs_hang_by_what_gravity_asks(study):
     assert mechanism.motors(run.tau[0, -1:])[0] == pytest.approx(gravity, rel=1e-4)
 
 
-def test_yardstick(study):
+def test_validation_metric(study):
     """Zero at the truth; a tenth in all parameters is a tenth in parameters and torque; nonsense runs away."""
     torque_model = torque_model_of(study.robot, study.seed, 0.15, True)
-    measure = yardstick(study.robot, study.seed, torque_model)
+    measure = validation_metric(study.robot, study.seed, torque_model)
     assert [measure.parameter_error(measure.truth), measure.torque_error(measure.truth)] == pytest.approx(
         [0, 0], abs=1e-12
     )
@@ -192,8 +192,8 @@ def test_yardstick(study):
 
 def test_dry_friction_that_is_forgotten_is_an_error_of_the_torque(study):
     """The robot has it all the same."""
-    measure = yardstick(study.robot, study.seed, torque_model_of(study.robot, study.seed, 0.0, False))
-    everything = yardstick(study.robot, study.seed, torque_model_of(study.robot, study.seed, 0.0, True))
+    measure = validation_metric(study.robot, study.seed, torque_model_of(study.robot, study.seed, 0.0, False))
+    everything = validation_metric(study.robot, study.seed, torque_model_of(study.robot, study.seed, 0.0, True))
     assert np.array_equal(measure.torque, everything.torque)
     assert measure.parameter_error(measure.truth) == 0.0
     assert measure.torque_error(measure.truth) > 0.01

@@ -67,7 +67,7 @@ def figures():
     """One that moves, one that stands, one with a loop."""
     tree, arm = moving_tree(), random_tree(8, (0, 1, 2), ("revolute", "prismatic", "continuous"))
     rng = np.random.default_rng(7)
-    q, v, a = (size * rng.uniform(-1, 1, (11, tree.n_freedoms)) for size in (1, 2, 5))
+    q, v, a = (size * rng.uniform(-1, 1, (11, tree.nv)) for size in (1, 2, 5))
     tau = inverse_dynamics(tree, q, v, a).tau + 1.0
     recording = Recording(tree.independent_joints, np.linspace(0.5, 0.7, 11), q, v, a, tau)
     moving = Figure("tree", ShownRobot(tree, stand_ins(tree)), *recorded_motion(tree, recording))
@@ -139,7 +139,7 @@ def test_recorded_instants(shown, figures, row):
 def test_by_hand(shown, figures, number):
     """Positions of the sliders, with the loads of gravity."""
     model = figures[1][number].robot.model
-    q = HAND[: model.n_freedoms]
+    q = HAND[: model.nv]
     shown.value(f"player.figures[{number}].hand = {q}; player.draw()")
     loads = inverse_dynamics(model, q, np.zeros_like(q), np.zeros_like(q))
     check(shown, number, model, maximal_state(model, q), loads)

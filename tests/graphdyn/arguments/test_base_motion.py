@@ -88,15 +88,15 @@ def test_a_moving_base_is_a_joint_that_moves_as_prescribed(robot, kind):
     mount = Placement(random_rotation(rng), rng.normal(size=3))
     axis = rng.normal(size=3) / np.linalg.norm(rng.normal(size=3))
     axis /= np.linalg.norm(axis)
-    carriage = Joint("carriage", kind, 0, mount, axis)
+    base_motion = Joint("base_motion", kind, 0, mount, axis)
     first = [
         dataclasses.replace(
             j, inside=j.inside + 1, placement=robot.base @ j.placement if j.inside == 0 else j.placement
         )
         for j in robot.joints
     ]
-    massless = Body("carriage", 0.0, np.zeros(3), np.zeros((3, 3)))
-    whole = RobotModel("whole", (massless, *robot.bodies), (carriage, *first), gravity=robot.gravity)
+    massless = Body("base_motion", 0.0, np.zeros(3), np.zeros((3, 3)))
+    whole = RobotModel("whole", (massless, *robot.bodies), (base_motion, *first), gravity=robot.gravity)
     q, v, a = random_state(robot, 6)
     s, s_dot, s_ddot = 0.4, -1.2, 2.3
     expected = graphdyn.inverse_dynamics(whole, [s, *q], [s_dot, *v], [s_ddot, *a])
@@ -115,7 +115,7 @@ def test_a_moving_base_is_a_joint_that_moves_as_prescribed(robot, kind):
 
 @pytest.mark.usefixtures("default_method")
 def test_velocities_and_accelerations_are_derivatives(robot):
-    """A carriage on a circle that turns as it goes, and joints that move as well."""
+    """A moving base on a circle that turns as it goes, and joints that move as well."""
     h = 1e-4
     q, v, a = random_state(robot, 7)
 

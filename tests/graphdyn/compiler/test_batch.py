@@ -164,7 +164,7 @@ def test_sines_one_turn_ahead_are_those_of_the_rows(monkeypatch):
     one = [x[: host_lanes()] for x in several]
     with on("host"):
         ahead = verbs(*one), verbs(*several)
-    monkeypatch.setattr(emitter, "turns_ahead", lambda program, lanes: ({}, None))
+    monkeypatch.setattr(emitter, "sincos_pipelining", lambda program, lanes: ({}, None))
     with on("host"):
         assert_same(ahead[0], verbs(*one))
         assert_same(ahead[1], verbs(*several))
@@ -191,8 +191,8 @@ def gram(count, threads, model=MODEL):
 @pytest.mark.parametrize("count", [0, 1, 3, 9, 1001])
 def test_gram_matrices_are_those_of_the_regressor(back_end, count):
     with on(back_end):
-        (q, v, a, extra), summed, (matrices, watches), tau = gram(count, 1)
-    assert watches["finite"] == 0
+        (q, v, a, extra), summed, (matrices, guards), tau = gram(count, 1)
+    assert guards["finite"] == 0
     whole = graphdyn.joint_torque_regressor(MODEL, q, v, a, method="projected")[
         ..., [1, 5, 6, 12, 23, 30, 31, 32, 33, 38]
     ]
@@ -218,8 +218,8 @@ def test_gram_matrices_tell_what_is_not_finite_and_bring_angles_back(back_end):
     with on(back_end):
         (q, v, a, extra), summed, (matrices, _), tau = gram(50, 1)
         turns = 2 * np.pi * np.array([1e6, 0, 1e6, 0])
-        far, watches = summed(q + turns, v, a, tau, extra)
-        assert watches["squares"] < 4**2 * q[:, [0, 2, 3]].size
+        far, guards = summed(q + turns, v, a, tau, extra)
+        assert guards["squares"] < 4**2 * q[:, [0, 2, 3]].size
         for x, y in zip(matrices, far, strict=True):
             assert np.abs(x - y).max() < TURNED * np.abs(x).max()
         spoiled = v.copy()

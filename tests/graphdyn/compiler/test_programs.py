@@ -11,7 +11,7 @@ from graphdyn.compiler.programs import Request, record, sufficient
 from graphdyn.scalars.expressions import Recorder
 
 
-def watched(outputs):
+def guarded(outputs):
     """Names of what is watched for the inputs a, b, c, d."""
     recorder = Recorder()
     inputs = recorder.inputs("x", 4)
@@ -35,7 +35,7 @@ def watched(outputs):
     ],
 )
 def test_outputs_vouch_for_inputs(outputs, expected):
-    assert watched(outputs) == expected
+    assert guarded(outputs) == expected
 
 
 @pytest.mark.parametrize("back_end", ["numpy", *COMPILED])
@@ -43,7 +43,7 @@ def test_outputs_vouch_for_inputs(outputs, expected):
 def test_every_argument_is_looked_at(back_end, value):
     """Each joint of each argument, in an arm whose torques two outputs vouch for."""
     model = NAMED["kr500"]
-    assert len(record(model, Request("inverse_dynamics", ("tau",))).watches["finite"]) == 2
+    assert len(record(model, Request("inverse_dynamics", ("tau",))).guards["finite"]) == 2
     with on(back_end):
         for verb, third in ((graphdyn.joint_torques, "a"), (graphdyn.joint_accelerations, "tau")):
             for place, name in enumerate(("q", "v", third)):

@@ -114,7 +114,7 @@ def test_a_slide_is_not_turned_back(back_end):
     """Positions beyond FARTHEST on a slide with a turning joint after it: nothing is periodic in meters."""
     slide = Joint("slide", "prismatic", 0, Placement(), [1, 0, 0])
     turn = Joint("turn", "revolute", 1, Placement(np.eye(3), [0, 0.5, 0]), [0, 1, 0])
-    bodies = (Body("carriage", 2.0, [0, 0, 0], np.eye(3)), Body("arm", 1.0, [0.3, 0, 0], np.eye(3)))
+    bodies = (Body("base_motion", 2.0, [0, 0, 0], np.eye(3)), Body("arm", 1.0, [0.3, 0, 0], np.eye(3)))
     model = RobotModel("crane", bodies, (slide, turn))
     far = np.array([[3e6, 0.3]])
     with on(back_end):

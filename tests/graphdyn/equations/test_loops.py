@@ -50,7 +50,7 @@ def closed_chain(kind, n=10):
     joints = [Joint(f"joint {k}", kinds[k], k, random_placement(rng), rng.normal(size=3)) for k in range(n)]
     tree = RobotModel(kind, tuple(bodies), tuple(joints))
     q, _ = tree.random_state(rng)
-    links, on_i, axis = Loops(joints, (), tree.freedoms).links(q), random_placement(rng), rng.normal(size=3)
+    links, on_i, axis = Loops(joints, (), tree.degrees_of_freedom).links(q), random_placement(rng), rng.normal(size=3)
     p = axis / np.linalg.norm(axis)
     left_free = {
         "hinge": Placement(rotation_about(p, 1.1), np.zeros(3)),
@@ -95,7 +95,9 @@ def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
     assert np.isfinite(answers[0].multipliers).all()  # no row is redundant in space
     back = graphdyn.inverse_dynamics(model, q, v, answers[0].a, wrenches)
     moved = graphdyn.joint_accelerations(model, q, v, back.tau, wrenches)
-    assert relative_error(moved, answers[0].a) < 1e-12  # ten motors move fewer freedoms: other torques, same motion
+    assert (
+        relative_error(moved, answers[0].a) < 1e-12
+    )  # ten motors move fewer degrees of freedom: other torques, same motion
 
 
 @pytest.fixture(scope="module")

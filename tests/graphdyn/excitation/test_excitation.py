@@ -107,12 +107,12 @@ def test_series_in_the_notation_of_swevers():
 def test_gradients(name, model, terms):
     """Of the criterion by every position, velocity and acceleration of the motion, against differences."""
     torque_model = TorqueModel(model, (RigidBodies(), *terms))
-    information = Information(torque_model, np.linspace(0.5, 2.0, model.n_freedoms), width=0.3)
+    information = Information(torque_model, np.linspace(0.5, 2.0, model.nv), width=0.3)
     criterion = {
         "log_det": log_det, "mean_sigma": mean_sigma, "condition": ConditionNumber(prior_spread(torque_model))
     }[name]  # fmt: skip
     rng = np.random.default_rng(3)
-    motion = JointMotion(*rng.normal(size=(4, 40, model.n_freedoms)))
+    motion = JointMotion(*rng.normal(size=(4, 40, model.nv)))
     known = np.zeros((len(information.independent),) * 2)
     value, slopes = information.value_and_slopes(motion, 40, known, criterion)
     assert value == pytest.approx(criterion(information.matrix(motion, 40))[0], rel=ROUNDING)
@@ -136,7 +136,7 @@ def test_slopes_of_limits(model):
     basis, times = problem.basis, np.linspace(0, 5, 30)
     phi = [basis.rows(times, order) for order in range(4)]
     rng = np.random.default_rng(5)
-    at, direction = rng.normal(size=(2, model.n_freedoms, basis.size))
+    at, direction = rng.normal(size=(2, model.nv, basis.size))
 
     def maxima(coefficients):
         motion = JointMotion(*(rows @ coefficients.T for rows in phi))
@@ -147,15 +147,15 @@ def test_slopes_of_limits(model):
                 smooth_slope(signal, phi, 20.0),
                 signal.values.max(),
             )
-            for signal in signals(model, problem.limits, problem.watched, motion)
+            for signal in signals(model, problem.limits, problem.checked_spheres, motion)
         ]
 
     exact, more, less = maxima(at), maxima(at + 1e-5 * direction), maxima(at - 1e-5 * direction)
     assert {kind for kind, *_ in exact} == {"position", "velocity", "acceleration", "jerk", "torque", "plane"}
-    assert len(exact) == 4 * model.n_bodies + model.n_freedoms + 1
+    assert len(exact) == 4 * model.n_bodies + model.nv + 1
     for (_, value, slope, largest), (_, high, *_), (_, low, *_) in zip(exact, more, less, strict=True):
         assert abs((high - low) / 2e-5 - np.sum(slope * direction)) < DIFFERENCES * max(np.abs(slope).max(), 1.0)
-        assert largest <= value <= largest + np.log(30 * len(problem.watched) * 2) / 20.0
+        assert largest <= value <= largest + np.log(30 * len(problem.checked_spheres) * 2) / 20.0
 
 
 def test_better_than_random(found):
@@ -219,8 +219,8 @@ def test_promise_is_kept(found):
         fit = Problem(torque_model, replace(exact, tau=tau), n_blocks=1, min_speed=AT_REST)
         errors.append(fit.base.values(OrdinaryLeastSquares().estimate(fit).parameters) - plan.base.values(truth))
     squares = np.einsum("ri,ij,rj->", errors, plan.information, errors)
-    freedoms = 30 * len(plan.sigma)
-    assert abs(squares - freedoms) < 4 * np.sqrt(2 * freedoms)
+    degrees_of_freedom = 30 * len(plan.sigma)
+    assert abs(squares - degrees_of_freedom) < 4 * np.sqrt(2 * degrees_of_freedom)
     ratio = np.sqrt(np.mean(np.square(errors), axis=0)) / plan.sigma
     assert ratio.min() > 0.6
     assert ratio.max() < 1.5
@@ -307,7 +307,9 @@ def test_other_starts_of_a_seed(monkeypatch):
         return Usage("clearance", "a - b", 1.25)
 
     monkeypatch.setattr(optimizing, "_searched", not_searched)
-    message = r"from seed 2: the balls around a - b come 2\.5 mm nearer to each other than they may; give limits of pos"
+    message = (
+        r"from seed 2: the spheres around a - b come 2\.5 mm nearer to each other than they may; give limits of pos"
+    )
     with pytest.raises(NoFeasibleMotion, match=message):
         optimized(problem, 2)
     assert len({start.coefficients.tobytes() for start in tried}) == optimizing.MAX_STARTS

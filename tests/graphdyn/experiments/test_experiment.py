@@ -28,7 +28,7 @@ def tree():
 
 @pytest.fixture(scope="module")
 def shaken(tree):
-    """Every joint but one and the carriage in motion."""
+    """Every joint but one and the moving base in motion."""
     names = tree.joint_names
     return graphdyn.record(
         tree,
@@ -118,7 +118,7 @@ def test_any_function_of_time_is_a_law(tree):
 
 
 def test_a_turned_carriage_is_a_turned_robot():
-    """Half a turn of the carriage about the vertical: the forces turn with it."""
+    """Half a turn of the moving base about the vertical: the forces turn with it."""
     model = graphdyn.kr500().with_base(Placement(translation=np.array([0.3, 0.2, 0.1])))
     law = {"O2": ConstantAcceleration(0.5)}
     straight = graphdyn.record(model, [1.0], law)

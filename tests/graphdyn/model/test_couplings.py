@@ -1,4 +1,4 @@
-"""Couplings: the robot without them, projected by K, is the referee; closed forms, states, refusals."""
+"""Couplings: the robot without them, projected by K, is the reference; closed forms, states, refusals."""
 
 from dataclasses import replace
 
@@ -56,7 +56,7 @@ def randomly_coupled(seed):
 
 
 def of_all_joints(model, q, v, a):
-    k = model.freedoms.matrix.T
+    k = model.degrees_of_freedom.matrix.T
     return model.joint_positions(q), v @ k, a @ k
 
 
@@ -64,17 +64,17 @@ def of_all_joints(model, q, v, a):
 def test_random_trees_against_the_projected_robot_without_couplings(seed):
     model = randomly_coupled(seed)
     rng = np.random.default_rng(seed)
-    q, v, a = rng.normal(size=(3, 2, model.n_freedoms))
+    q, v, a = rng.normal(size=(3, 2, model.nv))
     wrenches, base = random_wrenches(model, seed, (2,)), random_base_motion(seed)
-    free, k = model.uncoupled, model.freedoms.matrix
+    free, k = model.uncoupled, model.degrees_of_freedom.matrix
     for method in ("dense", "projected"):
         found = graphdyn.inverse_dynamics(model, q, v, a, wrenches, base=base, method=method)
         expected = graphdyn.inverse_dynamics(free, *of_all_joints(model, q, v, a), wrenches, base=base)
         assert relative_error(found.tau, expected.tau @ k, expected.joint_wrenches) < ROUNDING
         assert relative_error(found.joint_wrenches, expected.joint_wrenches) < ROUNDING
         assert relative_error(found.multipliers, expected.multipliers) < ROUNDING
-        supplied = found.coupling_multipliers @ model.freedoms.rows
-        supplied[:, list(model.freedoms.independent)] += found.tau
+        supplied = found.coupling_multipliers @ model.degrees_of_freedom.rows
+        supplied[:, list(model.degrees_of_freedom.independent)] += found.tau
         assert relative_error(supplied, expected.tau, expected.joint_wrenches) < ROUNDING
 
         mass = graphdyn.mass_matrix(free, model.joint_positions(q))
@@ -92,7 +92,7 @@ def test_random_trees_against_the_projected_robot_without_couplings(seed):
 def test_methods_agree(name, base):
     if name in ("coriolis_matrix", "frame_jacobian_derivative") and base is not None:
         pytest.skip("refuses a base that moves")
-    arguments = np.random.default_rng(2).normal(size=(3, 2, ROBOT.n_freedoms))[: len(VERBS[name].inputs)]
+    arguments = np.random.default_rng(2).normal(size=(3, 2, ROBOT.nv))[: len(VERBS[name].inputs)]
     frame = {"frame": ROBOT.body_names[-1], "reference": "local"} if VERBS[name].of_frame else {}
     plain, compiled = (
         getattr(graphdyn, name)(ROBOT, *arguments, base=base, method=method, **frame)
@@ -130,7 +130,7 @@ def test_a_gear_in_closed_form(method):
 
 
 def test_what_depends_on_the_number_of_freedoms():
-    n = ROBOT.n_freedoms
+    n = ROBOT.nv
     assert (n, ROBOT.n_bodies) == (4, 6)
     assert ROBOT.independent_joints == ("joint1", "joint3", "joint5", "joint6")
     q, v = ROBOT.random_state(np.random.default_rng(1), (5,))
@@ -159,7 +159,7 @@ def test_many_turns():
 
 
 def test_the_equations_of_one_state():
-    q, v, tau = random_state(ROBOT.uncoupled, 4)[0][: ROBOT.n_freedoms], *np.ones((2, ROBOT.n_freedoms))
+    q, v, tau = random_state(ROBOT.uncoupled, 4)[0][: ROBOT.nv], *np.ones((2, ROBOT.nv))
     system = graphdyn.kkt_system(ROBOT, q, v, tau)
     assert system.matrix.shape == (11 * 6 + 2, 11 * 6 + 2)
     solution, found = system.solve(), graphdyn.forward_dynamics(ROBOT, q, v, tau)
@@ -168,7 +168,7 @@ def test_the_equations_of_one_state():
 
 
 def test_states_there_and_back():
-    q, v, a = np.random.default_rng(5).uniform(-0.5, 0.5, (3, 4, ROBOT.n_freedoms))
+    q, v, a = np.random.default_rng(5).uniform(-0.5, 0.5, (3, 4, ROBOT.nv))
     state = graphdyn.maximal_state(ROBOT, q, v, a)
     for found, expected in zip(graphdyn.joint_state(ROBOT, state), (q, v), strict=True):
         assert relative_error(found, expected) < ROUNDING
@@ -225,7 +225,7 @@ def test_a_recording_has_all_joints_and_torques_of_the_free_ones():
         {"joint1": FourierSeries(1.0, [0.3], [0.1]), "joint5": FourierSeries(1.0, [0.2], [0.4])},
     )
     recording = graphdyn.record(ROBOT, times, laws)
-    free = list(ROBOT.freedoms.independent)
+    free = list(ROBOT.degrees_of_freedom.independent)
     assert recording.joint_names == ROBOT.joint_names
     assert relative_error(recording.q, ROBOT.joint_positions(recording.q[:, free])) < ROUNDING
     given = (getattr(recording, name)[:, free] for name in "qva")
@@ -237,7 +237,7 @@ def test_a_recording_has_all_joints_and_torques_of_the_free_ones():
 
 def test_identified_from_the_free_joints():
     rng = np.random.default_rng(6)
-    q, v, a = rng.normal(size=(3, 400, ROBOT.n_freedoms))
+    q, v, a = rng.normal(size=(3, 400, ROBOT.nv))
     terms = (identification.terms.RigidBodies(), identification.terms.Viscous())
     tau = graphdyn.joint_torques(ROBOT, q, v, a) + v * np.array([1.0, 2.0, 3.0, 4.0])
     problem = identification.Problem(identification.TorqueModel(ROBOT, terms), identification.Samples(q, v, a, tau))

@@ -1,4 +1,4 @@
-"""Joints that drive others, in motion: Kᵀ f(K u + o) of the robot without couplings is the referee."""
+"""Joints that drive others, in motion: Kᵀ f(K u + o) of the robot without couplings is the reference."""
 
 from dataclasses import replace
 
@@ -32,18 +32,18 @@ ROBOT = replace(
     couplings=(Coupling(NAMES[1], {NAMES[3]: 1.5, NAMES[0]: -0.5}, 0.3), Coupling(NAMES[3], {NAMES[2]: -1.0}, -0.1)),
 )
 RNG = np.random.default_rng(0)
-U, RATE, TORQUE = RNG.normal(size=(3, ROBOT.n_freedoms))
+U, RATE, TORQUE = RNG.normal(size=(3, ROBOT.nv))
 
 
 def test_the_projected_robot_moves_alike():
-    k, free = ROBOT.freedoms.matrix, ROBOT.uncoupled
+    k, free = ROBOT.degrees_of_freedom.matrix, ROBOT.uncoupled
 
     def acceleration(t, u, rate):
         q, v = ROBOT.joint_positions(u), rate @ k.T
         velocity_terms = (bias_torque(free, q, v)) @ k
         return np.linalg.solve(k.T @ mass_matrix(free, q) @ k, TORQUE - velocity_terms)
 
-    n = ROBOT.n_freedoms
+    n = ROBOT.nv
     wanted = solve_ivp(
         lambda t, y: [*y[n:], *acceleration(t, y[:n], y[n:])], (0, 0.3), [*U, *RATE], "DOP853", rtol=1e-13, atol=1e-13
     ).y[:, -1]
@@ -89,7 +89,7 @@ def test_compiled_steps_agree_with_python(case, monkeypatch):
 
 
 def lift(**of_driven):
-    """A carriage on a horizontal rail that lifts another by half its way; the second has limits and friction."""
+    """A moving base on a horizontal rail that lifts another by half its way; the second has limits and friction."""
     first, second = slider(friction=1.0), slider((0.0, 0.0, 1.0))
     joint = replace(second.joints[0], name="lift", inside=0, **of_driven)
     return replace(

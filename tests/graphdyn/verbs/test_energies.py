@@ -21,7 +21,7 @@ methods = pytest.mark.parametrize("method", ["dense", "projected", "recursive"])
 
 
 def base_at(t, speed):
-    """A carriage on its way, at rest with speed 0."""
+    """A moving base on its way, at rest with speed 0."""
     velocity, acceleration = speed * VELOCITY, speed * ACCELERATION
     way = velocity * t + acceleration * t**2 / 2
     rotation = Rotation.from_rotvec(way[3:]).as_matrix()

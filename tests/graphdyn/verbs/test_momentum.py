@@ -29,7 +29,8 @@ methods = pytest.mark.parametrize("method", ["dense", "projected", "recursive"])
 
 
 def base_at(t):
-    """A carriage that moves, turns and accelerates; at t = 0 its velocity and acceleration are those of its motion."""
+    """A moving base that moves, turns and accelerates; at t = 0 its velocity and acceleration are those of its
+    motion."""
     shift, turn = np.array([0.3, -2.0, 1.0]), Rotation.from_rotvec([0.4, -0.7, 1.1])
     velocity, acceleration = np.array([0.1, 0.2, -0.3, 0.5, -0.4, 0.3]), np.array([1.0, -2.0, 0.5, 0.3, 0.2, -0.7])
     way = velocity * t + acceleration * t**2 / 2

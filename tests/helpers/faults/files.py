@@ -1,4 +1,4 @@
-"""Faults in reading a URDF file, planted by changing the file that the foreign code is built from."""
+"""Faults in reading a URDF file, planted by changing the file that the user code is built from."""
 
 from faults.textbook import TextbookArm
 from lxml import etree

@@ -14,8 +14,8 @@ from crosscheck.report.versions import versions
 STATES = 40
 
 
-def judged(model, name, factor=1.0, referees_differ=0.0, order=None):
-    """A foreign function whose answer is graphdyn's times a factor; the referees differ by a relative error."""
+def judged(model, name, factor=1.0, references_differ=0.0, order=None):
+    """A function under test whose answer is graphdyn's times a factor; the references differ by a relative error."""
     rng = np.random.default_rng(4)
     q, v = model.random_state(rng)
     a = tau = rng.normal(size=q.shape)
@@ -30,7 +30,7 @@ def judged(model, name, factor=1.0, referees_differ=0.0, order=None):
     here = [model.joint_names.index(joint) for joint in order or model.joint_names]
     errors = np.full(STATES, abs(factor - 1))
     call = WorstCall({x: tuple(values[x][here]) for x in names}, tuple(ours), tuple(factor * ours))
-    between = {"pinocchio": np.full(STATES, referees_differ)}
+    between = {"pinocchio": np.full(STATES, references_differ)}
     return JudgedFunction(
         name, {"graphdyn": errors, "pinocchio": errors}, between, 1e-9, "the largest entry", call,
         code=FUNCTIONS[name].code_for({}, None),

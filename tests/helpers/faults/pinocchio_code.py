@@ -1,4 +1,5 @@
-"""Pinocchio as its user calls it: right foreign functions, one per function of the table, for one robot and frame."""
+"""Pinocchio as its user calls it: right functions under test, one per function of the table, for one robot and
+frame."""
 
 import numpy as np
 import pinocchio as pin

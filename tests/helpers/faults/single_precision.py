@@ -1,4 +1,4 @@
-"""graphdyn's recursions in single precision, as foreign functions: every operation rounded to 24 bits."""
+"""graphdyn's recursions in single precision, as functions under test: every operation rounded to 24 bits."""
 
 import numpy as np
 

@@ -12,7 +12,7 @@ import numpy as np
 import crosscheck
 import urdf
 from crosscheck.identifying import ByRows, ByTime, Folds, Preparation, friction_terms, virtual_robot
-from crosscheck.identifying.data_quality.data_quality import Health, health
+from crosscheck.identifying.data_quality.data_quality import DataQuality, data_quality
 from crosscheck.recordings import load_mapping, load_recording
 from graphdyn import RobotModel
 from graphdyn.identification import ConsistentWithPrior, TorqueModel
@@ -264,23 +264,23 @@ def variants(name):
 
 @dataclass(frozen=True)
 class Judged:
-    """health: of the recording; usable, best: of the identification, None without one; right: as it must be"""
+    """data_quality: of the recording; usable, best: of the identification, None without one; right: as it must be"""
 
     variant: Variant
-    health: Health
+    data_quality: DataQuality
     usable: bool | None
     best: str | None
 
     @property
     def codes(self):
-        return [finding.code for finding in self.health.findings]
+        return [finding.code for finding in self.data_quality.findings]
 
     @property
     def right(self):
         if self.variant.undetectable:
-            return bool(self.health.unseen)
+            return bool(self.data_quality.unseen)
         if not self.variant.codes:
-            return self.usable is not False and not self.health.findings
+            return self.usable is not False and not self.data_quality.findings
         return not self.usable and bool(set(self.codes[:1]) & set(self.variant.codes))
 
 
@@ -291,11 +291,11 @@ def spoilt(name, variant):
 
 
 def judged(name, variant, *, fitted=True):
-    """fitted: with an identification, not the health alone"""
+    """fitted: with an identification, not the data quality alone"""
     model, recording = spoilt(name, variant)
     options = material(name).options
     if not fitted:
         torque_model = TorqueModel(model, options["terms"], options.get("known", ()))
-        return Judged(variant, health(torque_model, [recording], options["preparation"]), None, None)
+        return Judged(variant, data_quality(torque_model, [recording], options["preparation"]), None, None)
     found = crosscheck.identify(model, recording, poses=POSES, **options)
-    return Judged(variant, found.health, found.usable, found.recommendation.best)
+    return Judged(variant, found.data_quality, found.usable, found.recommendation.best)

@@ -13,22 +13,22 @@ ROBOTS = {
     "loop-rows": Case(
         ("</robot>", f"{PARALLEL}</robot>"),
         "note", None, None,
-        "3 rows close loops: they hold 1 of 2 joint freedoms and leave 1; redundant rows: 2, so that not all reactions "
-        "are determined",
+        "3 rows close loops: they hold 1 of 2 degrees of freedom and leave 1; redundant rows: 2, so that not all "
+        "reactions are determined",
         "nothing need be done; graphdyn.assemble closes states",
     ),
-    "idle-freedoms": Case(
+    "idle-degrees-of-freedom": Case(
         ("</robot>", f"{PARALLEL}{MOTOR}</robot>"),
         "warning", None, None,
-        "freedoms that no motor drives: 1; with all motors held, joints 'elbow' can move",
+        "degrees of freedom that no motor drives: 1; with all motors held, joints 'elbow' can move",
         "lock one joint of each (lock=, --lock), or state more motors",
     ),
     "independent-contradiction": Case(
         (ELBOW, ELBOW.replace(">", ' independent="false">'), "</robot>", f"{PARALLEL}</robot>"),
         "warning", None, None,
-        "the loops leave 1 freedoms, and 1 joints are not marked independent=\"false\", whose motions determine 0 of "
-        "them: 'shoulder'",
-        "mark as independent as many joints as there are freedoms, so that they determine all others",
+        "the loops leave 1 degree of freedom, but the motions of the 1 joint that is not marked independent=\"false\" "
+        "determine 0 of them: 'shoulder'",
+        "mark as independent as many joints as there are degrees of freedom, so that they determine all others",
     ),
     "massless-closing-link": Case(
         (FORE_INERTIAL, "", "</robot>", f"{PARALLEL}</robot>"),

@@ -148,18 +148,18 @@ def _difference(path: Path, model: RobotModel) -> str | None:
     """What Pinocchio makes of the file that this model of it does not say."""
     with _quiet("Pinocchio"):
         try:
-            referee = PinocchioModel.from_urdf(path, model)
+            pinocchio = PinocchioModel.from_urdf(path, model)
             with np.errstate(all="ignore"):
-                wrong = _wrong(model, referee)
+                wrong = _wrong(model, pinocchio)
         except PinocchioRefuses as refusal:
             return f"{refusal}; its reader wrote {refusal.said}"
-    return f"{wrong}; Pinocchio's reader wrote {referee.said}" if wrong else None
+    return f"{wrong}; Pinocchio's reader wrote {pinocchio.said}" if wrong else None
 
 
-def _wrong(model: RobotModel, referee: PinocchioModel) -> dict[str, float]:
+def _wrong(model: RobotModel, pinocchio: PinocchioModel) -> dict[str, float]:
     """The quantities that miss their bound, and how far off they are."""
     case = _case(model)
-    states = ComparedStates.of(case, np.ones(len(case.q), dtype=bool))(referee)
+    states = ComparedStates.of(case, np.ones(len(case.q), dtype=bool))(pinocchio)
     errors = {
         name: states.errors(quantity)
         for name, quantity in COMPARED.items()
@@ -179,19 +179,20 @@ def _is_rounding(path: Path, model: RobotModel) -> bool:
     fifth of a torque.
     """
     here, there = (
-        _parts(referee, model) for referee in (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model))
+        _parts(pinocchio, model)
+        for pinocchio in (PinocchioModel.from_model(model), PinocchioModel.from_urdf(path, model))
     )
     errors = [relative(there[name], here[name], np.full(len(here[name]), size)) for name, size in SIZES.items()]
     return bool(np.max(errors) <= AGREEMENT.bound)
 
 
-def _parts(referee: PinocchioModel, model: RobotModel) -> dict[str, Array]:
+def _parts(pinocchio: PinocchioModel, model: RobotModel) -> dict[str, Array]:
     """What Pinocchio's model consists of: a row per state and body. Placements are those in the inside body."""
-    native, data = referee.native, referee.data
+    native, data = pinocchio.native, pinocchio.data
     rows = []
     for q in _case(model).q[:, None]:
-        referee.rnea(q, 0 * q, 0 * q)  # places the bodies
-        for k in referee.ids:
+        pinocchio.rnea(q, 0 * q, 0 * q)  # places the bodies
+        for k in pinocchio.ids:
             body, placement = native.inertias[k], data.liMi[k]
             rows.append((body.mass, body.lever, body.inertia, placement.rotation, placement.translation))
     columns = zip(*rows, strict=True)

@@ -394,7 +394,7 @@ def test_made_mechanisms(tmp_path):
 def test_sums_of_loop_size4():
     """q_21 + q_22 = q_11 + q_12, written out from the file."""
     model = urdf.load(existing(DATA / "loops" / "urdfplus" / "loop_size4.urdf"))
-    q = np.random.default_rng(0).standard_normal((5, model.n_freedoms))
+    q = np.random.default_rng(0).standard_normal((5, model.nv))
     at = dict(zip(model.joint_names, model.joint_positions(q).T, strict=True))
     assert_allclose(at["joint_2_1"] + at["joint_2_2"], at["joint_1_1"] + at["joint_1_2"], atol=1e-15)
     assert "joint_2_2" not in model.independent_joints
@@ -413,10 +413,13 @@ def test_updated(tmp_path):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("urdfplus/four_bar", ["hold 2 of 3 joint freedoms and leave 1; redundant rows: 3", "q = 0 is singular"]),
-        ("urdfplus/six_bar", ["hold 2 of 5 joint freedoms and leave 3", "at q = 0 the loops are open by 0.3 m or rad"]),
+        ("urdfplus/four_bar", ["hold 2 of 3 degrees of freedom and leave 1; redundant rows: 3", "q = 0 is singular"]),
+        (
+            "urdfplus/six_bar",
+            ["hold 2 of 5 degrees of freedom and leave 3", "at q = 0 the loops are open by 0.3 m or rad"],
+        ),
         ("epr/5bar_linkage/robot", ["leave 3", "drives: 1; with all motors held, joints 'closedloop1_A', 'closedl"]),
-        ("epr/robot_delta/robot", ["leave 5; redundant rows: 9", "freedoms that no motor drives: 3"]),
+        ("epr/robot_delta/robot", ["leave 5; redundant rows: 9", "degrees of freedom that no motor drives: 3"]),
         ("strandbeest/Strandbeest", ["the loops have 210 rows: more than 100 are not examined"]),
     ],
 )  # fmt: skip

@@ -48,7 +48,7 @@ def test_independent_with_a_warning():
         urdf.MimicJointWarning, match=r"loaded as independent joints: 'j2', 'j4'; lock= \(--lock\) locks them"
     ):
         model = urdf.load(DRIVEN, mimic="independent")
-    assert (model.n_freedoms, model.couplings) == (4, ())
+    assert (model.nv, model.couplings) == (4, ())
 
 
 def test_locked():

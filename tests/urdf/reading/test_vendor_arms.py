@@ -91,7 +91,7 @@ def test_vendor_file(vendor_arms, tmp_path, name):
     assert model.n_bodies == n_bodies
     assert [warning.category for warning in caught] == expected + [kind for kind in expected if kind is MISSING]
     assert again.joint_names == model.joint_names
-    q = np.linspace(-1, 1, model.n_freedoms)
+    q = np.linspace(-1, 1, model.nv)
     mass_matrix = graphdyn.mass_matrix(model, q)
     assert np.abs(graphdyn.mass_matrix(again, q) - mass_matrix).max() <= 1e-13 * np.abs(mass_matrix).max()
 

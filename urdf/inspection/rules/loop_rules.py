@@ -10,7 +10,7 @@ from graphdyn import InconsistentState, RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces
 from urdf.document.elements import name_of
-from urdf.errors import listed, shortened
+from urdf.errors import counted, listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import of_file
 from urdf.inspection.structure import Structure
@@ -24,7 +24,7 @@ MAX_CHORD_ROWS = 100
 
 
 def closed_states(model: RobotModel) -> Array:
-    """Joint positions that close the loops (N_LOOP_STATES, n_freedoms); the first near q = 0.
+    """Joint positions that close the loops (N_LOOP_STATES, nv); the first near q = 0.
 
     Raises InconsistentState where none is found.
     """
@@ -37,7 +37,7 @@ def closed_states(model: RobotModel) -> Array:
 
 
 def free_motions(model: RobotModel, q: Array) -> list[Array]:
-    """Per state: a basis of the joint velocities that keep the loops closed (n_freedoms, f)."""
+    """Per state: a basis of the joint velocities that keep the loops closed (nv, f)."""
     spaces = loop_spaces(model.loops.jacobian(model.loops.links(q)))
     return [right[:, free] for right, free in zip(spaces.right, spaces.free, strict=True)]
 
@@ -80,21 +80,21 @@ def _massless(model: RobotModel) -> Iterator[Finding]:
 
 
 def _rows(model: RobotModel, motions: list[Array]) -> Finding:
-    n, rows = model.n_freedoms, model.n_chord_rows
-    freedoms = min(motion.shape[-1] for motion in motions)
-    held, gaps = n - freedoms, np.abs(model.loops.gaps(np.zeros(n)))
-    said = [f"{rows} rows close loops: they hold {held} of {n} joint freedoms and leave {freedoms}"]
+    n, rows = model.nv, model.n_chord_rows
+    degrees_of_freedom = min(motion.shape[-1] for motion in motions)
+    held, gaps = n - degrees_of_freedom, np.abs(model.loops.gaps(np.zeros(n)))
+    said = [f"{rows} rows close loops: they hold {held} of {n} degrees of freedom and leave {degrees_of_freedom}"]
     if held < rows:
         said.append(f"redundant rows: {rows - held}, so that not all reactions are determined")
     if gaps.max() > CLOSED_TOLERANCE:
         said.append(f"at q = 0 the loops are open by {gaps.max():.2g} m or rad")
-    if motions[0].shape[-1] > freedoms:
+    if motions[0].shape[-1] > degrees_of_freedom:
         said.append("the closed pose next to q = 0 is singular")
     return of_file("loop-rows", "note", None, "; ".join(said), "nothing need be done; graphdyn.assemble closes states")
 
 
 def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
-    """Freedoms that the motors do not hold."""
+    """Degrees of freedom that the motors do not hold."""
     if model.actuated is None:
         return
     joints = model.independent_joints
@@ -103,10 +103,11 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
     if idle.shape[-1]:
         names = [name for name, row in zip(joints, idle, strict=True) if np.abs(row).max() > LOOP_RANK_TOLERANCE]
         yield of_file(
-            "idle-freedoms",
+            "idle-degrees-of-freedom",
             "warning",
             None,
-            f"freedoms that no motor drives: {idle.shape[-1]}; with all motors held, joints {listed(names)} can move",
+            f"degrees of freedom that no motor drives: {idle.shape[-1]}; "
+            f"with all motors held, joints {listed(names)} can move",
             "lock one joint of each (lock=, --lock), or state more motors",
         )
 
@@ -128,7 +129,8 @@ def _independent(model: RobotModel, structure: Structure, motion: Array) -> Iter
             "independent-contradiction",
             "warning",
             None,
-            f"the loops leave {motion.shape[-1]} freedoms, and {len(stated)} joints are not marked "
-            f'independent="false", whose motions determine {rank} of them: {named}',
-            "mark as independent as many joints as there are freedoms, so that they determine all others",
+            f"the loops leave {counted(motion.shape[-1], 'degree', 'degrees')} of freedom, but the motions of the "
+            f"{counted(len(stated), 'joint that is', 'joints that are')} not marked "
+            f'independent="false" determine {rank} of them: {named}',
+            "mark as independent as many joints as there are degrees of freedom, so that they determine all others",
         )

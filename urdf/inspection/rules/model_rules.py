@@ -110,11 +110,11 @@ def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
     except InconsistentState:
         return  # a finding of its own
     motions = free_motions(model, q)
-    freedoms = min(motion.shape[-1] for motion in motions)
-    regular = [k for k, motion in enumerate(motions) if motion.shape[-1] == freedoms]
+    degrees_of_freedom = min(motion.shape[-1] for motion in motions)
+    regular = [k for k, motion in enumerate(motions) if motion.shape[-1] == degrees_of_freedom]
     tree = replace(model, chords=(), actuated=None)
     matrices = [motions[k].T @ mass_matrix(tree, q[k]) @ motions[k] for k in regular]
-    if freedoms:
+    if degrees_of_freedom:
         where = f"over motions that keep the loops closed, at {len(regular)} poses"
         yield from _judged(model, np.array(matrices), where)
 

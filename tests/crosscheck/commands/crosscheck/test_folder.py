@@ -143,7 +143,7 @@ class TestOutcomes:
 
     def test_disagreement(self, program, here, good_folder, plant: Plant):
         """The plant strikes the first file only."""
-        plant.referee_value("tau", lambda x: x * (1 + 1e-9))
+        plant.pinocchio_value("tau", lambda x: x * (1 + 1e-9))
         done = program(good_folder, "--samples", 1)
         assert done.code == DISAGREED
         row = done.row("good.urdf")
@@ -153,11 +153,11 @@ class TestOutcomes:
         assert "agrees 0, DISAGREES 1, kinematics only 1, refused 0" in done.out
 
     def test_not_finite_is_nearest(self, program, here, good_folder, plant: Plant):
-        plant.referee_value("tau", lambda _: float("nan"))
+        plant.pinocchio_value("tau", lambda _: float("nan"))
         assert program(good_folder, "--samples", 1).row("good.urdf")[3:5] == ["inverse_dynamics", "∞"]
 
     def test_refused_outweighs_disagreement(self, program, here, folder, plant: Plant):
-        plant.referee_value("tau", lambda x: x * (1 + 1e-9))
+        plant.pinocchio_value("tau", lambda x: x * (1 + 1e-9))
         assert program(folder, "--samples", 1).code == BAD_INPUT
 
     def test_what_pinocchio_refuses(self, program, here, folder):
@@ -360,7 +360,7 @@ class TestPage:
         assert "Robots taken over from an earlier run have no details here" in html
 
     def test_many(self, program, here, folder, tmp_path, plant: Plant, monkeypatch):
-        plant.referee_value("tau", lambda x: x * (1 + 1e-9))
+        plant.pinocchio_value("tau", lambda x: x * (1 + 1e-9))
         monkeypatch.setattr(report_of_folder, "MAX_DETAILED_ROBOTS", 1)
         path = tmp_path / "r.html"
         program(folder, "--samples", 1, "--html", path)

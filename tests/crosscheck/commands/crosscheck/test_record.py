@@ -43,7 +43,7 @@ class TestJson:
 
     def test_worst_state_is_enough_to_reproduce(self, program, small_arm, tmp_path, monkeypatch):
         """From the file alone: robot, case, q, v, a give the recorded error again."""
-        Plant(monkeypatch).referee_model(
+        Plant(monkeypatch).pinocchio_model(
             lambda model: model.with_inertial_parameters(
                 model.inertial_parameters * np.where(np.arange(30) == 10, 1 + PLANTED, 1.0)
             )
@@ -57,8 +57,8 @@ class TestJson:
         model = urdf.load(record["robot"])
         case = next(c for c in cases(model, record["samples"], record["seed"]) if c.name == worst["case"])
         q, v, a = (np.array([worst[name]]) for name in "qva")
-        referee = PinocchioModel.from_model(case.model)
-        reference = PinocchioAnswers(referee, case.model, q, v, a, np.zeros_like(q))
+        pinocchio = PinocchioModel.from_model(case.model)
+        reference = PinocchioAnswers(pinocchio, case.model, q, v, a, np.zeros_like(q))
         error = np.abs(inverse_dynamics(case.model, q, v, a).tau - reference.tau).max()
         scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
         assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
@@ -77,7 +77,7 @@ class TestJson:
         assert program("crosscheck", pendulum, "--samples", 1, "--json", os.devnull).code == AGREED
 
     def test_infinite_error_is_null(self, program, pendulum, plant, tmp_path):
-        plant.referee_quantity("bias_torque", lambda _: np.nan)
+        plant.pinocchio_quantity("bias_torque", lambda _: np.nan)
         path = tmp_path / "result.json"
         assert program("crosscheck", pendulum, "--samples", 1, "--json", path).code == DISAGREED
         result = json.loads(path.read_text(encoding="utf-8"))["robots"][0]["quantities"]["bias_torque"]

@@ -43,7 +43,7 @@ class TestSnippets:
         assert not worst.agrees
         names, same = executed(code, capsys, model=tree)
         assert tuple(names["q"].tolist()) == worst.worst.q
-        plant.referee_model(lambda model: with_body(model, 1, mass=tree.bodies[0].mass * (1 + PLANTED)))
+        plant.pinocchio_model(lambda model: with_body(model, 1, mass=tree.bodies[0].mass * (1 + PLANTED)))
         _, different = executed(code, capsys, model=tree)
         assert same < 1e-3 * PLANTED < PLANTED < different
 

@@ -17,7 +17,7 @@ from crosscheck.commands.program import own_process
 from crosscheck.identifying import friction_terms, virtual_robot
 from graphdyn import InvalidInput
 
-SCHEMA = REPOSITORY / "docs/schemas/identify-2.schema.json"
+SCHEMA = REPOSITORY / "docs/schemas/identify-3.schema.json"
 
 METHODS = "ols,wls,wls-pinocchio,consistent,graph"
 

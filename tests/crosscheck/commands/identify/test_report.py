@@ -62,7 +62,7 @@ class TestMethods:
         nothing = dataclasses.replace(found, comparison=comparison, others=())
         report = identify_report(nothing, None)
         assert (report.verdict.words, report.verdict.reason) == ("no usable model", "No method has a result.")
-        assert [part.key for part in report.sections] == ["recording", "health", "methods", "excitation", "end"]
+        assert [part.key for part in report.sections] == ["recording", "data_quality", "methods", "excitation", "end"]
         assert f"graph method: failed: {WHY}" in as_text(report)
 
 

@@ -1,4 +1,4 @@
-"""graphdyn judge: foreign code by name, exit codes, output."""
+"""graphdyn judge: user code by name, exit codes, output."""
 
 import json
 import re
@@ -17,7 +17,7 @@ class TestJudge:
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == AGREED
         assert done.out.startswith(
-            "Foreign functions for ur5: agrees\n"
+            "Functions under test for ur5: agrees\n"
             "Every function gives the same numbers as every reference implementation (graphdyn, "
         )
         assert re.search(r"^robot +ur5: 6 joints", done.out, re.MULTILINE)
@@ -30,12 +30,12 @@ class TestJudge:
         assert done.code == DISAGREED
         assert "inverse_dynamics: gravity has the opposite sign [gravity]" in done.out
         record = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
-        assert record["format"] == "graphdyn judge 1"
+        assert record["format"] == "graphdyn judge 2"
         assert record["diagnoses"][0]["kind"] == "gravity"
         assert record["command"][:3] == ["graphdyn", "judge", "ur5"]
 
     def test_undecided(self, program, my_code, plant):
-        plant.referee_value("tau", lambda x: 1.01 * x)
+        plant.reference_value("tau", lambda x: 1.01 * x)
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == DISAGREED
         assert "UNDECIDED" in done.out
@@ -48,7 +48,7 @@ class TestJudge:
 
     def test_lock(self, program, my_code):
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--lock", "wrist_3_joint")
-        assert done.code == BAD_INPUT  # the foreign code does not know of the lock
+        assert done.code == BAD_INPUT  # the user code does not know of the lock
         assert "inverse_dynamics raised" in done.err
 
     def test_any_function_of_the_table(self, program, my_code, tmp_path):

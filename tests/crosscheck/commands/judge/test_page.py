@@ -30,14 +30,14 @@ class TestJudgment:
     def test_three_verdicts(self, tree, factor, between, title, sentence):
         judged_functions = judgment(tree, judged(tree, "inverse_dynamics", factor, between))
         text = judgment_page(judged_functions)
-        assert f"Foreign functions for some robot: {title}</title>" in text
+        assert f"Functions under test for some robot: {title}</title>" in text
         assert sentence in " ".join(text.split())
         table = rows(text, "Largest error over all states against each reference implementation")
         error = f"{factor - 1:.1e}"
         assert table["inverse_dynamics"] == [f"{SYMBOLS[title]} {title}", error, error, "1.0e-09", "the largest entry"]
         assert balanced(text)
 
-    def test_every_referee(self, tree):
+    def test_every_reference(self, tree):
         text = judgment_page(judgment(tree, judged(tree, "mass_matrix", 1.5, 1e-3)))
         assert rows(text, "Errors over all states, relative to the largest entry") == {
             "against graphdyn": ["✗ DISAGREES", "5.0e-01", "5.0e-01", "1.0e-09"],

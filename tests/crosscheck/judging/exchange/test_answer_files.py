@@ -18,7 +18,7 @@ from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer, re
 from crosscheck.judging.exchange.questions import SameId, once, question
 from crosscheck.judging.exchange.replay import AnswersPending, Replay
 from crosscheck.judging.exchange.rounds import answered_functions, first_round, judge_answers
-from crosscheck.judging.observing.function_under_test import ForeignFailure, Refusal
+from crosscheck.judging.observing.function_under_test import FunctionFailure, Refusal
 from crosscheck.judging.setting import Setting
 from crosscheck.quantities import FUNCTIONS
 from graphdyn import InvalidInput, UnknownFrame
@@ -304,7 +304,9 @@ class TestReplay:
         assert self.ask(replay, 0, 0)[1].tolist() == [1, 1]  # asked again
         assert self.ask(replay, 0, 1)[1].tolist() == [1, 1]
         self.ask(replay, 2)
-        with pytest.raises(ForeignFailure, match=r"^gravity_torque would have to answer questions in a further round$"):
+        with pytest.raises(
+            FunctionFailure, match=r"^gravity_torque would have to answer questions in a further round$"
+        ):
             self.ask(replay, 3)
         assert used == {one.id for one in self.ASKED[:3]}
 

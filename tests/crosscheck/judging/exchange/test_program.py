@@ -29,7 +29,7 @@ LISTENS = "import sys\nfor line in sys.stdin:\n    x = line.split()\n    "
 
 
 def echo(code, *, protocol="plain", time_limit=HANGS, restart_after=None):
-    """A Python program as a foreign function: this, after reading a line as the words x."""
+    """A Python program as a function under test: this, after reading a line as the words x."""
     command = [sys.executable, "-c", LISTENS + code]
     return ProgramFunction(command, "echo", PROTOCOLS_BY_NAME[protocol], time_limit, restart_after)
 
@@ -283,7 +283,7 @@ class TestCommand:
     def test_right(self, program, plain_rnea):
         done = program("judge", "ur5", "--command", f"inverse_dynamics={plain_rnea}", "--samples", 1)
         assert done.code == AGREED
-        assert done.out.startswith("Foreign functions for ur5: agrees\n")
+        assert done.out.startswith("Functions under test for ur5: agrees\n")
 
     def test_wrong(self, program, plain_rnea):
         done = program("judge", "ur5", "--command", f"inverse_dynamics={plain_rnea} x", "--samples", 1)

@@ -290,7 +290,7 @@ class TestIdentified:
 
         one = found("other.parquet")
         assert one.predicted_recordings == (str(folder / "other.parquet"),)
-        assert len(one.validation_health) == 1
+        assert len(one.validation_data_quality) == 1
         assert len(one.recordings) == 1
         with pytest.raises(
             InvalidInput, match=r"part.0.parquet: its rows are fitted and predicted; predict another log"

@@ -156,7 +156,7 @@ def rail():
 
 
 class TestThePapersExperiment:
-    """A carriage that moves: the base motion enters the regressor."""
+    """A moving base that moves: the base motion enters the regressor."""
 
     def test_more_than_table_3(self, rail, identify):
         """Centers of mass and mass come out too; the two turning axes leave some moments in combinations."""

@@ -1,9 +1,9 @@
-"""Few balls that together contain all triangles of a link, and stand out of it by little.
+"""Few spheres that together contain all triangles of a link, and stand out of it by little.
 
-The link is filled on a grid of cells. A ball about a point at a depth d below the surface may have the radius
-d + excess: nowhere does it stand out by more. Of many such balls the one that contains most triangles is taken, then
+The link is filled on a grid of cells. A sphere about a point at a depth d below the surface may have the radius
+d + excess: nowhere does it stand out by more. Of many such spheres the one that contains most triangles is taken, then
 the one that contains most of the rest (greedy set cover: Chvátal, Mathematics of Operations Research 4(3), 1979); then
-each is made as small as its triangles allow. A triangle lies in a ball if its corners do, so that nothing is missed.
+each is made as small as its triangles allow. A triangle lies in a sphere if its corners do, so that nothing is missed.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ CANDIDATES_AT_ONCE = 100
 """Candidates whose distances to all cells are in memory at once."""
 
 RADIUS_ALLOWANCE = 1e-9
-"""Part of its radius by which a ball is larger than its triangles need."""
+"""Part of its radius by which a sphere is larger than its triangles need."""
 
 
-def ball_cover(triangles: Array, excess: float) -> tuple[Array, Array]:
+def sphere_cover(triangles: Array, excess: float) -> tuple[Array, Array]:
     """Centers (k, 3) and radii (k,) [m] for the corners (m, 3, 3) of triangles.
 
-    excess: by which balls stand out of the link, about [m]. Where the surface has wide holes nothing is filled, and
-        more balls are needed
+    excess: by which spheres stand out of the link, about [m]. Where the surface has wide holes nothing is filled, and
+        more spheres are needed
     """
     corners = triangles.reshape(-1, 3)
     sides = np.ptp(corners, axis=0)
@@ -65,7 +65,7 @@ def _split(triangles: Array, longest: float) -> Array:
 
 
 def _grouped(pieces: Array, origin: Array, edge: float) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Balls, middle (g, 3) and radius (g,), around the pieces of each cell, and for each piece its cell."""
+    """Spheres, middle (g, 3) and radius (g,), around the pieces of each cell, and for each piece its cell."""
     centroids = pieces.mean(axis=1)
     _, group = np.unique(_cells(centroids, origin, edge), axis=0, return_inverse=True)
     group = group.ravel()
@@ -97,7 +97,7 @@ def _candidates(points: Array, origin: Array, edge: float) -> tuple[Array, Array
 def _greedy(
     centers: Array, reaches: Array, middles: Array, radii: Array, excess: float
 ) -> tuple[Array, NDArray[np.intp]]:
-    """Centers of the balls that are taken (k, 3), and for every group the ball that contains it (g,)."""
+    """Centers of the spheres that are taken (k, 3), and for every group the sphere that contains it (g,)."""
     inside = np.concatenate(
         [
             np.linalg.norm(centers[k : k + CANDIDATES_AT_ONCE, None] - middles, axis=-1) + radii
@@ -112,7 +112,7 @@ def _greedy(
         best = int(gain.argmax())
         if gain[best]:
             center, contained = centers[best], left & inside[best]
-        else:  # too thin for any candidate: a ball about the surface itself
+        else:  # too thin for any candidate: a sphere about the surface itself
             first = int(left.argmax())
             center = middles[first]
             contained = left & (np.linalg.norm(middles - center, axis=-1) + radii <= max(excess, radii[first]))

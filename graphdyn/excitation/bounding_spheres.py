@@ -18,7 +18,7 @@ Numbers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Ball:
+class Sphere:
     """A sphere fixed in a body: center in its link frame (3,) [m], and radius [m]; 0 is a point. Body 0 is the
     ground.
     """
@@ -28,29 +28,29 @@ class Ball:
     radius: float = 0.0
 
 
-def frame_origins(model: RobotModel) -> tuple[Ball, ...]:
+def frame_origins(model: RobotModel) -> tuple[Sphere, ...]:
     """The origins of all moving frames: bodies and the links that are fused into them, including tools."""
     origins = [(body, (0.0, 0.0, 0.0)) for body in range(1, model.n_bodies + 1)]
     origins += [(frame.body, tuple(frame.placement.translation.tolist())) for frame in model.frames if frame.body]
-    return tuple(Ball(body, np.array(center)) for body, center in dict.fromkeys(origins))
+    return tuple(Sphere(body, np.array(center)) for body, center in dict.fromkeys(origins))
 
 
-def ball_around(balls: Sequence[Ball]) -> Ball:
+def sphere_around(spheres: Sequence[Sphere]) -> Sphere:
     """A sphere around spheres of one body."""
-    centers = np.array([ball.center for ball in balls])
-    radii = np.array([ball.radius for ball in balls])
+    centers = np.array([sphere.center for sphere in spheres])
+    radii = np.array([sphere.radius for sphere in spheres])
     middle = (centers.max(axis=0) + centers.min(axis=0)) / 2
-    return Ball(balls[0].body, middle, float(np.max(np.linalg.norm(centers - middle, axis=1) + radii)))
+    return Sphere(spheres[0].body, middle, float(np.max(np.linalg.norm(centers - middle, axis=1) + radii)))
 
 
 class Poses:
-    """Poses of a robot's bodies at positions q (N, n_freedoms), and the joint forces of forces on spheres."""
+    """Poses of a robot's bodies at positions q (N, nv), and the joint forces of forces on spheres."""
 
     def __init__(self, model: RobotModel, q: Array) -> None:
         self._model = model
         self._state = maximal_state(model, q, method="recursive")
         self._origins = link_origins(self._state)
-        self._centers: dict[tuple[Ball, ...], Array] = {}
+        self._centers: dict[tuple[Sphere, ...], Array] = {}
 
     def __len__(self) -> int:
         return len(self._origins)
@@ -61,16 +61,16 @@ class Poses:
         origin = self._state.ground.position if body == 0 else self._origins[:, body - 1]  # type: ignore[union-attr]
         return vertices.rotation[:, body], origin
 
-    def centers(self, balls: tuple[Ball, ...]) -> Array:
+    def centers(self, spheres: tuple[Sphere, ...]) -> Array:
         """World positions of centers (N, spheres, 3) [m], computed once for the same spheres."""
-        if balls not in self._centers:
-            self._centers[balls] = self._computed(balls)
-        return self._centers[balls]
+        if spheres not in self._centers:
+            self._centers[spheres] = self._computed(spheres)
+        return self._centers[spheres]
 
-    def _computed(self, balls: tuple[Ball, ...]) -> Array:
-        carrying = np.array([ball.body for ball in balls])
-        local = np.array([ball.center for ball in balls])
-        found = np.empty((len(self._origins), len(balls), 3))
+    def _computed(self, spheres: tuple[Sphere, ...]) -> Array:
+        carrying = np.array([sphere.body for sphere in spheres])
+        local = np.array([sphere.center for sphere in spheres])
+        found = np.empty((len(self._origins), len(spheres), 3))
         for body in np.unique(carrying).tolist():
             rotation, origin = self.of_body(body)
             mine = carrying == body
@@ -78,7 +78,7 @@ class Poses:
         return found
 
     def joint_forces(self, rows: Numbers, bodies: Numbers, points: Array, forces: Array) -> Array:
-        """Generalized forces (N, n_freedoms) of forces (K, 3) at points (K, 3) of bodies (K,) in the poses rows (K,).
+        """Generalized forces (N, nv) of forces (K, 3) at points (K, 3) of bodies (K,) in the poses rows (K,).
 
         The generalized force is Jᵀ f: for a revolute joint the moment of all forces beyond it about its axis, for a
             prismatic
@@ -90,7 +90,7 @@ class Poses:
         along = (felt * self._axes[rows]).sum(axis=-1) * self._beyond[bodies]
         total = np.zeros((len(self), model.n_bodies))
         np.add.at(total, rows, along)
-        return np.asarray(total @ model.freedoms.matrix)
+        return np.asarray(total @ model.degrees_of_freedom.matrix)
 
     @cached_property
     def _is_revolute(self) -> NDArray[np.bool_]:

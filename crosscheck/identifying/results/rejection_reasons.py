@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crosscheck.identifying.data_quality.data_quality import Health
+from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.results.baselines import Baselines
 from crosscheck.identifying.results.recommending import joint_errors
 from graphdyn.identification import MethodResult, Problem, weighted_solution
@@ -33,12 +33,12 @@ and the deficiencies of the torque model. For the arms of docs/industrial_arms.m
 reversed 1.5 to 30."""
 
 
-def doubts(
+def rejection_reasons(
     result: MethodResult | None,
     problem: Problem,
     joint_names: Sequence[str],
     baselines: Baselines,
-    health: Health | None,
+    data_quality: DataQuality | None,
     *,
     unconstrained: Problem | None = None,
 ) -> tuple[str, ...]:
@@ -47,7 +47,7 @@ def doubts(
     unconstrained: problem of the fit with unknown links, if those of `problem` are known
     result: the best one, with an estimate; without one only the data quality of the recording counts
     """
-    said = [finding.message for finding in health.faults] if health else []
+    said = [finding.message for finding in data_quality.faults] if data_quality else []
     if result is None:
         return tuple(said)
     statistics = result.held_out or result.training
