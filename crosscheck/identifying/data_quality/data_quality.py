@@ -19,8 +19,8 @@ from graphdyn.identification.data_quality import (
     DataFault,
     RecordingQuality,
     TooShort,
+    assess_recording,
     contradictions,
-    recording_quality,
 )
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
@@ -96,7 +96,7 @@ def data_quality(
     except InvalidInput:  # too few rows to filter, which the fit then refuses
         return None
     try:
-        found = recording_quality(
+        found = assess_recording(
             _row_by_row(torque_model),
             [piece for pieces, _ in parts for piece in pieces],
             torques=[tau for _, torques in parts for tau in torques],

@@ -6,7 +6,7 @@ from graphdyn.identification.data_quality.excited_parameters import Excitation, 
 from graphdyn.identification.data_quality.gain import Gains
 from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag
-from graphdyn.identification.data_quality.recording_quality import RecordingQuality, recording_quality
+from graphdyn.identification.data_quality.recording_quality import RecordingQuality, assess_recording
 from graphdyn.identification.data_quality.searching import MAX_RATE_GAIN_ERROR, DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
@@ -22,7 +22,7 @@ __all__ = [
     "RecordedColumns",
     "RecordingQuality",
     "TooShort",
+    "assess_recording",
     "contradictions",
     "excitation",
-    "recording_quality",
 ]

@@ -54,7 +54,7 @@ class RecordingQuality:
     channels: Channels
 
 
-def recording_quality(
+def assess_recording(
     torque_model: TorqueModel,
     pieces: Sequence[Piece],
     *,

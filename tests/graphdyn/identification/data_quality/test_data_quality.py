@@ -12,7 +12,7 @@ from scipy.signal import butter, sosfiltfilt
 import graphdyn
 from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
-from graphdyn.identification.data_quality import Piece, RecordedColumns, excitation, recording_quality
+from graphdyn.identification.data_quality import Piece, RecordedColumns, assess_recording, excitation
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.channels import rate_gain
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
@@ -83,7 +83,7 @@ def changed(**matrices):
 
 @functools.cache
 def clean():
-    return recording_quality(torque_model(), [recording()])
+    return assess_recording(torque_model(), [recording()])
 
 
 def signs(*joints):
@@ -136,25 +136,25 @@ class TestFaults:
         ],
     )
     def test_one_is_found(self, kind, joints, matrices):
-        found = recording_quality(torque_model(), [changed(**matrices)])
+        found = assess_recording(torque_model(), [changed(**matrices)])
         (fault,) = found.faults
         assert (fault.change.kind, fault.change.joints) == (kind, joints)
         np.testing.assert_allclose(fault.after, clean().errors, rtol=0.1)
 
     def test_degrees(self):
         scale = np.eye(N) * 180 / np.pi
-        found = recording_quality(torque_model(), [changed(position=scale, velocity=scale)])
+        found = assess_recording(torque_model(), [changed(position=scale, velocity=scale)])
         assert [fault.change.kind for fault in found.faults] == ["degrees"]
 
     def test_two_are_found_one_after_the_other(self):
         matrices = {"torque": signs(3), "position": exchange(1, 2), "velocity": exchange(1, 2)}
-        found = recording_quality(torque_model(), [changed(**matrices)])
+        found = assess_recording(torque_model(), [changed(**matrices)])
         kinds = {(fault.change.kind, fault.change.joints) for fault in found.faults}
         assert kinds == {("reversed torque", (3,)), ("exchanged positions", (1, 2))}
         np.testing.assert_allclose(found.faults[-1].after, clean().errors, rtol=0.1)
 
     def test_position_that_contradicts_its_velocity(self):
-        found = recording_quality(torque_model(), [changed(position=signs(1))])
+        found = assess_recording(torque_model(), [changed(position=signs(1))])
         (fault,) = found.faults
         assert (fault.change.kind, fault.change.alone) == ("reversed position", "position")
         assert found.channels.velocity_gain[1] == pytest.approx(-1, abs=1e-3)
@@ -171,26 +171,26 @@ class TestFaults:
         matrix[3, 2] = 1.0
         columns = RecordedColumns(np.linalg.inv(matrix), matrix.T, np.array([0, -1.5, 1.5, 0]))
         piece = Piece(columns.changed(recording().samples, torque=signs(3)), PERIOD)
-        (fault,) = recording_quality(torque_model(), [piece], columns=columns).faults
+        (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints) == ("reversed torque", (3,))
 
     def test_a_reversed_column_with_an_offset(self):
         columns = RecordedColumns(np.eye(N), np.eye(N), np.array([0, -1.5, 1.5, 0]))
         piece = Piece(columns.changed(recording().samples, position=signs(2), velocity=signs(2)), PERIOD)
-        (fault,) = recording_quality(torque_model(), [piece], columns=columns).faults
+        (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints, fault.change.zero) == ("reversed position", (2,), None)
 
 
 class TestDelays:
     @pytest.mark.parametrize("seconds", [-0.02, 0.0073, pytest.param(0.02, marks=LONG), pytest.param(0.1, marks=LONG)])
     def test_of_all_joints(self, seconds):
-        found = recording_quality(torque_model(), [recording(seconds)])
+        found = assess_recording(torque_model(), [recording(seconds)])
         assert found.lag.common == pytest.approx(seconds, abs=WITHIN)
         assert abs(found.lag.common - seconds) < 6 * found.lag.deviation
         assert [fault.change.kind for fault in found.faults][:1] == ["late torque"]
 
     def test_of_one_joint(self):
-        found = recording_quality(torque_model(), [recording([0, 0, 0.03, 0])])
+        found = assess_recording(torque_model(), [recording([0, 0, 0.03, 0])])
         assert [(fault.change.kind, fault.change.joints) for fault in found.faults] == [("late torque", (2,))]
         assert found.faults[0].change.factor == pytest.approx(0.03, abs=WITHIN)
 
@@ -204,7 +204,7 @@ class TestChannels:
         samples = recording().samples
         tau = samples.tau.copy()
         tau[:, 2], tau[:, 3] = -2 * tau[:, 1], 7.0
-        found = recording_quality(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
+        found = assess_recording(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
         assert (found.channels.duplicated_torques, found.channels.constant_torques) == (((1, 2),), (3,))
         assert found.faults == ()
 
@@ -213,7 +213,7 @@ class TestChannels:
         v, bound = samples.v.copy(), np.quantile(samples.tau[:, 2], 0.9)
         v[:, 0] = 0.0
         tau = np.minimum(samples.tau, np.where(np.arange(N) == 2, bound, np.inf))
-        found = recording_quality(torque_model(), [Piece(Samples(samples.q, v, samples.a, tau), PERIOD)])
+        found = assess_recording(torque_model(), [Piece(Samples(samples.q, v, samples.a, tau), PERIOD)])
         assert found.channels.clipped[2] == pytest.approx(0.1, abs=0.06)
         assert np.all(found.channels.clipped[[0, 1, 3]] == 0)
         assert found.channels.standstill[0] == 1.0
@@ -253,7 +253,7 @@ def test_halves_that_contradict_each_other():
     samples = recording().samples
     tau = samples.tau.copy()
     tau[len(tau) // 2 :, 1] *= 1.5
-    found = recording_quality(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
+    found = assess_recording(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
     common, own = found.halves[:, 0, 1], found.halves[:, 1, 1]
     assert np.all(common > 3 * own)
 
@@ -269,14 +269,14 @@ def test_a_known_torque_that_refuses_other_motions():
             return np.zeros(samples.q.shape)
 
     model = TorqueModel(robot(), torque_model().terms, (Picky(),))
-    found = recording_quality(model, [changed(torque=signs(3))])
+    found = assess_recording(model, [changed(torque=signs(3))])
     assert [fault.change.kind for fault in found.faults] == ["reversed torque"]
     assert not [change for change in found.unseen if change.joints == (0,) and change.moves]
 
 
 def test_too_short():
     with pytest.raises(InvalidInput, match="no piece of the recording is long enough"):
-        recording_quality(torque_model(), [Piece(recording().samples[:6], PERIOD)])
+        assess_recording(torque_model(), [Piece(recording().samples[:6], PERIOD)])
 
 
 def test_excitation_of_a_joint_that_never_moves():
