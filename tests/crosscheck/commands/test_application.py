@@ -12,8 +12,8 @@ import sys
 import pytest
 import typer
 from long_check import few
-from pages import first_cells
 from planting import mixed_tree
+from shown.pages import first_cells
 
 import crosscheck
 import urdf

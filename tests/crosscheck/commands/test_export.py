@@ -12,6 +12,7 @@ import pytest
 from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
 from planting import mixed_tree
+from shared_data import REPOSITORY
 
 import graphdyn
 import urdf
@@ -19,7 +20,6 @@ from crosscheck.commands.export.c_model import c_text
 from crosscheck.commands.export.matlab_model import matlab_text
 from crosscheck.commands.export.record import record
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
-from crosscheck.commands.schemas import schemas
 from crosscheck.report.json import plain
 from graphdyn.model.spatial import rotation_about
 
@@ -91,7 +91,9 @@ class TestNumbers:
         np.testing.assert_allclose(arm.inverse_dynamics(q, v, a), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
     def test_schema(self, exported):
-        Draft202012Validator(schemas()["export-1.schema.json"]).validate(plain(exported))
+        Draft202012Validator(
+            json.loads((REPOSITORY / "docs/schemas/export-1.schema.json").read_text("utf-8"))
+        ).validate(plain(exported))
 
     def test_c(self, model, exported):
         found = constants_of_c(c_text(exported))

@@ -21,7 +21,6 @@ from crosscheck.commands.crosscheck import record as crosscheck_records
 from crosscheck.commands.errata import record as errata_records
 from crosscheck.commands.judge import record as judge_records
 from crosscheck.commands.program import own_process
-from crosscheck.commands.schemas import main, schemas
 from crosscheck.commands.show.describing import describe
 from crosscheck.paper.errata import Effect
 from crosscheck.report.json import plain
@@ -99,9 +98,13 @@ class TestSchemas:
 
     def test_generated_from_the_records(self):
         """Else: python -m crosscheck.commands.schemas docs/schemas"""
+        from crosscheck.commands.schemas import schemas
+
         assert schemas() == SCHEMAS
 
     def test_command_that_generates_them(self, tmp_path):
+        from crosscheck.commands.schemas import main
+
         folder = tmp_path / "new"
         main(["program", str(folder)])
         assert {path.name: json.loads(path.read_text(encoding="utf-8")) for path in folder.iterdir()} == SCHEMAS

@@ -17,7 +17,7 @@ from shared_data import ARMS
 import crosscheck
 import urdf
 from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
-from crosscheck.quantities import COMPARED, DERIVED, RECURSIVE
+from crosscheck.quantities import COMPARED, QUANTITIES, RECURSIVE
 from crosscheck.quantities.states import RANDOM, cases
 from graphdyn import Body, Joint, Placement, RobotModel
 from graphdyn.model.parts import JOINT_KINDS
@@ -41,6 +41,9 @@ ROUTES = {"urdf", "model"}
 
 OF_ONE_ROUTE = {"constraint_rank": "model", "kkt_rank": "model", "base_parameters": "model", "frame_placement": "urdf"}
 """The rest is compared along every route."""
+
+DERIVED = {name for name, row in QUANTITIES.items() if row.when != "all" and row.forms}
+"""Compared at the random states alone."""
 
 
 @functools.cache

@@ -5,8 +5,8 @@ import sys
 
 import numpy as np
 import pytest
-from pages import first_cells
 from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
+from shown.pages import first_cells
 
 import crosscheck
 from crosscheck.commands import main

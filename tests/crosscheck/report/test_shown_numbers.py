@@ -6,8 +6,6 @@ import re
 import numpy as np
 import pytest
 from identified import identified_arm
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from planting import compared
 
 from crosscheck.bench.contender import SpeedRatio
@@ -179,6 +177,8 @@ def drawn(monkeypatch):
     """drawn(module, "function", …): the axes on which a function of crosscheck.report.pictures draws."""
 
     def axes_of(module, function, *arguments):
+        from matplotlib.figure import Figure
+
         kept = []
 
         def picture(_key, _label, size, draw):
@@ -200,6 +200,8 @@ def curve(axes, label):
 
 def upright_or_level(axes):
     """Ends of every line that was drawn as one of several: error bars."""
+    from matplotlib.collections import LineCollection
+
     return [segment for part in axes.collections if isinstance(part, LineCollection) for segment in part.get_segments()]
 
 

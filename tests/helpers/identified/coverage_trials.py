@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import butter, lfilter, sosfiltfilt
 
 import graphdyn
 import urdf
@@ -75,6 +74,8 @@ class LowPass:
     memory: int = 400
 
     def __call__(self, columns):
+        from scipy.signal import butter, sosfiltfilt
+
         return sosfiltfilt(butter(4, self.cutoff, fs=RATE, output="sos"), columns, axis=0)
 
 
@@ -135,4 +136,6 @@ def correlated_noise(rng, shape, time: float):
         return noise
     decay = np.exp(-1 / (RATE * time))
     noise[1:] *= np.sqrt(1 - decay**2)
+    from scipy.signal import lfilter
+
     return lfilter([1.0], [1.0, -decay], noise, axis=0)

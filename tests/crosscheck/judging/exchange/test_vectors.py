@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
+from shared_data import REPOSITORY
 
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.commands.program.output_files import write_folder
-from crosscheck.commands.schemas import schemas
 from crosscheck.judging.exchange.rounds import drawn_states
 from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
 from crosscheck.judging.observing.conventions import relative_errors
@@ -41,7 +41,9 @@ def numbers(path):
 class TestFolder:
     def test_what_is_listed_is_there(self, folder):
         listed = json.loads((folder / "vectors.json").read_text(encoding="utf-8"))
-        Draft202012Validator(schemas()["vectors-1.schema.json"]).validate(listed)
+        Draft202012Validator(
+            json.loads((REPOSITORY / "docs/schemas/vectors-1.schema.json").read_text("utf-8"))
+        ).validate(listed)
         assert {path.name for path in folder.iterdir()} == {"vectors.json", *listed["files"]}
         assert [table["function"] for table in listed["tables"]] == confirmed_functions("tool")
         hashes = [sha256((folder / listed["model"]).read_bytes()).hexdigest()]

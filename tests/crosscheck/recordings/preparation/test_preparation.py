@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from scipy.signal import butter, decimate, sosfreqz
 
 import graphdyn
 from crosscheck.identifying import Preparation
@@ -54,6 +53,8 @@ BORDERS = 5e-3
 
 @pytest.mark.parametrize(("cutoff", "order"), [(8.0, 4), (50.0, 2), (100.0, 4)])
 def test_the_low_pass_has_no_phase_and_the_squared_gain_of_one_pass(cutoff, order):
+    from scipy.signal import butter, sosfreqz
+
     frequencies = np.array([0.3, 0.8, 1.0]) * cutoff
     sections = butter(order, cutoff, fs=RATE, output="sos")
     gains = np.abs(sosfreqz(sections, frequencies, fs=RATE)[1]) ** 2
@@ -250,6 +251,8 @@ def test_resampling_block_by_block():
 
 
 def test_decimation_of_any_columns_is_that_of_scipy():
+    from scipy.signal import decimate
+
     columns = np.random.default_rng(7).normal(size=(4000, 2, 3))
     by_hand = decimate(decimate(columns, 10, axis=0), 10, axis=0)
     assert np.array_equal(decimated_columns(columns, (10, 10)), by_hand)

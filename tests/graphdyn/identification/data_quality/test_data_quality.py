@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from long_check import LONG
 from random_trees import body_of_points
-from scipy.signal import butter, sosfiltfilt
 
 import graphdyn
 from graphdyn import Body, InvalidInput
@@ -67,6 +66,8 @@ def torque_at():
 
 def recording(late=0.0):
     """One piece; the torques of all joints, or of each, are recorded late [s]."""
+    from scipy.signal import butter, sosfiltfilt
+
     motion, torque = torque_at()
     t = np.arange(0, SECONDS, PERIOD)
     late = np.broadcast_to(late, N)

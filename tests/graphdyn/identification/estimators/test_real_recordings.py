@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from kr300 import Kr300
-from scipy import signal
 from shared_data import DATA, existing
 
 import urdf
@@ -52,6 +51,8 @@ def columns(path):
 
 
 def low_pass(x, rate, cut_off):
+    from scipy import signal
+
     return signal.filtfilt(*signal.butter(4, cut_off / (rate / 2)), x, axis=0)
 
 
@@ -74,6 +75,8 @@ class TwiceByTen:
     factor, memory = 100, 10_000
 
     def __call__(self, x):
+        from scipy import signal
+
         for _ in range(2):
             x = signal.decimate(x, 10, axis=0, zero_phase=True)
         return x
