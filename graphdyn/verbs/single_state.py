@@ -85,7 +85,8 @@ class SingleState(threading.local, Generic[Form]):  # __init__ runs again in eve
         verb = VERBS[name]
         verb.refuse_loops(model)
         verb.refuse_uncompiled(model, f"call graphdyn.{name}")
-        says = {"__module__": cls.__module__, "__doc__": f"{verb}\n\n{cls.__doc__}", "__signature__": _signature(verb)}
+        text = f"{verb}\n\n{cls.__doc__ or ''}"  # python -OO strips docstrings
+        says = {"__module__": cls.__module__, "__doc__": text, "__signature__": _signature(verb)}
         own: type[Self] = type(cls.__name__, (cls,), says)
         own._backend = prepared(model, Request(verb.recursion, verb.outputs), one_row=True).backend
         single = super().__new__(own, model, name)  # type: ignore[call-arg]  # for __init__ in other threads
