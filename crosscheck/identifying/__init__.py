@@ -1,7 +1,7 @@
 """Identification of a robot from recordings: preparation, comparison of methods, recommendation."""
 
 from crosscheck.identifying.identify import identify
-from crosscheck.identifying.long_recordings import identify_long
+from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, STANDARD_METHODS_OF_SUMS
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.methods import ESTIMATORS, STANDARD_METHODS, method_named, method_with
 from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
@@ -16,7 +16,9 @@ from crosscheck.identifying.virtual import VirtualRobot, virtual_robot
 
 __all__ = [
     "ESTIMATORS",
+    "METHODS_OF_SUMS",
     "STANDARD_METHODS",
+    "STANDARD_METHODS_OF_SUMS",
     "TERMS",
     "ByRows",
     "ByTime",
@@ -36,7 +38,6 @@ __all__ = [
     "WithPinocchio",
     "friction_terms",
     "identify",
-    "identify_long",
     "method_named",
     "method_with",
     "recommendation",

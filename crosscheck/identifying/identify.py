@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Unpack
 
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.fitting import identified_model
+from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, Parts, Progress
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.methods.loop_methods import as_prepared
 from crosscheck.identifying.methods.methods import STANDARD_METHODS
@@ -15,8 +16,8 @@ from crosscheck.identifying.methods.torque_terms import STANDARD_TERMS, friction
 from crosscheck.identifying.preparing.holding_out import Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.baselines import constant_errors
-from crosscheck.identifying.results.result import Identified
-from crosscheck.recordings import Recording
+from crosscheck.identifying.results.result import Identified, identified
+from crosscheck.recordings import PartitionedRecording, Recording
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
 from graphdyn.identification import CHECKED_POSES, ClosedLoop, Estimator
@@ -26,48 +27,63 @@ from urdf import Reading, ReadingKeywords
 
 def identify(
     robot: Robot,
-    recordings: Recording | Sequence[Recording],
+    recordings: Recording | Sequence[Recording] | PartitionedRecording,
     *,
     terms: Sequence[Term] | None = None,
     known: Sequence[KnownTerm] = (),
-    methods: Sequence[str | Estimator] = STANDARD_METHODS,
+    methods: Sequence[str | Estimator] | None = None,
     preparation: Preparation | None = None,
-    held_out: HeldOut | None = None,
+    held_out: HeldOut | PartitionedRecording | None = None,
     loop: ClosedLoop | None = None,
     poses: int = CHECKED_POSES,
     models: Sequence[CandidateModel] = (),
-    progress: Callable[[str], None] | None = None,
+    progress: Progress | None = None,
     **reading: Unpack[ReadingKeywords],
 ) -> Identified:
     """Identify a robot from recordings with several methods, and recommend a result.
 
     robot: name, path of a URDF, or RobotModel; its inertial parameters are the prior
-    recordings: with torques; several are fitted together
+    recordings: with torques; several are fitted together. A PartitionedRecording may have any length: it is read
+        several times, part by part, by methods that need no more than sums (METHODS_OF_SUMS)
     terms: unknown parts of the torque; if left out, rigid bodies, viscous and Coulomb friction, and offset
     known: known parts, which are subtracted
-    methods: names (METHODS) or estimators
+    methods: names (METHODS) or estimators; if left out, STANDARD_METHODS, or those of them that need no more than sums
     preparation: filter, decimation, smallest speed
-    held_out: rows to predict; if left out, the last quarter of every recording
+    held_out: rows to predict; if left out, the last quarter of every recording. For a PartitionedRecording, another
+        one
     loop: controller and reference of the recordings, over their time; some methods simulate it
     poses: random poses in which the mass matrix is tested
     models: torque models to compare, each with terms, known terms and methods of its own, in place of `terms`, `known`
         and `methods`; the result is that of the first one, and contains the others
-    progress: called with the name of the next step: three, and one for every method of the fit and of every fold
+    progress: called with the name of the next step and 1: three times, and once for every method of the fit and of
+        every fold; for a PartitionedRecording with the name of a step and a number of rows
+
+    The result of a PartitionedRecording is that of the whole data. Its `recordings`, `division`, curves and data
+    quality are those of the beginnings of the logs.
 
     Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
-    to predict, for unknown or repeated methods; urdf's errors.
+    to predict, for unknown or repeated methods, for what needs the recording in memory; NoWorkers; urdf's errors.
     """
     compared = subject(robot, Reading.of(identify, reading))
     refuse_chords(compared.model, IDENTIFY_CLOSED)
-    recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
-    preparation = preparation or Preparation()
-    say = progress or (lambda what: None)
     if models and (terms is not None or known):
         raise InvalidInput("terms or known are given beside models; give them as parts of the models")
+    in_parts = isinstance(recordings, PartitionedRecording)
+    methods = methods or (STANDARD_METHODS_OF_SUMS if in_parts else STANDARD_METHODS)
     terms = (RigidBodies(), *friction_terms(STANDARD_TERMS)) if terms is None else terms
     candidates = with_links_of_cad(models or [CandidateModel("", terms, known, methods)])
+    if isinstance(recordings, PartitionedRecording):
+        return Parts.of(compared, candidates, recordings, held_out, preparation, loop).identified(poses, progress)
+    if isinstance(held_out, PartitionedRecording):
+        raise InvalidInput("a PartitionedRecording can be predicted from another one only; load it as a Recording")
+    recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
+    preparation = preparation or Preparation()
     first = candidates[0].of(compared.model)
     loop = as_prepared(loop, preparation, recordings[0])
+
+    def say(what: str) -> None:
+        if progress:
+            progress(what, 1)
 
     say("data_quality")
     recordings = [_of_robot(recording, compared.model.independent_joints) for recording in recordings]
@@ -80,16 +96,14 @@ def identify(
     ahead = tuple(preparation.differentiated(recording) for recording in others)
     division = _prepared(held_out, ahead).divide(prepared)
     say("read")
-    main, *further = (
-        identified_model(compared, candidate, division, preparation, loop=loop, poses=poses, progress=say)
-        for candidate in candidates
-    )
-    return Identified(
-        **{field.name: getattr(main, field.name) for field in fields(main)},
+    return identified(
+        [
+            identified_model(compared, candidate, division, preparation, loop=loop, poses=poses, progress=say)
+            for candidate in candidates
+        ],
         recordings=tuple(recordings),
         division=division,
         preparation=preparation,
-        others=tuple(further),
         constant=constant_errors(compared.model, preparation, division),
         data_quality=found_quality,
         validation_data_quality=quality_of_others,
@@ -97,7 +111,7 @@ def identify(
 
 
 def number_of_steps(models: Sequence[CandidateModel], held_out: HeldOut | None) -> int:
-    """Number of calls of `progress` by identify."""
+    """Number of calls of `progress` by identify, of recordings in memory."""
     folds = held_out.folds if isinstance(held_out, Folds) else 0
     return 3 + (1 + folds) * sum(len(model.methods) for model in with_links_of_cad(models))
 

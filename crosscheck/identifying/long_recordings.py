@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
-from typing import Unpack
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from crosscheck.identifying.data_quality.data_quality import data_quality
-from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
 from crosscheck.identifying.methods.methods import method_named
 from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.predicted_parts import PredictedParts
-from crosscheck.identifying.preparing.holding_out import Division, Fold
+from crosscheck.identifying.preparing.holding_out import Division, Fold, HeldOut
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.baselines import constant_model, fitted_constant
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
-from crosscheck.identifying.results.result import Identified
+from crosscheck.identifying.results.result import Identified, identified
 from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
-from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
+from crosscheck.reference.subject import Subject
 from graphdyn import InvalidInput
 from graphdyn.identification import (
-    CHECKED_POSES,
+    ClosedLoop,
     Estimator,
     GeneralizedLeastSquares,
     MaximumLikelihood,
@@ -37,7 +36,9 @@ from graphdyn.identification import (
     compare_methods,
     one_thread,
 )
-from urdf import Reading, ReadingKeywords
+
+Progress = Callable[[str, int], None]
+"""Called with the name of a step, and the number of its steps or rows."""
 
 EXCERPT_ROWS = 100_000
 """Rows from the beginnings of the logs that are in memory, for the data quality and the curves of a page."""
@@ -69,69 +70,130 @@ SAMPLE_METHODS = (
 """Methods that read the samples, some of them repeatedly."""
 
 
-def identify_long(
-    robot: Robot,
-    data: PartitionedRecording,
-    models: Sequence[CandidateModel],
-    *,
-    validate: PartitionedRecording | None = None,
-    min_speed: ArrayLike = 0.0,
-    poses: int = CHECKED_POSES,
-    progress: Callable[[str, int], None] | None = None,
-    **reading: Unpack[ReadingKeywords],
-) -> Identified:
-    """Identify from recordings that do not fit into memory. They are read several times, part by part.
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """Recordings of any length of a robot, to be fitted and to be predicted.
 
-    data, validate: joints in the order of the robot, those of the robot if left out; validate: logs to predict, the end
-        of every log of `data` if left out
-    min_speed: as in Preparation
-    progress: called with the name of a step, and a number of rows
-
-    The result is that of the whole data. Its `recordings`, `division`, curves and data quality are those of the
-    beginnings of the logs. Raises as identify; InvalidInput for methods that read samples; NoWorkers.
+    begun, begun_ahead: beginnings of the logs as they were read
+    division: the same prepared, for curves
     """
-    compared = subject(robot, Reading.of(identify_long, reading))
-    refuse_chords(compared.model, IDENTIFY_CLOSED)
-    joints = compared.model.independent_joints
-    data = data if data.joints else replace(data, joints=joints)
-    validate = replace(validate, joints=joints) if validate is not None and not validate.joints else validate
-    candidates = with_links_of_cad(models)
-    for candidate in candidates:
-        _estimators(candidate)
-        _refuse_terms_of_samples(candidate.of(compared.model))
-    fitted = data if validate is not None else replace(data, between=(0.0, 1 - HELD_OUT_SHARE))
-    predicted = replace(data, between=(1 - HELD_OUT_SHARE, 1.0)) if validate is None else validate
-    preparation = Preparation(cutoff=data.cutoff, min_speed=min_speed)
-    begun, begun_ahead = (_beginnings(part) for part in (fitted, predicted))
-    begin, ahead = _excerpt(fitted, begun, preparation), _excerpt(predicted, begun_ahead, preparation)
-    first = candidates[0].of(compared.model)
-    if validate is None:
-        division = Division(begin, [Fold("", begin, ahead)], f"the last {100 * HELD_OUT_SHARE:g} % of every log")
-    else:
-        _refuse_shared(fitted, predicted)
-        names = _names(predicted)
-        division = Division(begin, [Fold(names, begin, ahead, own_recording=True)], f"all of {names}")
 
-    def say(what: str) -> Callable[[int], None] | None:
-        return None if progress is None else lambda rows: progress(what, rows)
+    compared: Subject
+    candidates: Sequence[CandidateModel]
+    fitted: PartitionedRecording
+    predicted: PartitionedRecording
+    begun: list[Recording]
+    begun_ahead: list[Recording]
+    division: Division
+    preparation: Preparation
 
-    with one_thread():
-        main, *further = (
-            _fitted(compared, candidate, fitted, predicted, division, preparation, poses, say)
-            for candidate in candidates
+    @classmethod
+    def of(
+        cls,
+        compared: Subject,
+        candidates: Sequence[CandidateModel],
+        data: PartitionedRecording,
+        held_out: HeldOut | PartitionedRecording | None,
+        preparation: Preparation | None,
+        loop: ClosedLoop | None,
+    ) -> Parts:
+        """The parts, with the joints of the robot if they name none. Raises InvalidInput for what needs all samples."""
+        preparation = preparation or Preparation(cutoff=data.cutoff)
+        _refuse_needs_of_samples(data, held_out, preparation, loop)
+        for candidate in candidates:
+            _estimators(candidate)
+            _refuse_terms_of_samples(candidate.of(compared.model))
+        joints = compared.model.independent_joints
+        data = data if data.joints else replace(data, joints=joints)
+        if isinstance(held_out, PartitionedRecording):
+            fitted, predicted = data, held_out if held_out.joints else replace(held_out, joints=joints)
+            _refuse_shared(fitted, predicted)
+            names, words = _names(predicted), f"all of {_names(predicted)}"
+        else:
+            fitted = replace(data, between=(0.0, 1 - HELD_OUT_SHARE))
+            predicted = replace(data, between=(1 - HELD_OUT_SHARE, 1.0))
+            names, words = "", f"the last {100 * HELD_OUT_SHARE:g} % of every log"
+        begun, begun_ahead = (_beginnings(part) for part in (fitted, predicted))
+        begin, ahead = _excerpt(fitted, begun, preparation), _excerpt(predicted, begun_ahead, preparation)
+        division = Division(begin, [Fold(names, begin, ahead, own_recording=bool(names))], words)
+        return cls(compared, candidates, fitted, predicted, begun, begun_ahead, division, preparation)
+
+    def identified(self, poses: int, progress: Progress | None) -> Identified:
+        """The results of all torque models."""
+        first, mean = self.candidates[0].of(self.compared.model), constant_model(self.compared.model)
+        with one_thread():
+            models = [self._model(candidate, poses, progress) for candidate in self.candidates]
+            constant = fitted_constant(*self._problems(mean, 0.0, ("constant torque", "constant torque"), progress))
+        return identified(
+            models,
+            recordings=tuple(self.begun),
+            division=self.division,
+            preparation=self.preparation,
+            constant=constant,
+            data_quality=data_quality(first, self.begun, self.preparation),
+            validation_data_quality=(data_quality(first, self.begun_ahead, self.preparation),)
+            if self.division.trials[0].own_recording
+            else (),
         )
-        mean, told = constant_model(compared.model), say("constant torque")
-        constant = fitted_constant(Problem(mean, fitted, progress=told), Problem(mean, predicted, progress=told))
-    return Identified(
-        **{field.name: getattr(main, field.name) for field in fields(main)},
-        recordings=tuple(begun),
-        division=division,
-        preparation=preparation,
-        others=tuple(further),
-        constant=constant,
-        data_quality=data_quality(first, begun, preparation),
-        validation_data_quality=() if validate is None else (data_quality(first, begun_ahead, preparation),),
-    )
+
+    def _problems(
+        self, model: TorqueModel, min_speed: ArrayLike, steps: tuple[str, str], progress: Progress | None
+    ) -> tuple[Problem, Problem]:
+        """The problem of the fit and that of the prediction. steps: what to tell while their rows are read"""
+
+        def told(step: str) -> Callable[[int], None] | None:
+            return None if progress is None else lambda rows: progress(step, rows)
+
+        fit, ahead = (
+            Problem(model, data, min_speed=min_speed, progress=told(step))
+            for data, step in zip((self.fitted, self.predicted), steps, strict=True)
+        )
+        return fit, ahead
+
+    def _model(self, candidate: CandidateModel, poses: int, progress: Progress | None) -> IdentifiedModel:
+        torque_model = candidate.of(self.compared.model)
+        name, division, preparation = candidate.name or "torque model", self.division, self.preparation
+        steps = (f"{name}: fit", f"{name}: prediction")
+        fit, ahead = self._problems(torque_model, preparation.min_speed, steps, progress)
+        comparison = compare_methods(fit, _estimators(candidate), ahead, poses=poses)
+
+        def prediction(problem: Problem, excerpt: Recording, of: str) -> PredictedParts:
+            answered = [result for result in comparison.results if result.estimate is not None]
+            parameters = {result.name: result.estimate.parameters for result in answered if result.estimate}
+            statistics = {result.name: getattr(result, of) for result in answered}
+            small = preparation.problem(torque_model, excerpt)
+            curves = HeldOutPrediction(small, preparation.times(excerpt), parameters, statistics)
+            return PredictedParts(problem, (), parameters, statistics, division.words, excerpt=curves)
+
+        return IdentifiedModel(
+            subject=self.compared,
+            torque_model=torque_model,
+            fit=prediction(fit, division.fit, "training"),
+            trials=(prediction(ahead, division.trials[0].test, "held_out"),),
+            comparison=comparison,
+            exogeneity=EXOGENEITY_NEEDS_ROWS,
+            name=candidate.name,
+            cad_of=candidate.cad_of,
+        )
+
+
+def _refuse_needs_of_samples(
+    data: PartitionedRecording,
+    held_out: HeldOut | PartitionedRecording | None,
+    preparation: Preparation,
+    loop: ClosedLoop | None,
+) -> None:
+    prepared = preparation.decimate or preparation.torque_hold or preparation.velocity != "recorded"
+    if prepared or preparation.cutoff != data.cutoff:
+        raise InvalidInput(
+            "a PartitionedRecording is filtered by its own cutoff, and prepared in no other way; give "
+            "Preparation(cutoff=data.cutoff, min_speed=…), or a Recording"
+        )
+    if loop is not None or not (held_out is None or isinstance(held_out, PartitionedRecording)):
+        raise InvalidInput(
+            "control loops, and other ways to hold out rows than their last quarter or another PartitionedRecording, "
+            "need the recording in memory; give a Recording"
+        )
 
 
 def _estimators(candidate: CandidateModel) -> list[Estimator]:
@@ -150,44 +212,6 @@ def _refuse_terms_of_samples(torque_model: TorqueModel) -> None:
             "friction with memory, and settings that are to be found, need all samples, of which only sums are kept "
             "here; leave them out, or give numbers"
         )
-
-
-def _fitted(
-    compared: Subject,
-    candidate: CandidateModel,
-    fitted: PartitionedRecording,
-    predicted: PartitionedRecording,
-    division: Division,
-    preparation: Preparation,
-    poses: int,
-    say: Callable[[str], Callable[[int], None] | None],
-) -> IdentifiedModel:
-    torque_model = candidate.of(compared.model)
-    name = candidate.name or "torque model"
-    fit, ahead = (
-        Problem(torque_model, data, min_speed=preparation.min_speed, progress=say(f"{name}: {what}"))
-        for data, what in ((fitted, "fit"), (predicted, "prediction"))
-    )
-    comparison = compare_methods(fit, _estimators(candidate), ahead, poses=poses)
-
-    def prediction(problem: Problem, excerpt: Recording, of: str) -> PredictedParts:
-        answered = [result for result in comparison.results if result.estimate is not None]
-        parameters = {result.name: result.estimate.parameters for result in answered if result.estimate}
-        statistics = {result.name: getattr(result, of) for result in answered}
-        small = preparation.problem(torque_model, excerpt)
-        curves = HeldOutPrediction(small, preparation.times(excerpt), parameters, statistics)
-        return PredictedParts(problem, (), parameters, statistics, division.words, excerpt=curves)
-
-    return IdentifiedModel(
-        subject=compared,
-        torque_model=torque_model,
-        fit=prediction(fit, division.fit, "training"),
-        trials=(prediction(ahead, division.trials[0].test, "held_out"),),
-        comparison=comparison,
-        exogeneity=EXOGENEITY_NEEDS_ROWS,
-        name=candidate.name,
-        cad_of=candidate.cad_of,
-    )
 
 
 def _refuse_shared(fitted: PartitionedRecording, predicted: PartitionedRecording) -> None:

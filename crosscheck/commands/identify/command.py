@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 from rich.text import Text
@@ -66,13 +66,8 @@ def run(options: IdentifyOptions) -> None:
     from crosscheck.report.report import with_stage
 
     with warnings_shown():
-        if not options.logs:
-            found = simulated(options, robot, models, preparation)
-        elif options.in_parts:
-            found = parts.found(options, robot, models, preparation)
-            show_findings(parts.findings(found))
-        else:
-            found = from_recordings(options, robot, models, preparation, loop)
+        way = simulated if not options.logs else from_parts if options.in_parts else from_recordings
+        found = way(options, robot, Asked(models, preparation, options.poses, loop))
     shown = found.shown(None if options.choose is None else method_shown(options.choose))
     report = identify_report(found, shown)
     if options.three_d:
@@ -89,14 +84,17 @@ def show_findings(findings: Iterable[RecordingFinding]) -> None:
         say(f"{finding.severity}: {finding.text}", "yellow" if finding.severity != "note" else None)
 
 
-def from_recordings(
-    options: IdentifyOptions,
-    robot: str,
-    models: Sequence[CandidateModel],
-    preparation: Preparation,
-    loop: ClosedLoop | None,
-) -> Identified:
-    """crosscheck.identify of the LOGs, with a bar."""
+class Asked(NamedTuple):
+    """What crosscheck.identify is asked for, whatever the recordings."""
+
+    models: Sequence[CandidateModel]
+    preparation: Preparation
+    poses: int
+    loop: ClosedLoop | None
+
+
+def from_recordings(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:
+    """The LOGs, each in memory."""
     import urdf
     from crosscheck.identifying import identify
     from crosscheck.identifying.identify import number_of_steps
@@ -108,23 +106,24 @@ def from_recordings(
         unseen = options.recordings("--validate", validate, joints, advance, options.rate)
     show_findings(finding for recording in [*recordings, *unseen] for finding in recording.findings)
     held_out = options.held_out(unseen)
-    with progress("identify", number_of_steps(models, held_out)) as advance:
-        return identify(
-            robot,
-            recordings,
-            models=models,
-            preparation=preparation,
-            held_out=held_out,
-            loop=loop,
-            poses=options.poses,
-            progress=lambda what: advance(what, 1),
-            reading=reading,
-        )
+    with progress("identify", number_of_steps(asked.models, held_out)) as advance:
+        return identify(robot, recordings, held_out=held_out, progress=advance, reading=reading, **asked._asdict())
 
 
-def simulated(
-    options: IdentifyOptions, robot: str, models: Sequence[CandidateModel], preparation: Preparation
-) -> Identified:
+def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:
+    """The LOGs, read part by part."""
+    from crosscheck.identifying import identify
+
+    logs, validate, reading = options.logs or [], options.validate, options.reading
+    with options.workers.kept() as workers, progress("rows") as advance:
+        data = parts.recording(options, logs, asked.preparation, workers)
+        ahead = parts.recording(options, validate, asked.preparation, workers) if validate else None
+        found = identify(robot, data, held_out=ahead, progress=advance, reading=reading, **asked._asdict())
+    show_findings(parts.findings(found))
+    return found
+
+
+def simulated(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:
     """A virtual robot recorded and identified; the truth goes with the result. The first model is the true one."""
     from crosscheck.identifying import OtherRecordings, identify, virtual_robot
     from crosscheck.identifying.identify import number_of_steps
@@ -133,23 +132,15 @@ def simulated(
     with progress("simulate", 2) as advance:
         virtual = virtual_robot(
             robot,
-            [term for term in models[0].terms if not isinstance(term, RigidBodies)],
+            [term for term in asked.models[0].terms if not isinstance(term, RigidBodies)],
             seconds=20.0 if options.seconds is None else options.seconds,
             seed=options.seed or 0,
             progress=lambda what: advance(what, 1),
             reading=options.reading,
         )
     held_out = OtherRecordings((virtual.held_out,))
-    with progress("identify", number_of_steps(models, held_out)) as advance:
-        found = identify(
-            virtual.subject.model,
-            virtual.fitted,
-            models=models,
-            preparation=preparation,
-            held_out=held_out,
-            poses=options.poses,
-            progress=lambda what: advance(what, 1),
-        )
+    with progress("identify", number_of_steps(asked.models, held_out)) as advance:
+        found = identify(virtual.subject.model, virtual.fitted, held_out=held_out, progress=advance, **asked._asdict())
     return replace(found, subject=virtual.subject, truth=virtual.truth)
 
 

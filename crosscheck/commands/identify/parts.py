@@ -9,49 +9,33 @@ from typing import TYPE_CHECKING
 
 from crosscheck.commands.identify.models import methods_of
 from crosscheck.commands.identify.options import IdentifyOptions
-from crosscheck.commands.program.console import progress
 
 if TYPE_CHECKING:
-    from crosscheck.identifying import CandidateModel, Identified, Preparation
+    from crosscheck.distributing import Workers
+    from crosscheck.identifying import Identified, Preparation
+    from crosscheck.recordings import PartitionedRecording
     from crosscheck.recordings.errors import RecordingFinding
     from graphdyn.identification import Estimator
 
 
 def methods(text: str | None) -> list[str | Estimator]:
     """--methods; those that need no more than sums where it is left out, or "all"."""
-    from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, STANDARD_METHODS_OF_SUMS
+    from crosscheck.identifying import METHODS_OF_SUMS, STANDARD_METHODS_OF_SUMS
 
     if text is None:
         return list(STANDARD_METHODS_OF_SUMS)
     return list(METHODS_OF_SUMS) if text == "all" else methods_of(text)
 
 
-def found(
-    options: IdentifyOptions, robot: str, models: Sequence[CandidateModel], preparation: Preparation
-) -> Identified:
-    """crosscheck.identifying.identify_long with a bar."""
-    from crosscheck.identifying import identify_long
+def recording(
+    options: IdentifyOptions, paths: Sequence[Path], preparation: Preparation, workers: Workers
+) -> PartitionedRecording:
+    """The logs of these files, folders and patterns, read part by part."""
     from crosscheck.recordings import PartitionedRecording
 
     cutoff = preparation.cutoff
     assert isinstance(cutoff, float | Mapping | None)
-
-    with options.workers.kept() as workers, progress("rows") as advance:
-
-        def recording(paths: Sequence[Path]) -> PartitionedRecording:
-            files = _expanded(paths)
-            return PartitionedRecording(files, options.mapping, None, options.rate, cutoff, workers=workers)
-
-        return identify_long(
-            robot,
-            recording(options.logs or ()),
-            models,
-            validate=recording(options.validate) if options.validate else None,
-            min_speed=preparation.min_speed,
-            poses=options.poses,
-            progress=advance,
-            reading=options.reading,
-        )
+    return PartitionedRecording(_expanded(paths), options.mapping, None, options.rate, cutoff, workers=workers)
 
 
 def findings(found: Identified) -> list[RecordingFinding]:

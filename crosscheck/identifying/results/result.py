@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import cached_property
+from typing import Any
 
 from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.preparing.holding_out import Division
@@ -137,3 +139,10 @@ class Identified(IdentifiedModel):
             return self.candidate(self.recommendation.best).result
         answered = [c.result for c in self.candidates if c.result.failure is None]
         return min(answered, key=mean_error) if answered else None
+
+
+def identified(models: Sequence[IdentifiedModel], **common: Any) -> Identified:
+    """The first of the torque models with the others beside it. common: the fields of Identified that all share"""
+    main, *further = models
+    own = {field.name: getattr(main, field.name) for field in fields(main)}
+    return Identified(**own, others=tuple(further), **common)

@@ -14,14 +14,14 @@ from planting import mixed_tree
 from pyarrow import parquet
 from typer.testing import CliRunner
 
+import crosscheck
 from crosscheck.commands import app
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
-from crosscheck.identifying import CandidateModel
+from crosscheck.identifying import ByTime, CandidateModel, Preparation
 from crosscheck.identifying.long_recordings import (
     METHODS_OF_SUMS,
     SAMPLE_METHODS,
     STANDARD_METHODS_OF_SUMS,
-    identify_long,
 )
 from crosscheck.identifying.methods.methods import ESTIMATORS, method_named
 from crosscheck.recordings import (
@@ -256,7 +256,7 @@ def long(folder):
     model = CandidateModel("", arm.torque_model.terms, (), ["wls"])
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("crosscheck.identifying.long_recordings.EXCERPT_ROWS", 1000)
-        return identify_long(arm.subject.model, problem(folder / "log").data, [model], poses=5)
+        return crosscheck.identify(arm.subject.model, problem(folder / "log").data, models=[model], poses=5)
 
 
 class TestIdentified:
@@ -286,7 +286,7 @@ class TestIdentified:
 
         def found(name):
             data, ahead = (problem(*(folder / n for n in names)).data for names in (["log", "log.parquet"], [name]))
-            return identify_long(mixed_tree(), data, [drives], validate=ahead, poses=5)
+            return crosscheck.identify(mixed_tree(), data, models=[drives], held_out=ahead, poses=5)
 
         one = found("other.parquet")
         assert one.predicted_recordings == (str(folder / "other.parquet"),)
@@ -297,10 +297,23 @@ class TestIdentified:
         ):
             found("log")
 
+    @pytest.mark.parametrize(
+        ("asked", "message"),
+        [
+            ({"held_out": ByTime((0, 1), (1, 2))}, "other ways to hold out rows than their last quarter or another"),
+            ({"preparation": Preparation(cutoff=3.0)}, "a PartitionedRecording is filtered by its own cutoff"),
+            ({"preparation": Preparation(cutoff=CUTOFF, decimate=(2,))}, "prepared in no other way"),
+            ({"methods": ["gls"]}, "looks at samples, of which only sums are kept here"),
+        ],
+    )
+    def test_what_needs_the_recording_in_memory(self, folder, asked, message):
+        with pytest.raises(InvalidInput, match=message):
+            crosscheck.identify(mixed_tree(), problem(folder / "log").data, **asked)
+
     def test_command(self, long, folder, small_arm, monkeypatch, words):
         asked = []
         monkeypatch.setattr(
-            "crosscheck.identifying.long_recordings.identify_long",
+            "crosscheck.identifying.identify",
             lambda robot, data, models, **more: asked.append((data, models[0].methods)) or long,
         )
         options = ["--robot", str(small_arm), "--cutoff", "10", "--scheduler", "tcp://a:1"]
