@@ -177,7 +177,7 @@ class TestWords:
         gains = np.array(gain + [np.nan] * 2)
         found = replace(right.measures, gains=Gains(gains, 0.1 * gains, np.ones(6), gains))
         monkeypatch.setattr(
-            "crosscheck.identifying.data_quality.data_quality.recording_quality", lambda *_, **__: found
+            "crosscheck.identifying.data_quality.data_quality.assess_recording", lambda *_, **__: found
         )
         said = health_of(arm().fitted).findings
         assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
