@@ -115,7 +115,7 @@ class JudgedFunction:
         return all(bool((error <= self.bound).all()) for error in errors.values())
 
 
-DiagnosisStatus = Literal["holds", "candidate", "part", "located", "unknown"]
+DiagnosisStatus = Literal["confirmed", "candidate", "part", "located", "unknown"]
 """holds: put into graphdyn, the fault gives the function's numbers at all states, up to the function's own precision;
 candidate: it does, and so do others that change as many numbers; part: it explains some of the deviation; located: it
 says where the deviation is, not why; unknown: no explanation."""
@@ -166,7 +166,7 @@ class Diagnosis:
     evidence: str
     remedy: str
     explains: float
-    status: DiagnosisStatus = "holds"
+    status: DiagnosisStatus = "confirmed"
     also: tuple[str, ...] = ()
     apart: str = ""
     numbers: tuple[FittedNumber, ...] = ()

@@ -214,7 +214,7 @@ class TestGallery:
         gallery.write(tmp_path / "gallery", (show,))
         index = (tmp_path / "gallery/index.md").read_text(encoding="utf-8")
         assert "graphdyn show kr500 --html robot.html" in index
-        assert "kr500: 6 bodies on 6 joints" in index
+        assert "kr500: 6 bodies, 6 joints" in index
         page = tmp_path / "gallery/pages/gallery-pages/robot.html"
         assert page.read_text(encoding="utf-8").lower().startswith("<!doctype html>")
 

@@ -31,7 +31,7 @@ def main():
         said = verdict(case, judgment)
         totals[said] += 1
         seconds.append(taken)
-        claims = [f"{x.message[:150]} [{x.kind}, {x.standing}, {x.explains:.0e}]" for x in judgment.diagnoses]
+        claims = [f"{x.message[:150]} [{x.kind}, {x.status}, {x.explains:.0e}]" for x in judgment.diagnoses]
         print(f"{case!s:58} {said:10} {taken:5.1f} s  {' + '.join(claims)}", flush=True)
     print(f"{len(cases)} cases: " + ", ".join(f"{count} {said}" for said, count in totals.most_common()))
     print(f"processor seconds per judgment: median {np.median(seconds):.1f}, largest {max(seconds):.1f}")

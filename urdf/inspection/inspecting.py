@@ -104,7 +104,7 @@ def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
         "note",
         None,
         "the file is expanded by xacro: elements have no line in it",
-        "nothing need be done",
+        "no action needed",
     )
     for complaint in opened.complaints:
         yield of_file(

@@ -15,7 +15,7 @@ from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Times
 from crosscheck.commands.bench.curves import curve_section
 from crosscheck.commands.bench.ratio_bars import ratio_bars
 from crosscheck.commands.bench.record import record
-from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, threads_text, time_text
+from crosscheck.report.plain_text import counted, ratio_span_text, ratio_text, span_text, threads_text, time_text
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,
@@ -72,7 +72,11 @@ def _verdict(found: Benchmark) -> Verdict:
 
 def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
     """What a reader must know before the numbers."""
-    yield "robot", f"{found.robot}: {found.model.n_bodies} bodies, {found.samples} random states, seed {found.seed}"
+    yield (
+        "robot",
+        f"{found.robot}: {counted(found.model.n_bodies, 'body', 'bodies')}, {found.samples} random states, "
+        f"seed {found.seed}",
+    )
     yield "repeats", f"{found.effort.repeats}, in turns"
     yield (
         "load",
@@ -127,7 +131,7 @@ def _ratios(found: Benchmark) -> tuple[Block, ...]:
     identification = found.identification
     groups = [
         *((measured.title, measured.comparisons) for measured in found.works),
-        (f"identification, {identification.samples} samples", _comparisons(identification)),
+        (f"identification, {counted(identification.samples, 'sample')}", _comparisons(identification)),
     ]
     every = [c for _, comparisons in groups for c in comparisons]
     faster = sum(c.ratio.median > 1 for c in every)
@@ -231,7 +235,7 @@ def _identification(found: Identifications) -> Section:
         (
             name,
             f"measured on {count} samples and extrapolated in proportion to {found.samples}; its memory is that of "
-            f"{count} samples",
+            f"{counted(count, 'sample')}",
         )
         for name, count in fewer.items()
     ]

@@ -8,6 +8,7 @@ from pathlib import Path
 from crosscheck.comparing.comparison import Comparison, QuantityResult
 from crosscheck.report.error_tables import ERROR_FORMAT, distribution, error_text, over_states, span_text, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,
@@ -63,8 +64,9 @@ def _what(comparison: Comparison) -> str:
     path = f"{comparison.robot}: " if comparison.robot != Path(comparison.robot).name else ""
     chain = f" from {comparison.chain[0]} to {comparison.chain[1]}" if comparison.chain else ""
     return (
-        f"{path}{comparison.n_bodies} joints{chain}{locked_text(comparison.locked)}; {comparison.samples} random "
-        f"states and the special ones, seed {comparison.seed}; routes: {', '.join(comparison.routes)}"
+        f"{path}{counted(comparison.n_bodies, 'joint')}{chain}{locked_text(comparison.locked)}; "
+        f"{comparison.samples} random states and the special ones, seed {comparison.seed}; "
+        f"routes: {', '.join(comparison.routes)}"
     )
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.comparing.comparison import part_of_bound
+from crosscheck.report.plain_text import counted
 
 AGREES, DISAGREES, KINEMATICS_ONLY, REFUSED = VERDICTS = ("agrees", "DISAGREES", "kinematics only", "refused")
 """Kinematics only: everything that was compared agrees, but forward dynamics could not be compared."""
@@ -65,7 +66,7 @@ def counts(rows: Sequence[RobotSummary]) -> str:
     number = Counter(row.verdict for row in rows)
     alone = sum(row.routes == ("model",) for row in rows)
     return (
-        f"{len(rows)} {'robot' if len(rows) == 1 else 'robots'}: "
+        f"{counted(len(rows), 'robot')}: "
         + ", ".join(f"{verdict} {number[verdict]}" for verdict in VERDICTS)
         + (f"; {alone} by the route 'model' alone" if alone else "")
     )

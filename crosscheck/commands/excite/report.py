@@ -15,6 +15,7 @@ import numpy as np
 from crosscheck.commands.excite.record import excite_record
 from crosscheck.commands.excite.sigma_bars import sigma_bars
 from crosscheck.exciting.excited import Excited, PlannedMotion
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     Block,
     Column,
@@ -49,7 +50,7 @@ def collisions_text(found: Excited) -> str:
     if not known.meshes:
         return "not looked at: no shapes of links can be read"
     poses = sum(motion.poses for motion in found.motions)
-    checked = f"{len(known.meshes)} links, {len(known.pairs)} pairs, {poses} poses at 1 kHz"
+    checked = f"{counted(len(known.meshes), 'link')}, {counted(len(known.pairs), 'pair')}, {poses} poses at 1 kHz"
     near = f" nearer than {1000 * known.margin:g} mm" if known.margin else ""
     hits = ", ".join(f"{hit.name} in {hit.poses} poses" for hit in found.hits)
     bare = [*known.missing, *known.without_shapes]
@@ -151,7 +152,7 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
         shape = "as given"
     seconds = " + ".join(f"{motion.course.duration:g}" for motion in found.motions)
     facts = [
-        ("robot", f"{found.robot}: {problem.torque_model.model.n_bodies} joints{locked_text(found.locked)}"),
+        ("robot", f"{found.robot}: {counted(problem.torque_model.model.n_bodies, 'joint')}{locked_text(found.locked)}"),
         ("motion", f"{seconds} s, {shape}"),
         ("noise", f"{', '.join(f'{x:.3g}' for x in problem.noise)} N m or N: {found.noise_words}; {problem.rate:g} Hz"),
         ("minimized", found.criterion),

@@ -18,7 +18,7 @@ from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.three_d import recorded
-from crosscheck.report.plain_text import printable
+from crosscheck.report.plain_text import counted, printable
 
 if TYPE_CHECKING:
     from crosscheck.identifying import CandidateModel, Identified, Preparation
@@ -160,6 +160,6 @@ def written(found: Identified, shown: MethodResult | None, robot: str, path: Pat
         say(f"{path} is not written: {name} is not physically consistent", "red")
         return False
     update = urdf.update(robot, path, model.body_parameters(shown), reading=options.reading)
-    for line in (f"{path}: {len(update.changed)} links with the inertials of {name}", *update.notes):
+    for line in (f"{path}: {counted(len(update.changed), 'link')} with the inertials of {name}", *update.notes):
         out.print(Text(printable(line)), soft_wrap=True)
     return True

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
-from crosscheck.report.plain_text import superscript
+from crosscheck.report.plain_text import counted, superscript
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -28,7 +28,8 @@ SINGULAR_VALUES_HEIGHT = 2.6
 
 def method_errors(key: str, methods: Sequence[str], joints: Sequence[str], errors: Array) -> Markup:
     """errors: relative, methods by joints (m, n)."""
-    label = f"Held-out error of {len(methods)} methods for {len(joints)} joints, on a logarithmic axis in percent"
+    of = f"{counted(len(methods), 'method')} for {counted(len(joints), 'joint')}"
+    label = f"Held-out error of {of}, on a logarithmic axis in percent"
     height = ROW * len(methods) + AXIS
     return picture(key, label, (WIDTH, height), lambda axes: _draw(axes, methods, joints, 100 * errors, height))
 

@@ -50,7 +50,7 @@ def _methods(found: Identified) -> Table:
             Column("method", "name"),
             Column("verdict", "verdict"),
             Column("held-out error", "number", "%", ".2f"),
-            Column("links real", "number", meaning="links that a real body can be"),
+            Column("consistent links", "number", meaning="physically consistent links"),
             Column("M positive definite", "number", meaning="poses in which the mass matrix is positive definite"),
             Column("smallest eigenvalue", "number", form=".2g", meaning="of the mass matrix, over all poses"),
             Column("time", "number", "s", ".2f", meaning="of the estimation alone"),
@@ -70,7 +70,7 @@ def _method(found: Identified, candidate: Candidate) -> Row:
     result, plausible = candidate.result, candidate.result.plausibility
     if result.failure is not None or plausible is None:
         return Row((candidate.name, Verdict("disagrees", "failed"), *4 * (None,), result.seconds), "disagrees")
-    verdict: Verdict | str = "" if real(result) else Verdict("disagrees", "no real robot")
+    verdict: Verdict | str = "" if real(result) else Verdict("disagrees", "not physically consistent")
     if candidate.name == found.recommendation.name:
         verdict = Verdict("agrees", "recommended")
     links = int((plausible.pseudo_inertia_eigenvalues >= 0).sum())

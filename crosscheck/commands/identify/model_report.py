@@ -10,6 +10,7 @@ import numpy as np
 from crosscheck.commands.identify.parameter_bars import parameter_bars
 from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.results.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     NO_VALUE,
     WIDE_LINE_CHARACTERS,
@@ -81,7 +82,7 @@ def _torque_plot(joint: str, j: int, prismatic: bool, side: str, curves: Sequenc
             ),
         ),
         f"Measured and predicted {torque} of {joint}; {side}: {error}",
-        f"{len(t) - len(curves) + 1} rows, {error}",
+        f"{counted(len(t) - len(curves) + 1, 'row')}, {error}",
         wide=False,
         title=f"{joint}, {side}",
     )

@@ -15,6 +15,7 @@ from crosscheck.commands.identify.quality_report import data_quality_section, ex
 from crosscheck.commands.identify.record import record
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict
 from graphdyn.identification import MIN_CORRELATION_TIMES, MethodResult
 from graphdyn.layout import Array
@@ -26,7 +27,8 @@ MAX_PARAMETER_NAMES = 6
 def identify_report(found: Identified, shown: MethodResult | None) -> Report:
     """shown: the result whose torques and parameters are shown; None where no method has an answer."""
     chosen = found.recommendation
-    last_line = f"use {chosen.name}: it is {chosen.reason}" if chosen.name else f"no usable model: {chosen.reason}"
+    recommended = f"recommended method: {chosen.name}; it is {chosen.reason}"
+    last_line = recommended if chosen.name else f"no usable model: {chosen.reason}"
     model = (torques_section(found, shown), parameters_section(found, shown)) if shown is not None else ()
     return Report(
         f"{Path(found.subject.name).name} identified",
@@ -58,7 +60,11 @@ def _verdict(found: Identified) -> Verdict:
             else chosen.reason
         )
         return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
-    return Verdict("agrees", f"use {chosen.name}", f"It is {chosen.reason}.")
+    return Verdict("agrees", f"recommended method: {chosen.name}", f"It is {chosen.reason}.")
+
+
+def _all_or(number: int, whole: int) -> str:
+    return f"all {whole}" if number == whole else str(number)
 
 
 def _overview(found: Identified, shown: MethodResult | None) -> Facts:
@@ -67,13 +73,13 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
     of_model = f" of {_model(found, shown).name}" if _model(found, shown).name else ""
     return Facts(
         (
-            ("fitted", f"{found.fit.n_rows} rows of {', '.join(fit.files)}"),
-            ("held out", f"{found.division.words}, {held_out_rows} rows"),
+            ("fitted", f"{counted(found.fit.n_rows, 'row')} of {', '.join(fit.files)}"),
+            ("held out", f"{found.division.words}, {counted(held_out_rows, 'row')}"),
             *(("" if k else "prepared", step) for k, step in enumerate(fit.steps)),
             (
                 f"parameters{of_model}",
-                f"{len(comparison.names)}, of which {comparison.rank} base parameters are determined; any motion could "
-                f"determine {comparison.structural_rank}",
+                f"{len(comparison.names)}; {comparison.structural_rank} combinations are identifiable, and this motion "
+                f"determines {_all_or(comparison.rank, comparison.structural_rank)}",
             ),
             (
                 "condition number",

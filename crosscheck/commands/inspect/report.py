@@ -11,6 +11,7 @@ from pathlib import Path
 
 import urdf
 from crosscheck.commands.inspect.record import record as inspect_record
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     Block,
     Column,
@@ -144,7 +145,7 @@ def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> 
         for k, (name, file) in enumerate(zip(names, files, strict=True), start=1)
     )
     findings = Group(details, title="Findings of each file", folded=True, on=("page",))
-    number = f"{len(files)} file{'s' if len(files) > 1 else ''}"
+    number = counted(len(files), "file")
     return Section(key, words.capitalize(), (table, findings), Verdict(state, number, f"{meaning}."))
 
 
@@ -198,7 +199,7 @@ def _place(finding: urdf.Finding) -> str:
 
 def _counts(file: urdf.Inspection) -> str:
     numbers = {severity: file.count(severity) for severity in SEVERITY_VERDICTS}  # type: ignore[arg-type]
-    return ", ".join(f"{number} {severity}{'s' if number != 1 else ''}" for severity, number in numbers.items())
+    return ", ".join(counted(number, severity) for severity, number in numbers.items())
 
 
 def _common_folder(robots: Sequence[str]) -> str:

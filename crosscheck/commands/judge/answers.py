@@ -12,6 +12,7 @@ import typer
 from crosscheck.commands.program.console import out, warn
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.questions.command import content, ending_of
+from crosscheck.report.plain_text import counted
 
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.replay import AnswersPending
@@ -60,8 +61,8 @@ def write_further(
     functions = ", ".join(dict.fromkeys(one.function for one in pending.questions))
     given = " ".join(f"--answers {path}" for path in answers)
     out.print(
-        f"{functions}: other numbers than the reference implementations. To find out what is wrong, answer the "
-        f"{len(pending.questions)} questions in {to.name} as well, and judge with {given} --answers FILE."
+        f"{functions}: disagreement with the reference implementations. To find out what is wrong, answer the "
+        f"{counted(len(pending.questions), 'question')} in {to.name} as well, and judge with {given} --answers FILE."
     )
 
 

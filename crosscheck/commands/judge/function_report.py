@@ -20,7 +20,7 @@ MAX_SHOWN_ENTRIES = 12
 """Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
 
 
-def counted(errors: Array) -> Array:
+def infinite_where_nan(errors: Array) -> Array:
     """Errors that are no numbers count as infinite."""
     return np.where(np.isnan(errors), np.inf, errors)
 
@@ -28,19 +28,22 @@ def counted(errors: Array) -> Array:
 def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
     """For the page: the errors in detail, and the worst call."""
     contests = [
-        *(SpreadRow(f"against {who}", counted(errors), function.bound) for who, errors in function.errors.items()),
         *(
-            SpreadRow(f"{who} against graphdyn", counted(errors), function.bound)
+            SpreadRow(f"against {who}", infinite_where_nan(errors), function.bound)
+            for who, errors in function.errors.items()
+        ),
+        *(
+            SpreadRow(f"{who} against graphdyn", infinite_where_nan(errors), function.bound)
             for who, errors in function.references_differ.items()
         ),
     ]
     backward = [
         *(
-            SpreadRow(f"torques of {who}", counted(errors), function.bound)
+            SpreadRow(f"torques of {who}", infinite_where_nan(errors), function.bound)
             for who, errors in function.backward_errors.items()
         ),
         *(
-            SpreadRow(f"{who} by torques of graphdyn", counted(errors), function.bound)
+            SpreadRow(f"{who} by torques of graphdyn", infinite_where_nan(errors), function.bound)
             for who, errors in function.references_differ_backward.items()
         ),
     ]

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from crosscheck.commands.judge.function_report import counted, function_section
+from crosscheck.commands.judge.function_report import function_section, infinite_where_nan
 from crosscheck.commands.judge.record import record
 from crosscheck.judging.judgment import Diagnosis, Judgment
 from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,
@@ -35,7 +36,7 @@ def judge_report(judgment: Judgment) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
     diagnoses = tuple(block for diagnosis in judgment.diagnoses for block in _diagnosis(diagnosis))
     return Report(
-        f"Functions under test for {Path(judgment.robot).name}",
+        f"Your functions on {Path(judgment.robot).name}",
         verdict_of(judgment.agrees, judgment.decided, _reason(judgment)),
         (
             *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
@@ -54,38 +55,36 @@ def _reason(judgment: Judgment) -> str:
             f"Every function gives the same numbers as every reference implementation ({references}), within its bound."
         )
     faulty = [function for function in functions if function.references_agree and not function.agrees]
-    wrong = ", ".join(function.name for function in faulty if not function.right_where_answered)
+    differing = [function.name for function in faulty if not function.right_where_answered]
+    wrong = f"{', '.join(differing)} {'disagrees' if len(differing) == 1 else 'disagree'} with"
     if judgment.decided:
-        other = (
-            f"{wrong}: other numbers than the reference implementations ({references}), which agree among themselves."
-        )
-        told = [other] if wrong else []
+        reasons = [f"{wrong} {references}, which agree with each other."] if differing else []
         if unanswered := ", ".join(function.name for function in faulty if function.failures):
-            told.append(f"{unanswered}: no answer at single states.")
+            reasons.append(f"{unanswered}: no answer at single states.")
         if changing := ", ".join(function.name for function in faulty if not function.repeats):
-            told.append(f"{changing}: other answers when asked again.")
-        return " ".join(told)
+            reasons.append(f"{changing}: other answers when asked again.")
+        return " ".join(reasons)
     undecided = ", ".join(function.name for function in functions if not function.references_agree)
-    others = f" {wrong}: other numbers than all of them, which agree among themselves there." if wrong else ""
+    others = f" {wrong} all of them, which agree with each other there." if differing else ""
     return f"The reference implementations ({references}) disagree on {undecided}: no verdict there.{others}"
 
 
 STATUS_MEANINGS: Mapping[str, str] = {
-    "holds": "put into graphdyn, it gives the numbers of the function at all judged states",
-    "candidate": "put into graphdyn, it gives the numbers of the function at all judged states; so do others as simple",
+    "confirmed": "graphdyn with this fault reproduces your function at every state",
+    "candidate": "graphdyn with this fault reproduces your function at every state; so does another fault as simple",
     "part": "it explains a part of the deviation",
-    "located": "this is where the deviation is, not its cause",
+    "located": "the deviation is here; its cause is unknown",
     "unknown": "no explanation",
 }
-"""What each standing of a diagnosis means."""
+"""What each status of a diagnosis means."""
 
 
 def _diagnosis(diagnosis: Diagnosis) -> tuple[Block, ...]:
     left = (
         f"a relative error of {diagnosis.explains:.1e}" if math.isfinite(diagnosis.explains) else "the whole deviation"
     )
-    also = (("same numbers from", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
-    apart = (("told apart by", diagnosis.apart),) if diagnosis.apart else ()
+    also = (("equivalent faults", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
+    apart = (("distinguished by", diagnosis.apart),) if diagnosis.apart else ()
     items = (
         ("status", f"{diagnosis.status}: {STATUS_MEANINGS[diagnosis.status]}"),
         ("evidence", diagnosis.evidence),
@@ -179,7 +178,7 @@ def _states(numbers: list[int]) -> str:
 
 
 def _largest(errors: Mapping[str, Array], reference: str) -> float | None:
-    return float(counted(errors[reference]).max()) if reference in errors else None
+    return float(infinite_where_nan(errors[reference]).max()) if reference in errors else None
 
 
 def _to_be_known(judgment: Judgment) -> Notes:
@@ -189,7 +188,7 @@ def _to_be_known(judgment: Judgment) -> Notes:
 def _judged(judgment: Judgment) -> tuple[Block, ...]:
     model, names = judgment.model, judgment.joint_names
     facts = (
-        ("robot", f"{judgment.robot}: {len(names)} joints{locked_text(judgment.locked)}"),
+        ("robot", f"{judgment.robot}: {counted(len(names), 'joint')}{locked_text(judgment.locked)}"),
         ("joint order", ", ".join(names)),
         ("states", f"{judgment.samples} random states and special ones, seed {judgment.seed}"),
         ("reference implementations", ", ".join(judgment.references)),

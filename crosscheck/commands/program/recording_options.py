@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import typer
 
 from crosscheck.commands.program.console import Advance
+from crosscheck.report.plain_text import counted
 
 if TYPE_CHECKING:
     from crosscheck.recordings import ColumnMapping, Recording
@@ -64,8 +65,8 @@ class ColumnOptions:
         together = files_per_recording(columns)
         if len(logs) % together:
             raise typer.BadParameter(
-                f"{option}: {len(logs)} files, but {self.mapping} makes each recording of {together}; give them in a "
-                "row"
+                f"{option}: {counted(len(logs), 'file')}, but {self.mapping} makes each recording of {together}; "
+                "give them in a row"
             )
         groups = [logs[k : k + together] for k in range(0, len(logs), together)]
         places = [tuple(sorted(str(path.resolve()) for path in group)) for group in groups]

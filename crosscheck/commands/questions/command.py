@@ -12,6 +12,7 @@ from crosscheck.commands.program.console import out, warnings_shown
 from crosscheck.commands.program.judged_functions import JointsOption, SettingOptions, names
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.report.plain_text import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -59,7 +60,9 @@ def run(options: QuestionsOptions) -> None:
             replace(options.setting, joint_names=names(options.joint_names)), names(options.functions) or []
         )
     to.write(content(ending, robot, asked.joint_names, frame, asked.questions))
-    out.print(f"{len(asked.questions)} questions in {to.name}, joints in the order {', '.join(asked.joint_names)}")
+    out.print(
+        f"{counted(len(asked.questions), 'question')} in {to.name}, joints in the order {', '.join(asked.joint_names)}"
+    )
 
 
 def ending_of(option: str, to: OutputFile) -> str:

@@ -14,7 +14,7 @@ from crosscheck.commands.show.character_pattern import picture as character_patt
 from crosscheck.commands.show.loops_report import loops_section
 from crosscheck.commands.show.record import ShowRecord
 from crosscheck.commands.show.state_report import state_section
-from crosscheck.report.plain_text import matrix_lines, vector_text
+from crosscheck.report.plain_text import counted, matrix_lines, vector_text
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -62,7 +62,8 @@ def _overview(robot: ShowRecord, model: RobotModel) -> tuple[Block, ...]:
     facts = (
         (
             "robot",
-            f"{robot.robot}: {len(robot.bodies)} bodies on {len(robot.joints)} joints{locked_text(robot.locked)}",
+            f"{robot.robot}: {counted(len(robot.bodies), 'body', 'bodies')}, {counted(len(robot.joints), 'joint')}"
+            f"{locked_text(robot.locked)}",
         ),
         ("total mass", f"{robot.total_mass:.6g} kg"),
         ("gravity", f"{vector_text(robot.gravity)} m/s², world axes"),

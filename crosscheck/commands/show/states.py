@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from crosscheck.report.plain_text import counted
+
 if TYPE_CHECKING:
     from graphdyn import RobotModel
     from graphdyn.layout import Array
@@ -49,7 +51,9 @@ def _written(text: str, n: int) -> tuple[Any, Any]:
     if semicolon:
         return q, _numbers(text, second)
     if len(q) not in (n, 2 * n):
-        raise typer.BadParameter(f"--state has {len(q)} numbers; the robot needs {n} for q, or {2 * n} for q and v")
+        raise typer.BadParameter(
+            f"--state has {counted(len(q), 'number')}; the robot needs {n} for q, or {2 * n} for q and v"
+        )
     return q[:n], q[n:] or [0.0] * n
 
 

@@ -16,6 +16,7 @@ from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgu
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.commands.program.three_d import simulated
+from crosscheck.report.plain_text import counted
 
 if TYPE_CHECKING:
     from graphdyn import RobotModel, Simulation
@@ -176,7 +177,9 @@ def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
         raise typer.BadParameter(f"{option} {text}: numbers with commas between them are needed") from None
     if len(numbers) != model.nv:
         names = ", ".join(model.independent_joints)
-        raise typer.BadParameter(f"{option} has {len(numbers)} numbers for {model.nv} joints: {names}")
+        raise typer.BadParameter(
+            f"{option} has {counted(len(numbers), 'number')} for {counted(model.nv, 'joint')}: {names}"
+        )
     return numbers
 
 

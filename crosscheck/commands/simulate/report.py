@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.commands.simulate.record import SimulatedRun, of_all_joints, record
+from crosscheck.report.plain_text import counted
 from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
 from crosscheck.report.robot_parts import locked_text, robot_picture
 from graphdyn import RobotModel, Simulation
@@ -34,14 +35,14 @@ def simulate_report(run: SimulatedRun) -> Report:
 def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
     motion, name = run.motion, Path(run.robot).name
     energy = motion.energy
-    lasted = f"{motion.time[-1]:g} s, {len(motion.time)} rows"
+    lasted = f"{motion.time[-1]:g} s, {counted(len(motion.time), 'row')}"
     steps = f"steps of {run.step:g} s" if run.step else "steps that adapt"
     facts = [
-        ("robot", f"{run.robot}: {model.n_bodies} joints{locked_text(run.locked)}"),
+        ("robot", f"{run.robot}: {counted(model.n_bodies, 'joint')}{locked_text(run.locked)}"),
         ("time", f"{lasted}; ended by: {motion.ended}" if motion.ended else lasted),
         ("method", f"{run.method}, {steps}"),
         ("torque", run.torque),
-        ("balance of energy", f"to {energy.drift:.1e} of the largest kinetic energy, {energy.kinetic.max():.4g} J"),
+        ("energy drift", f"{energy.drift:.1e} of the largest kinetic energy, {energy.kinetic.max():.4g} J"),
         ("closure", f"{_what_closes(model)} closed to {motion.closure_error().max():.1e} (m, cosines)"),
     ]
     if run.out:
@@ -98,7 +99,7 @@ def _curves(motion: Simulation) -> Plot:
         Series("kinetic", energy.kinetic[rows], color=0),
         Series("potential", energy.potential[rows], color=1),
         Series("work of the actuators", energy.work[rows], color=2),
-        Series("taken by friction and limits", energy.loss[rows], color=3),
+        Series("dissipated by friction and stops", energy.loss[rows], color=3),
     )
     return Plot(
         motion.time[rows],

@@ -15,7 +15,7 @@ from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.record import study_record
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
-from crosscheck.report.plain_text import time_text
+from crosscheck.report.plain_text import counted, time_text
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
 from crosscheck.study.statistics.grid import Grid, grid_of
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median, order_of_median, share
@@ -56,7 +56,7 @@ def study_report(folder: Path, facts: Sequence[tuple[str, str]], repeat: Repeat)
 
 def _verdict(found: StudySummary) -> Verdict:
     records = sum(len(scenario.runs) for scenario in found.outcomes.scenarios)
-    words = f"{_counted(len(found.outcomes.methods), 'method')} on {_counted(records, 'record')}"
+    words = f"{counted(len(found.outcomes.methods), 'method')} on {counted(records, 'record')}"
     ranking = found.rankings.get(("torques", HEADLINE_ERROR))
     if ranking is None:
         return Verdict("plain", words)
@@ -64,14 +64,14 @@ def _verdict(found: StudySummary) -> Verdict:
     leaders = ", ".join(ranking.leaders)
     if len(ranking.leaders) == len(ranking.methods):
         return Verdict("plain", words, f"None is better than the first, {ranking.methods[0]}, or worse: {what}.")
-    alone = "is better than all others" if len(ranking.leaders) == 1 else "lead and are not told apart"
+    alone = "is better than all others" if len(ranking.leaders) == 1 else "lead without a significant difference"
     return Verdict("plain", words, f"{leaders} {alone}, {what}, over all scenarios.")
 
 
 def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]]) -> Iterator[Block]:
     scenarios = found.outcomes.scenarios
     runs = sorted({len(scenario.runs) for scenario in scenarios})
-    count = _counted(len(scenarios), "scenario")
+    count = counted(len(scenarios), "scenario")
     differing = ", ".join(axis.replace("_", " ") for axis in grid.varying)
     seconds = sum(float(np.nansum(scenario.seconds)) for scenario in scenarios)
     items = [
@@ -91,10 +91,6 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
     elif reached < CONFIDENCE_LEVEL:
         said = f"intervals of medians reach from the smallest to the largest of {few} runs, which has {reached:.1%}"
         yield Notes((Note(said),))
-
-
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def _long(seconds: float) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from crosscheck.commands.study.parameter_pictures import study_parameters
 from crosscheck.commands.study.words import METHOD_CLASSES, interval_text, percent_text
-from crosscheck.report.plain_text import time_text
+from crosscheck.report.plain_text import counted, time_text
 from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, with_unit
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
@@ -107,7 +107,7 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
             Column("time", "number", form=time_text, meaning="median of the processor time"),
         ),
         tuple(rows),
-        caption=f"{len(outcomes.runs)} runs; medians and shares with {CONFIDENCE_LEVEL:.0%} intervals",
+        caption=f"{counted(len(outcomes.runs), 'run')}; medians and shares with {CONFIDENCE_LEVEL:.0%} intervals",
         failures_first=False,
         on=("page",),
     )

@@ -12,6 +12,7 @@ from crosscheck.commands.program.console import out, progress, warnings_shown
 from crosscheck.commands.program.judged_functions import ConventionOptions, SettingOptions, names
 from crosscheck.commands.program.options import EXAMPLES, SamplesOption, command_line
 from crosscheck.commands.program.output_files import refuse_folder, write_folder
+from crosscheck.report.plain_text import counted
 
 EPILOG = f"""{EXAMPLES}  graphdyn vectors ur5 --out vectors/
   graphdyn vectors arm.urdf --for inverse_dynamics,mass_matrix --out tests/arm_vectors
@@ -68,4 +69,4 @@ def run(options: VectorsOptions) -> None:
     listed = vectors.record(robot, model, frame, options.seed, setting.bound, (MODEL, exported), tables, command_line())
     files = {name: content for name, (_, content) in tables.items()}
     write_folder(folder, {**files, MODEL: exported, TABLE: as_bytes(plain(listed))})
-    out.print(f"{len(tables)} functions at {listed['states']} states in {folder}, sha256 {listed['sha256']}")
+    out.print(f"{counted(len(tables), 'function')} at {listed['states']} states in {folder}, sha256 {listed['sha256']}")

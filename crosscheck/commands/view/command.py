@@ -16,6 +16,7 @@ from crosscheck.commands.program.options import EXAMPLES, FACES, robot_names
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.commands.program.recording_options import RecordingOptions
+from crosscheck.report.plain_text import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -83,7 +84,9 @@ def run(options: ViewOptions) -> None:
     """
     robots, runs, actuated, reading = options.robots, options.play or [], options.actuated, options.reading
     if runs and len(robots) not in (1, len(runs)):
-        raise typer.BadParameter(f"{len(robots)} robots and {len(runs)} runs; give one robot, or one for each run")
+        raise typer.BadParameter(
+            f"{len(robots)} robots and {counted(len(runs), 'run')}; give one robot, or one for each run"
+        )
     low_pass = options.low_pass
     import urdf
     from crosscheck.recordings import differentiated, load_recording

@@ -243,7 +243,7 @@ def _unseen(found: RecordingQuality) -> tuple[str, ...]:
     zeros = _joints(by_kind.pop("zero", ()), names)
     if zeros:
         said.append(
-            f"zero of {zeros} off by quarter turns; move to the zero pose and compare it with the picture of the URDF"
+            f"a zero offset of 90° or 180° at {zeros}; move to the zero pose and compare it with the URDF's picture"
         )
     reversed_ = _joints(by_kind.pop("reversed joint", ()), names)
     if reversed_:

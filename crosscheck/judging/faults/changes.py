@@ -113,7 +113,7 @@ def named(what: str, names: Sequence[str]) -> str:
 
 def factor_said(name: str, factor: float) -> str:
     """What a factor on a term says, rounded to what it is within the accuracy of a fit."""
-    several = name.split(" at ")[0].split(" of ")[0].split(" ω ")[0].split(" in ")[0].endswith("s")
+    several = name.split(" at ")[0].split(" of ")[0].split(" ω ")[0].split(" v")[0].split(" in ")[0].endswith("s")
     have, are = ("have", "are") if several else ("has", "is")
     if factor == 0:
         return f"{name} {are} left out"

@@ -45,7 +45,7 @@ def what_tells_apart(first: Explanation, others: Sequence[Explanation], search: 
         return "states beyond the limits of the joints"
     if all(_tilt(first, x, search) or _differ(first.code, x.code, state, search) for x in others):
         return "states beyond the limits of the joints, or gravity in another direction (a tilted base)"
-    return "no torque of this robot: look at the places in the code"
+    return "nothing: these faults give identical torques; check each place in the code"
 
 
 def _far(search: Search) -> State:

@@ -63,7 +63,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     one = all(
         same_code(first.code, x.code) or (x.kinds == first.kinds and same_everywhere(first, x, search)) for x in alike
     )
-    status: DiagnosisStatus = "holds" if one else "candidate"
+    status: DiagnosisStatus = "confirmed" if one else "candidate"
     also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MAX_ALTERNATIVES]
     apart = what_tells_apart(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
     return [

@@ -100,7 +100,7 @@ def _of_numbers(
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
         for diagnosis in _of_terms(function, found, precision, readings, say)
     ]
-    if by_terms and by_terms[0].status in ("holds", "candidate"):
+    if by_terms and by_terms[0].status in ("confirmed", "candidate"):
         return by_terms
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)

@@ -46,7 +46,7 @@ async function main() {
     curves.at(state.t);
     $("time").value = state.t;
     $("now").textContent = `${state.t.toFixed(2)} s`;
-    $("state").textContent = state.selected.hand ? "Set by hand, at rest: loads of gravity alone." : "";
+    $("state").textContent = state.selected.hand ? "Pose set by hand: static gravity loads." : "";
     drawStage();
     state.dirty = false;
   }

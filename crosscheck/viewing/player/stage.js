@@ -21,7 +21,7 @@ class Stage {
       this.renderer = new THREE.WebGLRenderer({ antialias: true, powerPreference: "low-power" });
     } catch (error) {
       this.renderer = null;
-      trouble("This browser draws nothing in three dimensions (no WebGL). Numbers and curves are shown all the same.");
+      trouble("3-D needs WebGL, which this browser lacks; numbers and curves still work.");
     }
     this.camera = new THREE.PerspectiveCamera(FIELD, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);

@@ -128,7 +128,7 @@ class TestOutput:
 
     def test_the_report(self, judged):
         done = judged("talks")
-        assert done.out.startswith("Functions under test for ur5: agrees\n")
+        assert done.out.startswith("Your functions on ur5: agrees\n")
         assert "printed" not in done.out
 
 

@@ -176,9 +176,7 @@ class TestWords:
     def test_of_units_on_which_joints_agree(self, monkeypatch, right, gain, severity):
         gains = np.array(gain + [np.nan] * 2)
         found = replace(right.measures, gains=Gains(gains, 0.1 * gains, np.ones(6), gains))
-        monkeypatch.setattr(
-            "crosscheck.identifying.data_quality.data_quality.assess_recording", lambda *_, **__: found
-        )
+        monkeypatch.setattr("crosscheck.identifying.data_quality.data_quality.assess_recording", lambda *_, **__: found)
         said = health_of(arm().fitted).findings
         assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
         if severity == "fault":

@@ -42,7 +42,7 @@ class TestTexts:
 
     def test_alternatives_are_shown(self, wrong):
         several = dataclasses.replace(wrong, diagnoses=(dataclasses.replace(wrong.diagnoses[0], also=("one", "two")),))
-        assert "same numbers from  one; or two" in as_text(judge_report(several))
+        assert "equivalent faults  one; or two" in as_text(judge_report(several))
 
     def test_an_unexplained_deviation(self, wrong):
         unknown = dataclasses.replace(wrong, diagnoses=(dataclasses.replace(wrong.diagnoses[0], explains=math.inf),))

@@ -176,7 +176,7 @@ class TestSingleStates:
 
     def test_they_are_shown(self, failing):
         text = " ".join(as_text(judge_report(failing), 100).split())
-        assert "Functions under test for ur5: DISAGREES inverse_dynamics: no answer at single states. " in text
+        assert "Your functions on ur5: DISAGREES inverse_dynamics: no answer at single states. " in text
         assert "States without an answer inverse_dynamics states " in text
         written = plain(record(failing, []))["functions"]["inverse_dynamics"]["failures"]
         assert len(written) == 12

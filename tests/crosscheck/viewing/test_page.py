@@ -166,9 +166,7 @@ def test_a_slider(shown, figures):
     ]
     assert np.abs(numbers - expected).max() < 1e-3
     assert shown.value("document.querySelectorAll('#rows input')[5].disabled")
-    assert (
-        shown.value("document.getElementById('state').textContent") == "Set by hand, at rest: loads of gravity alone."
-    )
+    assert shown.value("document.getElementById('state').textContent") == "Pose set by hand: static gravity loads."
 
 
 def test_a_loop(shown, figures):

@@ -45,13 +45,13 @@ def in_single_precision(function):
 def verdict(case: Case, judgment) -> str:
     if judgment.agrees:
         return "missed"
-    claims = [x for x in judgment.diagnoses if x.standing in ("holds", "candidate", "part")]
+    claims = [x for x in judgment.diagnoses if x.status in ("confirmed", "candidate", "part")]
     strange = [x for x in claims if not matches(case.named, x.message)]
     if not strange and all(
-        any(re.search(words, x.message) and x.standing == "holds" for x in claims) for words in case.named
+        any(re.search(words, x.message) and x.status == "confirmed" for x in claims) for words in case.named
     ):
         return "named"
-    fitting = [text for x in claims if x.standing != "part" for text in (x.message, *x.also)]
+    fitting = [text for x in claims if x.status != "part" for text in (x.message, *x.also)]
     if all(any(re.search(words, text) for text in fitting) for words in case.named):
         return "candidates"
     if any(not re.search(case.located or "$^", x.message) for x in strange):

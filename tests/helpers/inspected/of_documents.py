@@ -50,7 +50,7 @@ DOCUMENTS = {
         ),
         "note", None, 17,
         "mesh files, not opened because dynamics need none: 2, of which 1 at package:// paths",
-        "nothing need be done",
+        "no action needed",
     ),
     "unexpanded-text": Case(
         ('name="flange"', 'name="${prefix}flange"'),

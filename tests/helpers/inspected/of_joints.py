@@ -26,14 +26,14 @@ JOINTS = {
         (SHOULDER, '<joint name="shoulder" type="prismatic">'),
         "note", "joint 'shoulder'", 18,
         "a prismatic joint: meters and newtons",
-        "nothing need be done",
+        "no action needed",
     ),
     "mimic-joint": Case(
         (AXIS, '<axis xyz="0 0 1"/><mimic joint="elbow"/>'),
         "note", "joint 'shoulder'", 18,
         "it mimics joint 'elbow': it has no entry in q, v, a and τ. Pinocchio and yourdfpy load it as an independent "
         "joint unless asked otherwise",
-        "nothing need be done; mimic='independent' (--mimic independent) makes it a joint of its own, "
+        "no action needed; mimic='independent' (--mimic independent) makes it a joint of its own, "
         "mimic='locked' (--mimic locked) holds it still",
     ),
     "axis-missing": Case(
@@ -52,13 +52,13 @@ JOINTS = {
         (AXIS, '<axis xyz="0 0.6 0.8"/>'),
         "note", "<axis> of joint 'shoulder'", 22,
         "the axis 0 0.6 0.8 is along no coordinate axis",
-        "nothing need be done",
+        "no action needed",
     ),
     "negative-axis": Case(
         (AXIS, '<axis xyz="0 0 -1"/>'),
         "note", "<axis> of joint 'shoulder'", 22,
         "the axis points along a negative coordinate axis",
-        "nothing need be done",
+        "no action needed",
     ),
     "limits-missing": Case(
         (LIMIT, '<limit lower="-1" effort="30" velocity="3"/>'),

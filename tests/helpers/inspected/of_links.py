@@ -12,7 +12,7 @@ LINKS = {
         "note", "<inertial> of link 'base'", 2,
         "a mass of 3 kg that never moves: load drops it, and no torque regressor contains it. Pinocchio keeps it "
         "apart, as inertia of the universe",
-        "nothing need be done",
+        "no action needed",
     ),
     "missing-inertial": Case(
         (FORE_INERTIAL, ""),
@@ -29,7 +29,7 @@ LINKS = {
         ),
         "note", "<inertial> of link 'tool'", 17,
         "the link is fixed: its 0.5 kg are added to the body of link 'fore'. Pinocchio does the same",
-        "nothing need be done; urdf.fused_links gives the shares",
+        "no action needed; urdf.fused_links gives the shares",
     ),
     "inertial-origin-missing": Case(
         (ORIGIN, ""),
@@ -41,13 +41,13 @@ LINKS = {
         ('xyz="0 0 0.4" rpy="0 0 0"', 'xyz="0 0 0.4" rpy="0 0 0.3"'),
         "note", "<inertial> of link 'fore'", 11,
         "the inertial frame is rotated: the tensor is turned into link axes",
-        "nothing need be done",
+        "no action needed",
     ),
     "off-diagonal-inertia": Case(
         ('ixy="0"', 'ixy="0.01"'),
         "note", "<inertial> of link 'upper'", 4,
         "the tensor has off-diagonal entries",
-        "nothing need be done",
+        "no action needed",
     ),
     "zero-mass": Case(
         (MASS, '<mass value="0"/>', INERTIA, '<inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>'),

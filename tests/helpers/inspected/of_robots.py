@@ -15,7 +15,7 @@ ROBOTS = {
         "note", None, None,
         "3 rows close loops: they hold 1 of 2 degrees of freedom and leave 1; redundant rows: 2, so that not all "
         "reactions are determined",
-        "nothing need be done; graphdyn.assemble closes states",
+        "no action needed; graphdyn.assemble closes states",
     ),
     "idle-degrees-of-freedom": Case(
         ("</robot>", f"{PARALLEL}{MOTOR}</robot>"),
@@ -34,13 +34,13 @@ ROBOTS = {
         (FORE_INERTIAL, "", "</robot>", f"{PARALLEL}</robot>"),
         "note", None, None,
         "loops close at bodies without mass: 'fore'. Pinocchio's constrained dynamics are NaN there",
-        "nothing need be done, if other bodies of the loop have mass",
+        "no action needed, if other bodies of the loop have mass",
     ),
     "loops-not-examined": Case(
         ("</robot>", "".join(PARALLEL.replace('"l"', f'"l{k}"') for k in range(34)) + "</robot>"),
         "note", None, None,
         "the loops have 102 rows: more than 100 are not examined",
-        "nothing need be done",
+        "no action needed",
     ),
     "inconsistent-body": Case(
         ('izz="0.17"', 'izz="0.5"'),
@@ -79,7 +79,7 @@ ROBOTS = {
         (),
         "note", None, None,
         "the mass matrix has rank 2 and condition number 1.12 to 3.56 over 5 random states (seed 0)",
-        "nothing need be done",
+        "no action needed",
     ),
     "mass-matrix-ill-conditioned": Case(
         (FORE_INERTIAL, f'<inertial><mass value="1e-9"/>{FORE.replace("0.0", "0.00000000005")}</inertial>'),

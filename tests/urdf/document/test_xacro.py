@@ -122,7 +122,7 @@ class TestExpansion:
         report = urdf.inspect(arm)
         (finding,) = [finding for finding in report.findings if finding.code == "xacro-expanded"]
         assert (finding.severity, finding.message, finding.remedy) == (
-            "note", "the file is expanded by xacro: elements have no line in it", "nothing need be done",
+            "note", "the file is expanded by xacro: elements have no line in it", "no action needed",
         )  # fmt: skip
         assert {finding.line for finding in report.findings} == {None}
         assert report.usable

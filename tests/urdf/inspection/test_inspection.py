@@ -264,7 +264,7 @@ class TestVerdict:
         report = inspected(robot_text("r", *map(link, names), *joints))
         (finding,) = of_code(report, "mass-matrix-not-examined")
         assert finding.message == "201 moving bodies: the mass matrix of more than 200 is not examined"
-        assert finding.remedy == "nothing need be done"
+        assert finding.remedy == "no action needed"
         assert report.verdict == "dynamics"
 
 

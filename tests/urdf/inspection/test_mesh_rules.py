@@ -40,7 +40,7 @@ def test_an_inertial_that_fits(inspected):
     (finding,) = inspected()
     assert (finding.code, finding.severity, finding.element, finding.line) == ("mesh-files", "note", None, 3)
     assert finding.message == "mesh files: 1; links whose inertials are compared with them: 1"
-    assert finding.remedy == "nothing need be done"
+    assert finding.remedy == "no action needed"
 
 
 def test_a_center_outside_the_mesh(inspected):

@@ -40,11 +40,11 @@ def document_findings(document: Document) -> Iterator[Finding]:
 
 def _text(content: bytes) -> Iterator[Finding]:
     if content.startswith(BYTE_ORDER_MARK):
-        yield of_file("byte-order-mark", "note", 1, "the file begins with a byte-order mark", "nothing need be done")
+        yield of_file("byte-order-mark", "note", 1, "the file begins with a byte-order mark", "no action needed")
         content = content[len(BYTE_ORDER_MARK) :]
     ends = content.count(b"\r\n")
     if ends:
-        yield of_file("crlf", "note", 1, f"lines that end with CR LF: {ends}", "nothing need be done")
+        yield of_file("crlf", "note", 1, f"lines that end with CR LF: {ends}", "no action needed")
     if not content.isascii():
         line = next(number for number, text in enumerate(content.split(b"\n"), start=1) if not text.isascii())
         yield of_file("non-ascii", "note", line, "the text is not all ASCII", "make sure that other tools read it")
@@ -93,7 +93,7 @@ def _elements(robot: etree._Element) -> Iterator[Finding]:
             "note",
             lines["mesh"],
             f"mesh files, not opened because dynamics need none: {meshes}, of which {packages} at package:// paths",
-            "nothing need be done",
+            "no action needed",
         )
     if unexpanded:
         yield of_file(

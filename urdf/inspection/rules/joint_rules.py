@@ -85,7 +85,7 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
             "compare angles modulo 2π",
         )
     if kind == "prismatic":
-        yield about("prismatic-joint", "note", joint, "a prismatic joint: meters and newtons", "nothing need be done")
+        yield about("prismatic-joint", "note", joint, "a prismatic joint: meters and newtons", "no action needed")
     mimic = joint.find("mimic")
     if mimic is not None:
         yield about(
@@ -93,7 +93,7 @@ def _kind(joint: etree._Element) -> Iterator[Finding]:
             "note",
             joint,
             f"it mimics joint '{shortened(mimic.get('joint', ''))}': it has no entry in q, v, a and τ",
-            "nothing need be done; mimic='independent' (--mimic independent) makes it a joint of its own, "
+            "no action needed; mimic='independent' (--mimic independent) makes it a joint of its own, "
             "mimic='locked' (--mimic locked) holds it still",
         )
 
@@ -118,12 +118,10 @@ def _axis(joint: etree._Element) -> Iterator[Finding]:
     along = [x for x in axis if abs(x) > ZERO_COMPONENT * largest]
     if len(along) > 1:
         text = " ".join(f"{x:g}" for x in axis)
-        yield about(
-            "oblique-axis", "note", element, f"the axis {text} is along no coordinate axis", "nothing need be done"
-        )
+        yield about("oblique-axis", "note", element, f"the axis {text} is along no coordinate axis", "no action needed")
     elif along[0] < 0:
         yield about(
-            "negative-axis", "note", element, "the axis points along a negative coordinate axis", "nothing need be done"
+            "negative-axis", "note", element, "the axis points along a negative coordinate axis", "no action needed"
         )
 
 

@@ -56,7 +56,7 @@ def _ground(structure: Structure) -> Iterator[Finding]:
                 "note",
                 inertial.element,
                 f"a mass of {inertial.mass:g} kg that never moves: load drops it, and no torque regressor contains it",
-                "nothing need be done",
+                "no action needed",
             )
 
 
@@ -83,7 +83,7 @@ def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "note",
             element,
             f"the link is fixed: its {inertial.mass:g} kg are added to the body of link '{shortened(str(carrier))}'",
-            "nothing need be done; urdf.fused_links gives the shares",
+            "no action needed; urdf.fused_links gives the shares",
         )
     origin = element.find("origin")
     if origin is None:
@@ -100,12 +100,10 @@ def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "note",
             element,
             "the inertial frame is rotated: the tensor is turned into link axes",
-            "nothing need be done",
+            "no action needed",
         )
     if np.abs(np.triu(inertial.tensor, 1)).any():
-        yield about(
-            "off-diagonal-inertia", "note", element, "the tensor has off-diagonal entries", "nothing need be done"
-        )
+        yield about("off-diagonal-inertia", "note", element, "the tensor has off-diagonal entries", "no action needed")
 
 
 def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
@@ -118,7 +116,7 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
             "warning" if alone else "note",
             element,
             "the mass is zero" if inertial.size == 0 else "the mass is zero but the inertia tensor is not",
-            "give the mass" if alone else "nothing need be done: the body has mass from other links",
+            "give the mass" if alone else "no action needed: the body has mass from other links",
         )
     elif inertial.size == 0:
         yield about(

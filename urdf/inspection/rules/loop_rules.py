@@ -51,7 +51,7 @@ def loop_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
             "note",
             None,
             f"the loops have {model.n_chord_rows} rows: more than {MAX_CHORD_ROWS} are not examined",
-            "nothing need be done",
+            "no action needed",
         )
         return
     try:
@@ -75,7 +75,7 @@ def _massless(model: RobotModel) -> Iterator[Finding]:
             "note",
             None,
             f"loops close at bodies without mass: {listed(massless)}. Pinocchio's constrained dynamics are NaN there",
-            "nothing need be done, if other bodies of the loop have mass",
+            "no action needed, if other bodies of the loop have mass",
         )
 
 
@@ -90,7 +90,7 @@ def _rows(model: RobotModel, motions: list[Array]) -> Finding:
         said.append(f"at q = 0 the loops are open by {gaps.max():.2g} m or rad")
     if motions[0].shape[-1] > degrees_of_freedom:
         said.append("the closed pose next to q = 0 is singular")
-    return of_file("loop-rows", "note", None, "; ".join(said), "nothing need be done; graphdyn.assemble closes states")
+    return of_file("loop-rows", "note", None, "; ".join(said), "no action needed; graphdyn.assemble closes states")
 
 
 def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:

@@ -91,7 +91,7 @@ def _files(structure: Structure, compared: int, failed: dict[str, str]) -> Findi
         "note",
         lines[0],
         f"mesh files: {len(lines)}; links whose inertials are compared with them: {compared}{left}",
-        "nothing need be done",
+        "no action needed",
     )
 
 

@@ -91,7 +91,7 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
             "note",
             None,
             f"{n} moving bodies: the mass matrix of more than {MAX_EXAMINED_BODIES} is not examined",
-            "nothing need be done",
+            "no action needed",
         )
         return
     if model.chords:
@@ -147,7 +147,7 @@ def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]
         "note",
         None,
         f"the mass matrix has rank {n} and condition number {_span(conditions)} {where}",
-        "nothing need be done",
+        "no action needed",
     )
     if conditions.max() > MIN_ILL_CONDITION:
         yield of_file(

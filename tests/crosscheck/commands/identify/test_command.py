@@ -130,7 +130,7 @@ class TestFiles:
             "Parameters by consistent",
             "Base parameters",
             "Links",
-            "arm.urdf identified: use consistent",
+            "arm.urdf identified: recommended method: consistent",
         ):
             assert text in said
         assert "graph method: failed: the recording has torques about the joint axes alone" in said
@@ -165,7 +165,7 @@ class TestFiles:
             for side in ("fitted", "held out"):
                 measured = f"Measured and predicted (torque|force) of {joint}; {side}: root mean square error"
                 assert re.search(measured, page)
-        assert "✓ use consistent" in text
+        assert "✓ recommended method: consistent" in text
         assert "None" not in text
         assert "nan" not in text.lower().split()
 

@@ -53,7 +53,7 @@ class TestMethods:
     def test_verdicts(self, found, report):
         said = {row.cells[0]: getattr(row.cells[1], "words", "") for row in tables(report, "methods")[0].rows}
         assert said["graph method"] == "failed"
-        assert said["OLS"] == "no real robot"
+        assert said["OLS"] == "not physically consistent"
         assert [name for name, words in said.items() if words == "recommended"] == [found.recommendation.name]
 
     def test_no_answer(self, found):

@@ -17,7 +17,7 @@ class TestJudge:
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == AGREED
         assert done.out.startswith(
-            "Functions under test for ur5: agrees\n"
+            "Your functions on ur5: agrees\n"
             "Every function gives the same numbers as every reference implementation (graphdyn, "
         )
         assert re.search(r"^robot +ur5: 6 joints", done.out, re.MULTILINE)

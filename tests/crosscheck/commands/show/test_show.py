@@ -178,7 +178,7 @@ class TestCommand:
         done = show("kr500")
         assert done.exit_code == 0
         assert done.stderr == ""
-        for fact in ("kr500: 6 bodies on 6 joints", "11589.6 kg", "0 0 -9.807 m/s², world axes", "'B0', in the world"):
+        for fact in ("kr500: 6 bodies, 6 joints", "11589.6 kg", "0 0 -9.807 m/s², world axes", "'B0', in the world"):
             assert fact in done.stdout
         assert "every body is physically consistent" in done.stdout
         assert "incidence S" in done.stdout
@@ -187,7 +187,7 @@ class TestCommand:
     def test_locked(self):
         done = show("z1", "--lock", "jointGripper=0.1")
         assert done.exit_code == 0
-        assert "z1: 6 bodies on 6 joints, locked: jointGripper = 0.1" in done.stdout
+        assert "z1: 6 bodies, 6 joints, locked: jointGripper = 0.1" in done.stdout
 
     def test_impossible_bodies_and_a_singular_matrix(self, small_arm):
         massless = re.sub(

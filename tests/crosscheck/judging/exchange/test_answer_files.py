@@ -114,7 +114,7 @@ class TestRounds:
         done = program(*first)
         assert done.code == PENDING == 4
         assert " ".join(done.out.split()) == (
-            "inverse_dynamics, bias_torque: other numbers than the reference implementations. To find out what is "
+            "inverse_dynamics, bias_torque: disagreement with the reference implementations. To find out what is "
             f"wrong, answer the 128 questions in further_questions.{ending} as well, and judge with --answers "
             f"a.{ending} --answers FILE."
         )

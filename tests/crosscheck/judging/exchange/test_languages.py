@@ -92,7 +92,7 @@ class TestC:
     def test_right(self, judged, option):
         done = judged(option)
         assert done.code == AGREED
-        assert done.out.startswith("Functions under test for ur5: agrees\n")
+        assert done.out.startswith("Your functions on ur5: agrees\n")
 
     @pytest.mark.parametrize(
         "option", ["--library=inverse_dynamics=librnea_wrong.so:rnea", "--command=inverse_dynamics=./rnea_lines_wrong"]

@@ -37,7 +37,7 @@ def test_peers_are_judged_and_causes_undone(damped, tmp_path):
     assert "damped: agrees" in ended.stdout
     assert not mujoco["agrees"]
     assert mujoco["errors"]["inverse_dynamics"] > 1e-3
-    assert {"kind": "friction", "status": "holds"}.items() <= mujoco["diagnoses"][0].items()
+    assert {"kind": "friction", "status": "confirmed"}.items() <= mujoco["diagnoses"][0].items()
     assert mujoco["undone"] == ["damping"]
     assert max(mujoco["errors_undone"].values()) < 1e-12
     assert "agrees without damping" in ended.stdout

@@ -283,7 +283,7 @@ class TestCommand:
     def test_right(self, program, plain_rnea):
         done = program("judge", "ur5", "--command", f"inverse_dynamics={plain_rnea}", "--samples", 1)
         assert done.code == AGREED
-        assert done.out.startswith("Functions under test for ur5: agrees\n")
+        assert done.out.startswith("Your functions on ur5: agrees\n")
 
     def test_wrong(self, program, plain_rnea):
         done = program("judge", "ur5", "--command", f"inverse_dynamics={plain_rnea} x", "--samples", 1)
