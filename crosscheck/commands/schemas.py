@@ -1,6 +1,6 @@
 """The published schemas of the JSON files: `python -m crosscheck.commands.schemas docs/schemas` writes them.
 
-A test compares them with the committed ones. Only this needs pydantic: it reads the types of the fields.
+A test compares them with the committed ones.
 """
 
 from __future__ import annotations
@@ -53,60 +53,18 @@ def schemas() -> dict[str, dict[str, Any]]:
     return {f"{_name(record)}.schema.json": schema(record) for record in formats}
 
 
-def schema(record: Any) -> dict[str, Any]:
-    """The JSON Schema of a format. record: its outermost class."""
-    if issubclass(record, Record):
-        program, command, _ = record.format.split()
-        head = {
-            "$schema": "https://json-schema.org/draft/2020-12/schema",
-            "$id": f"urn:graphdyn:schema:{_name(record)}",
-            "title": f"{program} {command} --json",
-        }
-        return {**head, **schema_of(record)}
-    from pydantic import ConfigDict, TypeAdapter
-
+def schema(record: type[Record]) -> dict[str, Any]:
+    """The JSON Schema of a format. record: its outermost class"""
     program, command, _ = record.format.split()
-    # a dataclass takes its configuration from what holds it, here a list
-    holder: TypeAdapter[Any] = TypeAdapter(list[record], config=ConfigDict(use_attribute_docstrings=True))
-    definitions = {name: _tidied(found) for name, found in holder.json_schema()["$defs"].items()}
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "$id": f"urn:graphdyn:schema:{_name(record)}",
         "title": f"{program} {command} --json",
     }
-    outermost = definitions.pop(record.__name__)
-    return {**head, **outermost, **({"$defs": definitions} if definitions else {})}
+    return {**head, **schema_of(record)}
 
 
-def _tidied(found: Any) -> Any:
-    """Without titles made of names, without defaults; every property required; null beside its type."""
-    if not isinstance(found, dict):
-        return found
-    tidy: dict[str, Any] = {}
-    if "description" in found:
-        tidy["description"] = " ".join(found["description"].split())
-    for keyword, inner in found.items():
-        if keyword == "properties":
-            tidy[keyword] = {name: _tidied(field) for name, field in inner.items()}
-            tidy["required"] = list(inner)
-        elif keyword == "anyOf":
-            tidy.update(_any_of([_tidied(choice) for choice in inner]))
-        elif keyword not in ("title", "default", "description", "required"):
-            tidy[keyword] = _tidied(inner)
-        elif keyword == "required":
-            tidy.setdefault(keyword, inner)
-    return tidy
-
-
-def _any_of(choices: list[dict[str, Any]]) -> dict[str, Any]:
-    """{"type": ["number", "null"]} for a number or null."""
-    first, *others = choices
-    if others == [{"type": "null"}] and isinstance(first.get("type"), str) and "enum" not in first:
-        return {**first, "type": [first["type"], "null"]}
-    return {"anyOf": choices}
-
-
-def _name(record: Any) -> str:
+def _name(record: type[Record]) -> str:
     """ "graphdyn show 1" → "show-1"."""
     return "-".join(record.format.split()[1:])
 

@@ -62,8 +62,9 @@ def _object(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
         members = {field.name: _member(kind, field.name) for field in fields(kind)}
     for name, member in members.items():
         meaning = re.sub(r"\b(NaN|None)\b|∞(?= where)", "null", member.meaning)
-        description = {"description": _sentence(meaning)} if meaning else {}
-        properties[name] = {**_schema(member.kind, member, member.sizes, definitions), **description}
+        properties[name] = _schema(member.kind, member, member.sizes, definitions)
+        if meaning:
+            properties[name]["description"] = _sentence(meaning)
     prose = taken_apart(inspect.cleandoc(kind.__doc__ or "").splitlines(), names_of(kind)).prose
     return {
         "description": " ".join(prose[:1]),
@@ -83,16 +84,14 @@ def _member_of_record(record: type[Record], name: str) -> Member:
     """A field: the record's own type and line, or else those of the class of the result."""
     types = get_type_hints(record, include_extras=True)
     own = Member(types.get(name), *_line(record, name))
-    if name in types and own.meaning:
-        return own
     try:
         found = _along(record.result, record.paths[name])
     except AttributeError:
-        if name in types:
-            return own
-        raise
+        if own.kind is None:
+            raise
+        return own
     said = own if own.meaning else found
-    return Member(types.get(name, found.kind), said.meaning, said.sizes)
+    return Member(own.kind or found.kind, said.meaning, said.sizes)
 
 
 def _along(kind: Any, path: str) -> Member:
@@ -108,20 +107,20 @@ def _along(kind: Any, path: str) -> Member:
 
 
 def _member(kind: Any, name: str) -> Member:
-    """Raises AttributeError."""
-    for base in inspect.getmro(kind):
+    """A property, or a field of a dataclass or named tuple. Raises AttributeError where there is none."""
+    for base in inspect.getmro(kind) if kind else ():
         found = vars(base).get(name)
         function = found.func if isinstance(found, cached_property) else getattr(found, "fget", None)
         if function is not None:
             returned = get_type_hints(function, include_extras=True)["return"]
-            return Member(returned, *_taken_off(inspect.cleandoc(function.__doc__ or "")))
+            return Member(returned, *_meaning_and_sizes(inspect.cleandoc(function.__doc__ or "")))
         annotation = inspect.get_annotations(base).get(name)
         annotation = getattr(annotation, "__forward_arg__", annotation)  # of a named tuple
-        if isinstance(annotation, str):
+        if isinstance(annotation, str):  # one at a time: others may need what is imported for type checkers alone
             annotation = eval(annotation, vars(sys.modules[base.__module__]), dict(vars(base)))
         if annotation is not None:
             return Member(annotation, *_line(kind, name))
-    raise AttributeError(f"{kind.__name__} has no field or property '{name}'")
+    raise AttributeError(f"{kind} has no field or property '{name}'")
 
 
 def _line(kind: type, name: str) -> tuple[str, tuple[str, ...]]:
@@ -130,16 +129,16 @@ def _line(kind: type, name: str) -> tuple[str, tuple[str, ...]]:
         lines = inspect.cleandoc(vars(base).get("__doc__") or "").splitlines()
         for entry in taken_apart(lines, names_of(kind) | set(getattr(kind, "paths", ()))).entries:
             if name in entry.names:
-                return _taken_off("  ".join(part for part in (entry.meaning, entry.shape, entry.unit) if part))
+                return _meaning_and_sizes(f"{entry.meaning}  {entry.shape}  {entry.unit}")
     return "", ()
 
 
-def _taken_off(text: str) -> tuple[str, tuple[str, ...]]:
-    """A description, and the sizes that it ends with."""
-    tail = TAIL.search(text.rstrip("."))
+def _meaning_and_sizes(text: str) -> tuple[str, tuple[str, ...]]:
+    """A description, and the sizes of the shape that it ends with."""
+    tail = TAIL.search(text.rstrip(" ."))
     shape = (tail and tail["shape"]) or ""
-    sizes = [size for size in shape.strip("()").split(",") if size.strip()]
-    return " ".join(text.split()), tuple(size.strip() for size in sizes if size.strip() != "…")
+    sizes = (size.strip() for size in shape.strip("()").split(","))
+    return " ".join(text.split()), tuple(size for size in sizes if size not in ("", "…"))
 
 
 def _schema(kind: Any, member: Member, sizes: Sequence[str], definitions: dict[str, Any]) -> dict[str, Any]:

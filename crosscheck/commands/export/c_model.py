@@ -6,20 +6,20 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from crosscheck.commands.export.conventions import head
-from crosscheck.commands.export.record import ExportRecord
+from crosscheck.commands.export.record import ExportedModel
 
 C_NUMBERING = "Bodies and joints: 0 ... N - 1, parents first; joint j carries body j; body -1 is the ground."
 
 
-def c_text(record: ExportRecord) -> str:
+def c_text(model: ExportedModel) -> str:
     """Constants with internal linkage, to be included where they are used."""
-    bodies, frames = record.bodies, record.frames
-    comment = "\n".join(f" * {line}".rstrip() for line in head(record, C_NUMBERING))
+    bodies, frames = model.bodies, model.frames
+    comment = "\n".join(f" * {line}".rstrip() for line in head(model, C_NUMBERING))
     comment = comment.replace("*/", "* /").replace("/*", "/ *")
     constants = [
-        _constant("double", "gravity[3]", record.gravity),
-        _constant("double", "base_rotation[3][3]", record.base_rotation),
-        _constant("double", "base_translation[3]", record.base_translation),
+        _constant("double", "gravity[3]", model.gravity),
+        _constant("double", "base_rotation[3][3]", model.base_rotation),
+        _constant("double", "base_translation[3]", model.base_translation),
         _constant("int", "parent[N]", [body.parent - 1 for body in bodies]),
         _constant("int", "prismatic[N]", [int(body.kind == "prismatic") for body in bodies]),
         _of_each("rotation[N][3][3]", [body.rotation for body in bodies]),
@@ -39,7 +39,7 @@ def c_text(record: ExportRecord) -> str:
             _of_each(f"frame_rotation[{count}][3][3]", [frame.rotation for frame in frames]),
             _of_each(f"frame_translation[{count}][3]", [frame.translation for frame in frames]),
         ]
-    return f"/*\n{comment}\n */\n\nenum {{ N = {record.n} }};\n\n" + "\n".join(constants) + "\n"
+    return f"/*\n{comment}\n */\n\nenum {{ N = {model.n} }};\n\n" + "\n".join(constants) + "\n"
 
 
 def _constant(kind: str, name: str, value: Any) -> str:

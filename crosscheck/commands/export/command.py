@@ -58,7 +58,7 @@ def run(options: ExportOptions) -> None:
     import urdf
     from crosscheck.commands.export.c_model import c_text
     from crosscheck.commands.export.matlab_model import matlab_text
-    from crosscheck.commands.export.record import record
+    from crosscheck.commands.export.record import exported, record
     from crosscheck.report.json import as_bytes, plain
 
     with warnings_shown():
@@ -66,10 +66,10 @@ def run(options: ExportOptions) -> None:
     if model.chords:
         names = ", ".join(f"'{chord.name}'" for chord in model.chords)
         warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
-    exported = record(model, robot, reading.locked)
+    numbers = exported(model, robot, reading.locked)
     if ending == ".json":
-        to.write(as_bytes(plain(exported)))
+        to.write(as_bytes(plain(record(numbers))))
     elif ending == ".m":
-        to.write(matlab_text(exported, to.path.stem).encode())
+        to.write(matlab_text(numbers, to.path.stem).encode())
     else:
-        to.write(c_text(exported).encode())
+        to.write(c_text(numbers).encode())

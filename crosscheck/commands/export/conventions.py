@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from crosscheck.commands.export.record import ExportRecord
+from crosscheck.commands.export.record import ExportedModel
 from crosscheck.report.plain_text import printable
+from crosscheck.report.versions import versions
 
 
-def head(record: ExportRecord, numbering: str) -> list[str]:
+def head(model: ExportedModel, numbering: str) -> list[str]:
     """Lines of a comment. numbering: of bodies and joints in this language, one sentence"""
-    locked = ", ".join(f"{printable(name)} at {value:g}" for name, value in record.locked.items())
+    locked = ", ".join(f"{printable(name)} at {value:g}" for name, value in model.locked.items())
     return [
-        f"Rigid-body model of {printable(record.robot)}, written by graphdyn {record.versions['graphdyn']}.",
+        f"Rigid-body model of {printable(model.robot)}, written by graphdyn {versions()['graphdyn']}.",
         *([f"Locked joints: {locked}."] if locked else []),
         "",
         "Units: m, rad, kg, kg m^2, m/s^2.",

@@ -5,23 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from crosscheck.commands.export.conventions import head
-from crosscheck.commands.export.record import ExportRecord
+from crosscheck.commands.export.record import ExportedModel
 
 MATLAB_NUMBERING = "Bodies and joints: 1 ... n, parents first; joint j carries body j; body 0 is the ground."
 
 Rows = Sequence[Sequence[float]]
 
 
-def matlab_text(record: ExportRecord, function: str) -> str:
+def matlab_text(model: ExportedModel, function: str) -> str:
     """function: its name, which has to be that of the file"""
-    bodies, frames = record.bodies, record.frames
+    bodies, frames = model.bodies, model.frames
     lines = [
         f"function model = {function}()",
-        *(f"% {line}".rstrip() for line in head(record, MATLAB_NUMBERING)),
-        f"model.n = {record.n};",
-        f"model.gravity = {_column(record.gravity)};",
-        f"model.base_rotation = {_matrix(record.base_rotation)};",
-        f"model.base_translation = {_column(record.base_translation)};",
+        *(f"% {line}".rstrip() for line in head(model, MATLAB_NUMBERING)),
+        f"model.n = {model.n};",
+        f"model.gravity = {_column(model.gravity)};",
+        f"model.base_rotation = {_matrix(model.base_rotation)};",
+        f"model.base_translation = {_column(model.base_translation)};",
         f"model.parent = {_row([body.parent for body in bodies])};",
         f"model.prismatic = logical({_row([int(body.kind == 'prismatic') for body in bodies])});",
         *_pages("rotation", [body.rotation for body in bodies]),

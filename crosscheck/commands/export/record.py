@@ -1,116 +1,92 @@
-"""The format `graphdyn export 1`."""
+"""A rigid-body model as plain numbers, and the format `graphdyn export 1`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from dataclasses import dataclass
+from typing import Annotated, Any, Literal
 
-from crosscheck.report.record_fields import FORMAT, Count, Index, Keywords, Vector3, Versions
+from crosscheck.report.record import Record, written
+from crosscheck.report.record_fields import Count, Index, Keywords, Versions
 from crosscheck.report.versions import versions
 from graphdyn import RobotModel
 
-Matrix3 = Annotated[
-    Sequence[Annotated[Vector3, Keywords(description="A row.")]],
-    Keywords(minItems=3, maxItems=3),
-]
-
 
 @dataclass(frozen=True, kw_only=True)
-class ExportedBodyRecord:
-    """A body and the joint that carries it."""
+class ExportedBody:
+    """A body and the joint that carries it.
 
-    number: Index
-    """1 … n; entry `number` of q, v, a and τ belongs to its joint."""
-
-    name: str
-    """Of the link."""
-
-    joint: str
-    """Name of the joint."""
-
-    kind: Literal["revolute", "continuous", "prismatic"]
-    """Revolute and continuous joints turn about the axis by q [rad], prismatic ones slide along it by q [m]."""
-
-    parent: Count
-    """Number of the body that the joint starts from; 0 is the ground."""
-
-    rotation: Matrix3
-    """R (3, 3), row by row: a point with coordinates x in the joint frame has R x + t in the link frame of the parent.
-
-    At q = 0 the link frame coincides with the joint frame.
+    number: 1 … n; entry `number` of q, v, a and τ belongs to its joint
+    name: of the link
+    joint: name of the joint
+    kind: revolute and continuous joints turn about the axis by q [rad], prismatic ones slide along it by q [m]
+    parent: number of the body that the joint starts from; 0 is the ground
+    rotation: R, row by row: a point with coordinates x in the joint frame has R x + t in the link frame of the parent;
+        at q = 0 the link frame coincides with the joint frame (3, 3)
+    translation: t (3,) [m]
+    axis: unit axis, in joint axes, which is the same in link axes (3,)
+    mass: [kg]
+    center_of_mass: in the link frame (3,) [m]
+    inertia: tensor about the center of mass, in link axes (3, 3) [kg m²]
     """
 
-    translation: Vector3
-    """t (3) [m]"""
-
-    axis: Vector3
-    """Unit axis, in joint axes, which is the same in link axes (3)."""
-
+    number: Index
+    name: str
+    joint: str
+    kind: Literal["revolute", "continuous", "prismatic"]
+    parent: Count
+    rotation: Sequence[Sequence[float]]
+    translation: Sequence[float]
+    axis: Sequence[float]
     mass: Annotated[float, Keywords(minimum=0)]
-    """[kg]"""
-
-    center_of_mass: Vector3
-    """In the link frame (3) [m]."""
-
-    inertia: Matrix3
-    """Tensor about the center of mass, in link axes (3, 3) [kg m²]."""
+    center_of_mass: Sequence[float]
+    inertia: Sequence[Sequence[float]]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportedFrameRecord:
-    """A named frame fixed in a body."""
+class ExportedFrame:
+    """A named frame fixed in a body.
+
+    name: of the frame
+    body: number of the body; 0 is the ground
+    rotation: R: a point with coordinates x in the frame has R x + t in the link frame of the body (3, 3)
+    translation: t (3,) [m]
+    """
 
     name: str
-    """Of the frame."""
-
     body: Count
-    """Number of the body; 0 is the ground."""
-
-    rotation: Matrix3
-    """R (3, 3): a point with coordinates x in the frame has R x + t in the link frame of the body."""
-
-    translation: Vector3
-    """t (3) [m]"""
+    rotation: Sequence[Sequence[float]]
+    translation: Sequence[float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportRecord:
-    """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need."""
+class ExportedModel:
+    """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need.
 
-    format: Annotated[Literal["graphdyn export 1"], FORMAT] = "graphdyn export 1"
-
-    versions: Versions = field(default_factory=versions)
+    robot: name or path as given
+    locked: joints that were frozen, and where [rad or m]
+    n: number of bodies and of joints
+    gravity: in world axes (3,) [m/s²]
+    base_rotation: R: a point with coordinates x in the ground frame has R x + t in the world (3, 3)
+    base_translation: t (3,) [m]
+    bodies: bodies 1 … n, parents first
+    frames: named frames beside the link frames
+    """
 
     robot: str
-    """Name or path as given."""
-
     locked: Mapping[str, float]
-    """Joints that were frozen, and where [rad or m]."""
-
     n: Index
-    """Number of bodies and of joints."""
-
-    gravity: Vector3
-    """In world axes (3) [m/s²]."""
-
-    base_rotation: Matrix3
-    """R (3, 3): a point with coordinates x in the ground frame has R x + t in the world."""
-
-    base_translation: Vector3
-    """t (3) [m]"""
-
-    bodies: Annotated[Sequence[ExportedBodyRecord], Keywords(minItems=1)]
-    """Bodies 1 … n, parents first."""
-
-    frames: Sequence[ExportedFrameRecord]
-    """Named frames beside the link frames."""
+    gravity: Sequence[float]
+    base_rotation: Sequence[Sequence[float]]
+    base_translation: Sequence[float]
+    bodies: Annotated[Sequence[ExportedBody], Keywords(minItems=1)]
+    frames: Sequence[ExportedFrame]
 
 
-def record(model: RobotModel, robot: str, locked: Mapping[str, float]) -> ExportRecord:
+def exported(model: RobotModel, robot: str, locked: Mapping[str, float]) -> ExportedModel:
     """robot: as given; locked: the joints that were frozen"""
     bodies = [
-        ExportedBodyRecord(
+        ExportedBody(
             number=number,
             name=body.name,
             joint=joint.name,
@@ -126,7 +102,7 @@ def record(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Export
         for number, (body, joint) in enumerate(zip(model.bodies, model.joints, strict=True), start=1)
     ]
     frames = [
-        ExportedFrameRecord(
+        ExportedFrame(
             name=frame.name,
             body=frame.body,
             rotation=frame.placement.rotation.tolist(),
@@ -134,7 +110,7 @@ def record(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Export
         )
         for frame in model.frames
     ]
-    return ExportRecord(
+    return ExportedModel(
         robot=robot,
         locked=locked,
         n=model.n_bodies,
@@ -144,3 +120,13 @@ def record(model: RobotModel, robot: str, locked: Mapping[str, float]) -> Export
         bodies=bodies,
         frames=frames,
     )
+
+
+class ExportRecord(Record, of=ExportedModel, format="graphdyn export 1"):
+    """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need."""
+
+    versions: Versions
+
+
+def record(model: ExportedModel) -> dict[str, Any]:
+    return written(ExportRecord, model, versions=versions())

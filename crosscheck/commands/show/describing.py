@@ -13,18 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.commands.show.record import (
-    ChordRecord,
-    CouplingRecord,
-    FrameRecord,
-    GraphRecord,
-    JointRecord,
-    LoopsRecord,
-    ReactionRecord,
-    ShowBodyRecord,
-    ShowRecord,
-    StateRecord,
-    SystemRecord,
+from crosscheck.commands.show.description import (
+    BodyDescription,
+    ChordDescription,
+    FrameDescription,
+    GraphDescription,
+    JointDescription,
+    LoopsDescription,
+    ReactionDescription,
+    RobotDescription,
+    StateDescription,
+    SystemDescription,
 )
 from graphdyn import InvalidInput, LoopAnalysis, Placement, RobotModel, analyze_loops, inverse_dynamics, kkt_system
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS, Array
@@ -43,7 +42,7 @@ def vertex(model: RobotModel, number: int) -> str:
     return (model.base_name, *model.body_names)[number]
 
 
-def describe_loops(model: RobotModel, q: Array | None) -> LoopsRecord:
+def describe_loops(model: RobotModel, q: Array | None) -> LoopsDescription:
     """The loops at q (n,), or where none is given at the robot's own closed pose.
 
     Raises InconsistentState, naming the loop, where one is open.
@@ -51,7 +50,7 @@ def describe_loops(model: RobotModel, q: Array | None) -> LoopsRecord:
     pose = model.closed_pose if q is None else q
     found = analyze_loops(model, pose)
     reactions, missing = _reactions(model, found, pose)
-    return LoopsRecord(
+    return LoopsDescription(
         chords=_chords(model),
         incidence=_incidence(model).tolist(),
         actuated=model.actuated,
@@ -74,7 +73,7 @@ def describe_loops(model: RobotModel, q: Array | None) -> LoopsRecord:
     )
 
 
-def _chords(model: RobotModel) -> list[ChordRecord]:
+def _chords(model: RobotModel) -> list[ChordDescription]:
     paths = model.loops.paths
     records = []
     for number, chord in enumerate(model.chords, start=1):
@@ -83,7 +82,7 @@ def _chords(model: RobotModel) -> list[ChordRecord]:
             ends |= {f"{name}_{end}": value for name, value in placed(placement).items()}
         in_loop = paths[chord.body_i] != paths[chord.body_j]
         records.append(
-            ChordRecord(
+            ChordDescription(
                 number=number,
                 name=chord.name,
                 kind=chord.kind,
@@ -107,7 +106,7 @@ def _incidence(model: RobotModel) -> NDArray[np.int_]:
     return with_ground[1:]
 
 
-def _reactions(model: RobotModel, found: LoopAnalysis, q: Array) -> tuple[list[ReactionRecord], str | None]:
+def _reactions(model: RobotModel, found: LoopAnalysis, q: Array) -> tuple[list[ReactionDescription], str | None]:
     """What joints and chords transmit at rest, and why there are no values."""
     zero = np.zeros_like(q)
     missing = None
@@ -118,15 +117,16 @@ def _reactions(model: RobotModel, found: LoopAnalysis, q: Array) -> tuple[list[R
         missing = str(error)
     else:
         joints, chords = answer.joint_wrenches, answer.chord_multipliers
+    along = (*FORCES, *MOMENTS)
     records = [
-        ReactionRecord(name=name, directions=(*FORCES, *MOMENTS), determined=known.tolist(), values=values.tolist())
+        ReactionDescription(name=name, directions=along, determined=known.tolist(), values=values.tolist())
         for name, known, values in zip(model.joint_names, found.determined_wrenches, joints, strict=True)
     ]
     first = 0
     for chord in model.chords:
         own = slice(first, first := first + len(chord.rows))
         known, values = found.determined_chord_multipliers[own].tolist(), chords[own].tolist()
-        records.append(ReactionRecord(name=chord.name, directions=chord.rows, determined=known, values=values))
+        records.append(ReactionDescription(name=chord.name, directions=chord.rows, determined=known, values=values))
     return records, missing
 
 
@@ -138,14 +138,14 @@ ZERO_ENTRY_SHARE = 1e-14
 
 
 def describe(
-    model: RobotModel, robot: str, locked: Mapping[str, float], state: StateRecord | None = None
-) -> ShowRecord:
+    model: RobotModel, robot: str, locked: Mapping[str, float], state: StateDescription | None = None
+) -> RobotDescription:
     """Everything about a robot that was loaded under this name with these joints locked.
 
     Raises InconsistentState, naming the loop, where none of many poses closes it.
     """
     base = placed(model.base)
-    return ShowRecord(
+    return RobotDescription(
         robot=robot,
         locked=dict(locked),
         base=model.base_name,
@@ -155,10 +155,10 @@ def describe(
         total_mass=sum(body.mass for body in model.bodies),
         bodies=_bodies(model),
         joints=_joints(model),
-        couplings=[CouplingRecord(c.joint, dict(c.ratios), c.offset) for c in model.couplings],
+        couplings=model.couplings,
         loops=describe_loops(model, None if state is None else np.array(state.q)) if model.chords else None,
         frames=[
-            FrameRecord(
+            FrameDescription(
                 name=frame.name, aliases=frame.aliases, body=vertex(model, frame.body), **placed(frame.placement)
             )
             for frame in model.frames
@@ -169,9 +169,9 @@ def describe(
     )
 
 
-def _bodies(model: RobotModel) -> list[ShowBodyRecord]:
+def _bodies(model: RobotModel) -> list[BodyDescription]:
     return [
-        ShowBodyRecord(
+        BodyDescription(
             number=i,
             name=body.name,
             mass=body.mass,
@@ -184,9 +184,9 @@ def _bodies(model: RobotModel) -> list[ShowBodyRecord]:
     ]
 
 
-def _joints(model: RobotModel) -> list[JointRecord]:
+def _joints(model: RobotModel) -> list[JointDescription]:
     return [
-        JointRecord(
+        JointDescription(
             number=j,
             name=joint.name,
             kind=joint.kind,
@@ -205,9 +205,9 @@ def _joints(model: RobotModel) -> list[JointRecord]:
     ]
 
 
-def _graph(model: RobotModel) -> GraphRecord:
+def _graph(model: RobotModel) -> GraphDescription:
     incidence = model.graph.incidence().tolist()
-    return GraphRecord(
+    return GraphDescription(
         incidence=incidence,
         path=model.graph.path_matrix().tolist(),
         force_element=incidence,
@@ -215,11 +215,11 @@ def _graph(model: RobotModel) -> GraphRecord:
     )
 
 
-def _system(model: RobotModel) -> SystemRecord:
+def _system(model: RobotModel) -> SystemDescription:
     q, v = model.random_state(np.random.default_rng(SEED))
     system = kkt_system(model, q, v, np.zeros_like(q))
     rank, size = int(system.rank()), len(system.rhs)
-    return SystemRecord(
+    return SystemDescription(
         seed=SEED,
         q=q.tolist(),
         pattern=["".join("01"[entry] for entry in row) for row in _pattern(system.matrix, model).astype(int)],

@@ -6,7 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from crosscheck.commands.show.record import BodyPlacementRecord, FrameStateRecord, MassMotionRecord, StateRecord
+from crosscheck.commands.show.description import (
+    BodyPlacementDescription,
+    FrameStateDescription,
+    MassMotionDescription,
+    StateDescription,
+)
 from graphdyn import (
     InvalidInput,
     RobotModel,
@@ -29,7 +34,7 @@ from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
 
 
-def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference: Reference) -> StateRecord:
+def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference: Reference) -> StateDescription:
     """What the robot is like at q, v (n,).
 
     Raises UnknownFrame; InvalidInput for an unknown reference; InconsistentState, naming the loop, where q is open or v
@@ -38,7 +43,7 @@ def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference:
     if model.chords:
         closed(model, q, v)
     mass = mass_matrix(model, q)
-    return StateRecord(
+    return StateDescription(
         q=q.tolist(),
         v=v.tolist(),
         kinetic_energy=float(kinetic_energy(model, q, v)),
@@ -63,9 +68,9 @@ def _at_motors(model: RobotModel, torque: Callable[[], Array]) -> list[float] | 
         return None
 
 
-def _motion(model: RobotModel, q: Array, v: Array) -> MassMotionRecord:
+def _motion(model: RobotModel, q: Array, v: Array) -> MassMotionDescription:
     found = momentum(model, q, v)
-    return MassMotionRecord(
+    return MassMotionDescription(
         center_of_mass=center_of_mass(model, q).tolist(),
         center_of_mass_velocity=center_of_mass_velocity(model, q, v).tolist(),
         momentum=found.about_center_of_mass.tolist(),
@@ -73,17 +78,17 @@ def _motion(model: RobotModel, q: Array, v: Array) -> MassMotionRecord:
     )
 
 
-def _bodies(model: RobotModel, q: Array) -> list[BodyPlacementRecord]:
+def _bodies(model: RobotModel, q: Array) -> list[BodyPlacementDescription]:
     state = maximal_state(model, q)
     return [
-        BodyPlacementRecord(name=name, xyz=xyz.tolist(), rpy=np.rad2deg(rpy_from_rotation(rotation)).tolist())
+        BodyPlacementDescription(name=name, xyz=xyz.tolist(), rpy=np.rad2deg(rpy_from_rotation(rotation)).tolist())
         for name, xyz, rotation in zip(model.body_names, link_origins(state), state.rotation, strict=True)
     ]
 
 
-def _frame(model: RobotModel, q: Array, v: Array, name: str, reference: Reference) -> FrameStateRecord:
+def _frame(model: RobotModel, q: Array, v: Array, name: str, reference: Reference) -> FrameStateDescription:
     rotation, position = frame_placement(model, q, name)
-    return FrameStateRecord(
+    return FrameStateDescription(
         name=name,
         reference=reference,
         xyz=position.tolist(),

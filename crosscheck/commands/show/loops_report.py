@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from crosscheck.commands.show.record import LoopsRecord, ReactionRecord, ShowRecord
+from crosscheck.commands.show.description import LoopsDescription, ReactionDescription, RobotDescription
 from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, matrix_lines, vector_text
 from crosscheck.report.report import NO_VALUE, Block, Column, Facts, Group, Lines, Row, Section, Table
 from graphdyn.model import FORCES, MOMENTS
@@ -20,7 +20,7 @@ MAX_SHOWN_PARTS = 8
 DIRECTIONS = (*FORCES, *MOMENTS)
 
 
-def loops_section(robot: ShowRecord, loops: LoopsRecord) -> Section:
+def loops_section(robot: RobotDescription, loops: LoopsDescription) -> Section:
     blocks: tuple[Block, ...] = (
         Group((_facts(robot, loops),)),
         _chords(robot, loops),
@@ -32,7 +32,7 @@ def loops_section(robot: ShowRecord, loops: LoopsRecord) -> Section:
     return Section("loops", "Loops", blocks)
 
 
-def _facts(robot: ShowRecord, loops: LoopsRecord) -> Facts:
+def _facts(robot: RobotDescription, loops: LoopsDescription) -> Facts:
     redundant = loops.n_rows - loops.rank
     pose = "a closed one of the robot" if robot.state is None else "the given state"
     singular = "no"
@@ -50,11 +50,11 @@ def _facts(robot: ShowRecord, loops: LoopsRecord) -> Facts:
     )
 
 
-def _number_of_reactions(loops: LoopsRecord) -> int:
+def _number_of_reactions(loops: LoopsDescription) -> int:
     return sum(len(reaction.directions) for reaction in loops.reactions)
 
 
-def _chords(robot: ShowRecord, loops: LoopsRecord) -> Table:
+def _chords(robot: RobotDescription, loops: LoopsDescription) -> Table:
     numbers = {robot.base: 0, **{body.name: body.number for body in robot.bodies}}
     return Table(
         (
@@ -83,7 +83,7 @@ def _chords(robot: ShowRecord, loops: LoopsRecord) -> Table:
     )
 
 
-def _ends(loops: LoopsRecord) -> Table:
+def _ends(loops: LoopsDescription) -> Table:
     rows = []
     for c in loops.chords:
         of_both = (c.axis if c.kind in ("hinge", "slide") else None, c.length)
@@ -103,7 +103,7 @@ def _ends(loops: LoopsRecord) -> Table:
     )
 
 
-def _reactions(loops: LoopsRecord) -> Table:
+def _reactions(loops: LoopsDescription) -> Table:
     missing = "" if loops.reactions_missing is None else f". No numbers: {loops.reactions_missing}"
     return Table(
         (Column("joint or chord", "name"), *(Column(name, "text", form=str) for name in DIRECTIONS)),
@@ -115,7 +115,7 @@ def _reactions(loops: LoopsRecord) -> Table:
     )
 
 
-def _cells(reaction: ReactionRecord, known: bool) -> list[str]:
+def _cells(reaction: ReactionDescription, known: bool) -> list[str]:
     """A cell for each direction: the number, or that it is determined; empty where it is not."""
     names = ["force p" if name == "tension" else name for name in reaction.directions]
     values = np.array(reaction.values, dtype=float)
@@ -127,7 +127,7 @@ def _cells(reaction: ReactionRecord, known: bool) -> list[str]:
     return list(cells.values())
 
 
-def _self_stresses(loops: LoopsRecord) -> Table:
+def _self_stresses(loops: LoopsDescription) -> Table:
     shown = loops.self_stresses[:MAX_SHOWN_STRESSES]
     left = len(loops.self_stresses) - len(shown)
     return Table(

@@ -11,8 +11,9 @@ import numpy as np
 
 from crosscheck.commands.show.character_pattern import Pattern
 from crosscheck.commands.show.character_pattern import picture as character_pattern
+from crosscheck.commands.show.description import RobotDescription
 from crosscheck.commands.show.loops_report import loops_section
-from crosscheck.commands.show.record import ShowRecord
+from crosscheck.commands.show.record import record
 from crosscheck.commands.show.state_report import state_section
 from crosscheck.report.plain_text import counted, matrix_lines, vector_text
 from crosscheck.report.report import (
@@ -41,7 +42,7 @@ VECTOR_FORMAT: dict[str, Any] = {"kind": "vector", "form": vector_text}
 NUMBER_FORMAT: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 
-def show_report(robot: ShowRecord, model: RobotModel) -> Report:
+def show_report(robot: RobotDescription, model: RobotModel) -> Report:
     return Report(
         Path(robot.robot).name,
         None,
@@ -53,11 +54,11 @@ def show_report(robot: ShowRecord, model: RobotModel) -> Report:
             Section("graph", "Graph", _graph(robot)),
             Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot)),
         ),
-        record=lambda _: robot,
+        record=lambda _: record(robot),
     )
 
 
-def _overview(robot: ShowRecord, model: RobotModel) -> tuple[Block, ...]:
+def _overview(robot: RobotDescription, model: RobotModel) -> tuple[Block, ...]:
     name = Path(robot.robot).name
     facts = (
         (
@@ -76,7 +77,7 @@ def _overview(robot: ShowRecord, model: RobotModel) -> tuple[Block, ...]:
     return robot_picture(model, name, q), Group((Facts(facts), _consistency(robot)))
 
 
-def _consistency(robot: ShowRecord) -> Notes:
+def _consistency(robot: RobotDescription) -> Notes:
     """A note per body that no real body can be, or one for all."""
     impossible = [body for body in robot.bodies if not body.consistent]
     notes = [
@@ -86,7 +87,7 @@ def _consistency(robot: ShowRecord) -> Notes:
     return Notes(tuple(notes) or (Note("every body is physically consistent", state="agrees"),))
 
 
-def _bodies(robot: ShowRecord) -> Table:
+def _bodies(robot: RobotDescription) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -107,7 +108,7 @@ def _bodies(robot: ShowRecord) -> Table:
     )
 
 
-def _joints(robot: ShowRecord, model: RobotModel) -> Table:
+def _joints(robot: RobotDescription, model: RobotModel) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -128,7 +129,7 @@ def _joints(robot: ShowRecord, model: RobotModel) -> Table:
     )
 
 
-def _couplings(robot: ShowRecord) -> list[Block]:
+def _couplings(robot: RobotDescription) -> list[Block]:
     if not robot.couplings:
         return []
     rows = [
@@ -139,7 +140,7 @@ def _couplings(robot: ShowRecord) -> list[Block]:
     return [Table(columns, tuple(rows), title="Couplings", caption="rad or m; q, v and τ have no entries for them")]
 
 
-def _limits(robot: ShowRecord) -> Table:
+def _limits(robot: RobotDescription) -> Table:
     names = ("lower", "upper", "velocity", "effort", "damping", "friction")
     return Table(
         (Column("no.", "number"), Column("joint", "name"), *(Column(name, **NUMBER_FORMAT) for name in names)),
@@ -150,7 +151,7 @@ def _limits(robot: ShowRecord) -> Table:
     )
 
 
-def _frames(robot: ShowRecord) -> Block:
+def _frames(robot: RobotDescription) -> Block:
     if not robot.frames:
         return Prose("No named frames", soft=True)
     return Table(
@@ -166,7 +167,7 @@ def _frames(robot: ShowRecord) -> Block:
     )
 
 
-def _graph(robot: ShowRecord) -> tuple[Block, ...]:
+def _graph(robot: RobotDescription) -> tuple[Block, ...]:
     graph = robot.graph
     matrices = (
         Lines(tuple(matrix_lines(graph.incidence)), title="incidence S"),
@@ -196,7 +197,7 @@ def _graph(robot: ShowRecord) -> tuple[Block, ...]:
     return words, *matrices, table
 
 
-def _equations(robot: ShowRecord) -> tuple[Block, ...]:
+def _equations(robot: RobotDescription) -> tuple[Block, ...]:
     system = robot.system
     size, n = system.size, len(robot.bodies)
     chords = [] if robot.loops is None else [len(chord.rows) for chord in robot.loops.chords]

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crosscheck.commands.show.record import FrameStateRecord, MassMotionRecord, StateRecord
+from crosscheck.commands.show.description import FrameStateDescription, MassMotionDescription, StateDescription
 from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, vector_text
 from crosscheck.report.report import Column, Facts, Group, Row, Section, Table
 from graphdyn import RobotModel
@@ -16,7 +16,7 @@ JACOBIAN_ROWS = ("v_x", "v_y", "v_z", "ω_x", "ω_y", "ω_z")
 """Of a frame Jacobian."""
 
 
-def state_section(state: StateRecord, model: RobotModel) -> Section:
+def state_section(state: StateDescription, model: RobotModel) -> Section:
     facts = Facts(
         (
             ("kinetic energy", f"{state.kinetic_energy:.6g} J"),
@@ -27,7 +27,7 @@ def state_section(state: StateRecord, model: RobotModel) -> Section:
     return Section("state", "State", (facts, _joints(state, model), _bodies(state), _frame(state.frame), _mass(state)))
 
 
-def _motion(motion: MassMotionRecord) -> Iterator[tuple[str, str]]:
+def _motion(motion: MassMotionDescription) -> Iterator[tuple[str, str]]:
     yield "center of mass", f"{vector_text(motion.center_of_mass)} m in the world"
     yield "its velocity", f"{vector_text(motion.center_of_mass_velocity)} m/s"
     yield "momentum", f"{vector_text(motion.momentum[:3])} kg m/s"
@@ -35,7 +35,7 @@ def _motion(motion: MassMotionRecord) -> Iterator[tuple[str, str]]:
     yield "", f"{vector_text(motion.momentum_about_origin[3:])} kg m²/s about the world's origin"
 
 
-def _joints(state: StateRecord, model: RobotModel) -> Table:
+def _joints(state: StateDescription, model: RobotModel) -> Table:
     unknown = [None] * len(state.q)
     columns = state.q, state.v, state.gravity_torque or unknown, state.bias_torque or unknown
     rows = np.transpose([_without_rounding(values) for values in columns])
@@ -57,7 +57,7 @@ def _joints(state: StateRecord, model: RobotModel) -> Table:
     )
 
 
-def _bodies(state: StateRecord) -> Table:
+def _bodies(state: StateDescription) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -70,7 +70,7 @@ def _bodies(state: StateRecord) -> Table:
     )
 
 
-def _frame(frame: FrameStateRecord) -> Group:
+def _frame(frame: FrameStateDescription) -> Group:
     facts = Facts(
         (
             ("in the world", f"at {vector_text(frame.xyz)} m, rpy {vector_text(frame.rpy)}°"),
@@ -83,7 +83,7 @@ def _frame(frame: FrameStateRecord) -> Group:
     )
 
 
-def _mass(state: StateRecord) -> Table:
+def _mass(state: StateDescription) -> Table:
     numbers = [str(number) for number in range(1, len(state.q) + 1)]
     condition = Column("", form=".4g").text(state.mass_matrix_condition)
     return _matrix(state.mass_matrix, f"Mass matrix, condition number {condition}", "kg m², kg m, kg", numbers)

@@ -18,6 +18,7 @@ import graphdyn
 import urdf
 from crosscheck.commands.export.c_model import c_text
 from crosscheck.commands.export.matlab_model import matlab_text
+from crosscheck.commands.export.record import exported as exported_model
 from crosscheck.commands.export.record import record
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.report.json import plain
@@ -40,7 +41,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def exported(model):
-    return record(model, AWKWARD, {"gripper": 0.5})
+    return exported_model(model, AWKWARD, {"gripper": 0.5})
 
 
 def constants_of_c(text):
@@ -72,7 +73,7 @@ class TestNumbers:
 
     def test_json_is_all_that_dynamics_need(self, model, exported):
         """A second code, which reads the file alone, computes the same torques."""
-        read = json.loads(json.dumps(plain(exported)))
+        read = json.loads(json.dumps(plain(record(exported))))
         bodies = read["bodies"]
         arm = TextbookArm.of(model).but(
             inside=tuple(body["parent"] for body in bodies),
@@ -91,9 +92,8 @@ class TestNumbers:
         np.testing.assert_allclose(arm.inverse_dynamics(q, v, a), expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
     def test_schema(self, exported):
-        Draft202012Validator(
-            json.loads((REPOSITORY / "docs/schemas/export-1.schema.json").read_text("utf-8"))
-        ).validate(plain(exported))
+        schema = json.loads((REPOSITORY / "docs/schemas/export-1.schema.json").read_text("utf-8"))
+        Draft202012Validator(schema).validate(plain(record(exported)))
 
     def test_c(self, model, exported):
         found = constants_of_c(c_text(exported))
@@ -157,7 +157,7 @@ class TestText:
         assert (comment.count("/*"), comment.count("*/")) == (1, 1)
 
     def test_no_frames(self, model):
-        assert "frame_name" not in c_text(record(dataclasses.replace(model, frames=()), "arm", {}))
+        assert "frame_name" not in c_text(exported_model(dataclasses.replace(model, frames=()), "arm", {}))
 
 
 class TestCommand:
@@ -167,9 +167,9 @@ class TestCommand:
         assert (done.code, done.out) == (AGREED, "")
         text = (tmp_path / f"arm.{ending}").read_text(encoding="utf-8")
         model = urdf.load(small_arm, lock={"a_slide": 0.1})
-        own = record(model, str(small_arm), {"a_slide": 0.1})
+        own = exported_model(model, str(small_arm), {"a_slide": 0.1})
         if ending == "json":
-            assert json.loads(text) == plain(own)
+            assert json.loads(text) == plain(record(own))
         else:
             assert text == (matlab_text(own, "arm") if ending == "m" else c_text(own))
 

@@ -17,6 +17,7 @@ from crosscheck.commands.program import console
 from crosscheck.commands.show.character_pattern import BRAILLE, HALF_BLOCKS, picture
 from crosscheck.commands.show.describing import describe
 from crosscheck.commands.show.describing_state import describe_state
+from crosscheck.commands.show.record import record as record_of
 from crosscheck.commands.show.report import show_report
 from crosscheck.reference.subject import tip
 from crosscheck.report.html import page
@@ -226,7 +227,7 @@ class TestCommand:
         assert show("ur5", "--json", path).exit_code == 0
         record = json.loads(path.read_text(encoding="utf-8"))
         assert record["format"] == "graphdyn show 1"
-        assert record == plain(describe(urdf.load("ur5"), "ur5", {}))
+        assert record == plain(record_of(describe(urdf.load("ur5"), "ur5", {})))
 
 
 class TestState:
