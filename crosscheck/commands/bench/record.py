@@ -1,4 +1,4 @@
-"""The format `graphdyn bench 2`."""
+"""The format `graphdyn bench 3`."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ class BenchIdentificationRecord(Record, of=Identifications):
     entries: Sequence[IdentificationRunRecord]
 
 
-class BenchRecord(Record, of=Benchmark, format="graphdyn bench 2", leave_out=("model", "effort", "floors")):
+class BenchRecord(Record, of=Benchmark, format="graphdyn bench 3", leave_out=("model", "effort", "floors")):
     """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
 
     versions: Versions

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,6 +19,28 @@ from urdf import InvalidXacro
 
 MAX_WRITING_SHARE = 0.1
 """Largest part of the time spent on writing: the file is always written whole, which takes long for many robots."""
+
+
+FORMATS_TAKEN_OVER = tuple(f"graphdyn crosscheck {number}" for number in (2, 3))
+NAMES_BEFORE = {
+    "torque": "inverse_dynamics",
+    "acceleration": "forward_dynamics",
+    "joint_wrench": "joint_wrenches",
+    "forward_joint_wrench": "forward_joint_wrenches",
+    "link_twist": "body_velocities",
+    "body_acceleration": "body_accelerations",
+    "forward_body_acceleration": "forward_body_accelerations",
+    "torque_regressor": "joint_torque_regressor",
+    "centroidal_momentum": "momentum",
+    "da_dpi": "forward_dynamics_parameter_derivatives",
+    "coupled_torque": "coupled_inverse_dynamics",
+    "coupled_acceleration": "coupled_forward_dynamics",
+    "coupled_regressor": "coupled_joint_torque_regressor",
+    "motor_torque": "closed_inverse_dynamics",
+    "closed_acceleration": "closed_forward_dynamics",
+    "closed_joint_wrench": "closed_joint_wrenches",
+}
+"""Of quantities in files of format 2, and what they are called now."""
 
 
 class SweepFile:
@@ -65,7 +88,7 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
         earlier = json.loads(path.read_bytes())
     except ValueError:
         earlier = None
-    if not isinstance(earlier, dict) or earlier.get("format") != CrosscheckRecord.format:
+    if not isinstance(earlier, dict) or earlier.get("format") not in FORMATS_TAKEN_OVER:
         raise InvalidInput(
             f"--resume: {path} is not a file of the format '{CrosscheckRecord.format}'; name another, or delete it"
         )
@@ -74,10 +97,24 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
     wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}
     records = {
         record["robot"]: record
-        for record in earlier["robots"]
+        for record in map(_renamed, earlier["robots"])
         if wanted.items() <= record.items() and record.get("file_sha256")
     }
     return {robot: records[robot] for robot in robots if robot in records and _unchanged(records[robot])}
+
+
+def _renamed(record: Mapping[str, Any]) -> dict[str, Any]:
+    """A record with the quantities under their present names."""
+
+    def present(name: str) -> str:
+        stem = re.sub(r"(_projected|_external|_recursive)*$", "", name)
+        return NAMES_BEFORE.get(stem, stem) + name[len(stem) :]
+
+    renamed = {
+        field: {present(name): value for name, value in record[field].items()}
+        for field in ("quantities", "not_compared")
+    }
+    return {**record, **renamed}
 
 
 def _unchanged(record: Mapping[str, Any]) -> bool:

@@ -1,4 +1,4 @@
-"""The format `graphdyn crosscheck 2`."""
+"""The format `graphdyn crosscheck 3`."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class RobotRecord(Record, of=Comparison, leave_out=("model", "reading")):
     identification: CrosscheckIdentificationRecord | None
 
 
-class CrosscheckRecord(Record, format="graphdyn crosscheck 2"):
+class CrosscheckRecord(Record, format="graphdyn crosscheck 3"):
     """graphdyn against Pinocchio, robot by robot and quantity by quantity. Errors are relative and have no unit.
 
     agrees: every robot agrees, none failed to load, and none is unfinished

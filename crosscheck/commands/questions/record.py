@@ -1,4 +1,4 @@
-"""The format `graphdyn questions 1`."""
+"""The format `graphdyn questions 2`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class QuestionRecord(Record, of=Question):
     arguments: Mapping[str, Annotated[Numbers, Keywords(description="(n,); external_wrenches (n, 6).")]]
 
 
-class QuestionsRecord(Record, format="graphdyn questions 1"):
+class QuestionsRecord(Record, format="graphdyn questions 2"):
     """Questions to user code, of which `graphdyn judge --answers` takes the answers.
 
     robot: as given

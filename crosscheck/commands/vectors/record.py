@@ -1,4 +1,4 @@
-"""The format `graphdyn vectors 1`."""
+"""The format `graphdyn vectors 2`."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class VectorTableRecord(Record, of=VectorTable, only=("references",)):
     conventions: Mapping[str, str]
 
 
-class VectorsRecord(Record, format="graphdyn vectors 1"):
+class VectorsRecord(Record, format="graphdyn vectors 2"):
     """A folder of test vectors for one robot.
 
     sha256: of the hashes of all files, one after the other: names this set of vectors

@@ -32,7 +32,7 @@ from crosscheck.report.text import as_text
 from crosscheck.report.versions import versions
 
 ROOT = REPOSITORY
-SCHEMA = json.loads((ROOT / "docs/schemas/bench-2.schema.json").read_text(encoding="utf-8"))
+SCHEMA = json.loads((ROOT / "docs/schemas/bench-3.schema.json").read_text(encoding="utf-8"))
 
 
 @pytest.fixture(scope="module")

@@ -87,7 +87,7 @@ class TestSchemas:
         sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "crosscheck").rglob("*.py"))
         formats = set(re.findall(r'"(graphdyn [a-z]+ \d+)"', sources))
         assert {
-            "graphdyn crosscheck 2",
+            "graphdyn crosscheck 3",
             "graphdyn robots 1",
             "graphdyn errata 1",
             "graphdyn show 1",
@@ -182,7 +182,7 @@ class TestCrosscheck:
     def test_a_model_without_a_file(self, wrong_comparison):
         record = plain(crosscheck_records.robot_record(wrong_comparison))
         assert record["file"] is None
-        schema = SCHEMAS["crosscheck-2.schema.json"]
+        schema = SCHEMAS["crosscheck-3.schema.json"]
         Draft202012Validator({"$ref": "#/$defs/RobotRecord", "$defs": schema["$defs"]}).validate(record)
 
 

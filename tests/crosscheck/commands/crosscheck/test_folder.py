@@ -17,7 +17,7 @@ from crosscheck.commands import main
 from crosscheck.commands.crosscheck import folder_report as report_of_folder
 from crosscheck.commands.crosscheck import summary
 from crosscheck.commands.crosscheck import worker as sweeping
-from crosscheck.commands.crosscheck.folder_file import SweepFile
+from crosscheck.commands.crosscheck.folder_file import NAMES_BEFORE, SweepFile
 from crosscheck.commands.program import console
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
 from crosscheck.commands.program.output_files import OutputFile
@@ -26,7 +26,7 @@ from crosscheck.comparing.comparison import part_of_bound
 from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.reference.subject import content_sha256
 
-SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-2.schema.json").read_text("utf-8")))
+SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-3.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
     "aubo_i5": ("agrees", ("model",)),
     "gp8l": ("kinematics only", ("urdf", "model")),
@@ -39,11 +39,14 @@ class Outcome:
         self.code, self.out, self.err = code, out, err
 
     def row(self, name):
-        """Cells of the row of a robot, with its folded lines put together."""
-        cells = [[cell.strip() for cell in line.split("│")[1:-1]] for line in self.out.splitlines() if "│" in line]
-        first = next(k for k, row in enumerate(cells) if row[0] == name)
-        last = next((k for k in range(first + 1, len(cells)) if cells[k][4]), len(cells))
-        return [" ".join(parts).strip() for parts in zip(*cells[first:last], strict=True)]
+        """Cells of the row of a robot, with folded lines put together, and further columns from the next table."""
+        found = [name]
+        for table in self.out.split("┏")[1:]:
+            cells = [[cell.strip() for cell in line.split("│")[1:-1]] for line in table.splitlines() if "│" in line]
+            first = next(k for k, row in enumerate(cells) if row[0] == name)
+            last = next((k for k in range(first + 1, len(cells)) if cells[k][2]), len(cells))
+            found += [" ".join(parts).strip() for parts in zip(*cells[first:last], strict=True)][1:]
+        return found
 
 
 @pytest.fixture
@@ -149,7 +152,7 @@ class TestOutcomes:
         row = done.row("good.urdf")
         assert row[1] == "DISAGREES"
         assert row[3] in ("inverse_dynamics", "inverse_dynamics_recursive")  # the same wrong number, up to rounding
-        assert row[6] == "beyond the bound: torque, torque_recursive"
+        assert row[6] == "beyond the bound: inverse_dynamics, inverse_dynamics_recursive"
         assert "agrees 0, DISAGREES 1, kinematics only 1, refused 0" in done.out
 
     def test_not_finite_is_nearest(self, program, here, good_folder, plant: Plant):
@@ -279,6 +282,22 @@ class TestResume:
         assert done.row("good.urdf")[1] == "agrees"
         assert len(written(path)["robots"]) == 2
 
+    def test_quantities_under_the_names_of_the_format_before(self, sweep, tmp_path):
+        path, names = tmp_path / "r.json", {now: before for before, now in NAMES_BEFORE.items()}
+        record = written(path)
+        present = [set(robot["quantities"]) for robot in record["robots"]]
+        for robot in record["robots"]:
+            stems = {name: re.sub(r"(_projected|_external|_recursive)*$", "", name) for name in robot["quantities"]}
+            robot["quantities"] = {
+                names.get(stems[name], stems[name]) + name[len(stems[name]) :]: value
+                for name, value in robot["quantities"].items()
+            }
+            assert {"torque_external", "link_twist", "da_dpi_recursive"} <= set(robot["quantities"])
+        path.write_text(json.dumps(record | {"format": "graphdyn crosscheck 2"}), encoding="utf-8")
+        assert sweep()[0] == []
+        assert written(path)["format"] == "graphdyn crosscheck 3"
+        assert [set(robot["quantities"]) for robot in written(path)["robots"]] == present
+
     def test_a_changed_file(self, sweep, good_folder):
         path = good_folder / "good.urdf"
         path.write_text(path.read_text(encoding="utf-8") + "\n", encoding="utf-8")
@@ -321,7 +340,7 @@ class TestResume:
         path.write_text(content, encoding="utf-8")
         done = program(good_folder, "--json", path, "--resume")
         assert done.code == BAD_INPUT
-        assert "is not a file of the format 'graphdyn crosscheck 2'; name another, or delete it" in done.err
+        assert "is not a file of the format 'graphdyn crosscheck 3'; name another, or delete it" in done.err
         assert path.read_text(encoding="utf-8") == content
         assert here == []
 

@@ -26,7 +26,7 @@ class TestJson:
         path = tmp_path / "result.json"
         assert program("crosscheck", small_arm, "--samples", 2, "--json", path).code == AGREED
         record = json.loads(path.read_text(encoding="utf-8"))
-        assert record["format"] == "graphdyn crosscheck 2"
+        assert record["format"] == "graphdyn crosscheck 3"
         assert record["versions"] == versions()
         assert record["command"][:3] == ["graphdyn", "crosscheck", str(small_arm)]
         assert record["agrees"] is True

@@ -131,7 +131,7 @@ class TestRounds:
         first = ("judge", "small.urdf", "--samples", 2, "--answers", "a.csv")
         assert program(*first, "--further", "more.json").code == PENDING
         record = json.loads(Path("more.json").read_text())
-        assert record["format"] == "graphdyn questions 1"
+        assert record["format"] == "graphdyn questions 2"
         assert record["joint_names"] == list(arm.joint_names)
         Path("further_questions.csv").write_text("precious", encoding="utf-8")
         done = program(*first)
@@ -270,7 +270,9 @@ class TestIds:
 
     def test_they_do_not_change_between_versions(self):
         """Answers that somebody keeps stay valid."""
-        assert question("mass_matrix", {"q": np.array([0.5, -1.0])}).id == 148220634166
+        x = np.array([0.5, -1.0])
+        assert question("mass_matrix", {"q": x}).id == 148220634166
+        assert question("joint_torque_regressor", {"q": x, "v": x, "a": x}).id == 363705886018  # was "regressor"
 
     def test_by_chance(self, monkeypatch):
         monkeypatch.setattr(question_ids, "N_IDS", 1)

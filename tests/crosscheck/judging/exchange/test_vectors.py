@@ -42,7 +42,7 @@ class TestFolder:
     def test_what_is_listed_is_there(self, folder):
         listed = json.loads((folder / "vectors.json").read_text(encoding="utf-8"))
         Draft202012Validator(
-            json.loads((REPOSITORY / "docs/schemas/vectors-1.schema.json").read_text("utf-8"))
+            json.loads((REPOSITORY / "docs/schemas/vectors-2.schema.json").read_text("utf-8"))
         ).validate(listed)
         assert {path.name for path in folder.iterdir()} == {"vectors.json", *listed["files"]}
         assert [table["function"] for table in listed["tables"]] == confirmed_functions("tool")
