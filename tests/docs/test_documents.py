@@ -8,6 +8,7 @@ import sys
 import tomllib
 
 import pytest
+from long_check import LONG
 from shared_data import REPOSITORY
 
 import graphdyn
@@ -64,6 +65,10 @@ def test_every_name_in_the_map_exists(name):
     pytest.fail(f"{name} does not exist")
 
 
+SLOW = ("identification.md", "closed_loop_identification.md")
+"""Documents whose blocks take seconds."""
+
+
 def code_blocks():
     """Every Python block alone; those of the tutorial, which build on one another, as one."""
     found = []
@@ -71,7 +76,8 @@ def code_blocks():
         blocks = re.findall(r"```python\n(.*?)```", document.read_text(encoding="utf-8"), re.DOTALL)
         if document.name == CONTINUED:
             blocks = ["\n".join(blocks)]
-        found += [pytest.param(block, id=f"{document.name}-{k}") for k, block in enumerate(blocks)]
+        marks = [LONG] * (document.name in SLOW)
+        found += [pytest.param(block, id=f"{document.name}-{k}", marks=marks) for k, block in enumerate(blocks)]
     return found
 
 

@@ -11,7 +11,7 @@ import sys
 
 import pytest
 import typer
-from long_check import few
+from long_check import LONG, few
 from planting import mixed_tree
 from shown.pages import first_cells
 
@@ -422,6 +422,7 @@ class TestInstalledScript:
         assert [line for line in done.err.splitlines() if not progress.fullmatch(line)] == []
         assert json.loads(record.read_text(encoding="utf-8"))["command"][:2] == ["graphdyn", "crosscheck"]
 
+    @LONG
     def test_bad_file(self, script, tmp_path):
         broken = tmp_path / "broken.urdf"
         broken.write_bytes(b"\xff\xfe<robot")

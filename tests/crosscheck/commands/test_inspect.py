@@ -9,6 +9,7 @@ import pytest
 from inspected.sample import CLEAN, FORE_INERTIAL, MASS, SHOULDER, changed
 from inspected.workers import broken, fatal
 from jsonschema import Draft202012Validator
+from long_check import LONG
 from robots.mesh_files import box, mesh, one_link, stl, visual
 from shared_data import REPOSITORY
 from shown.browser import CHROMIUM, document
@@ -313,6 +314,7 @@ class TestSweep:
     def names(self, place):
         return sorted(map(str, place.iterdir()))
 
+    @LONG
     def test_in_processes(self, many):
         """With an error of the program for one of them."""
         (many / "03.urdf").rename(many / "03_broken.urdf")

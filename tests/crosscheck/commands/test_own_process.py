@@ -6,7 +6,7 @@ import signal
 import sys
 
 import pytest
-from long_check import few
+from long_check import LONG, few
 
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
@@ -86,6 +86,7 @@ class TestEnds:
             "no result: a function has to return, or to raise an exception\n"
         )
 
+    @LONG
     @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
     def test_by_a_signal(self, judged):
         done = judged("is_killed")

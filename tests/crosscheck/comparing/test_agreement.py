@@ -27,7 +27,7 @@ TREE_SAMPLES = 5
 VENDOR_SAMPLES = 10
 
 MAX_BODIES = 6
-EXAMPLES = examples(6)
+EXAMPLES = examples(4)
 """Few: each example is compared at six kinds of states and two for every body."""
 
 VENDOR_ARMS = {"aubo_i5", "gp8l", "kr16_r1610_2", "PAROL6"}

@@ -60,17 +60,17 @@ def test_first_joint_far_from_the_base():
     [
         pytest.param([1e-6] * 6, id="micrograms", marks=LONG),
         pytest.param([1e5] * 6, id="hundred tons", marks=LONG),
-        pytest.param(10.0 ** np.linspace(-6, 5, 6), id="growing"),
+        pytest.param(10.0 ** np.linspace(-6, 5, 4), id="growing"),
         pytest.param(10.0 ** np.linspace(5, -6, 6), id="shrinking", marks=LONG),
     ],
 )
 def test_masses_of_all_sizes(masses):
-    assert flagged(crosscheck.compare(chain(masses), SAMPLES)) == set()
+    assert flagged(crosscheck.compare(chain(masses, "r" * len(masses)), SAMPLES)) == set()
 
 
 @pytest.mark.parametrize("rate", [pytest.param(1e3, marks=LONG), 9e5])
 def test_absurd_velocities(rate):
-    assert flagged(crosscheck.compare(chain([1.0] * 6, limits=JointLimits(velocity=rate)), SAMPLES)) == set()
+    assert flagged(crosscheck.compare(chain([1.0] * 4, "rrrr", limits=JointLimits(velocity=rate)), SAMPLES)) == set()
 
 
 @pytest.mark.parametrize("kinds", ["ppprrr", pytest.param("pppppp", marks=LONG), pytest.param("r" * 12, marks=LONG)])

@@ -170,6 +170,7 @@ class TestCommands:
         record = json.loads((tmp_path / "r.json").read_text(encoding="utf-8"))
         assert any(FILE in leaf for leaf in leaves(record))  # with the names as they are
 
+    @LONG
     def test_a_folder(self, clean, arm):
         clean("crosscheck", arm.parent, "--samples", 1, "--jobs", 1)
 

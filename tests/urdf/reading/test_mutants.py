@@ -17,7 +17,7 @@ from mutants.trial import CLAIMS, Trial, trial
 import urdf
 from urdf.inspection import inspecting
 
-MANY = int(os.environ.get("GRAPHDYN_MUTANTS", "250"))
+MANY = int(os.environ.get("GRAPHDYN_MUTANTS", "120"))
 SEED = int(os.environ.get("GRAPHDYN_MUTANTS_SEED", "0"))
 
 

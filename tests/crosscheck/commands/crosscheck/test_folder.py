@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
+from long_check import LONG
 from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
@@ -423,6 +424,7 @@ class TestSummary:
         assert summary.short_names(rows) == names
 
 
+@LONG
 def test_vendor_arms(program, here, tmp_path):
     """One file is refused by Pinocchio and compared by the model route alone."""
     folder = tmp_path / "arms"

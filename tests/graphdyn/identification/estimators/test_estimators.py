@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from identified import torque_data
 from identified.replayed_problem import ReplayedProblem
+from long_check import LONG
 from scipy.optimize import least_squares, minimize
 
 from graphdyn import EstimationFailed, InvalidInput
@@ -88,9 +89,9 @@ def test_says_what_it_is(estimator):
     ("method", "factor", "runs"),
     [
         (OrdinaryLeastSquares(), INDEPENDENT, RUNS),
-        (WeightedLeastSquares(), INDEPENDENT, RUNS),
+        pytest.param(WeightedLeastSquares(), INDEPENDENT, RUNS, marks=LONG),
         (GeneralizedLeastSquares(), CORRELATED, FEW_RUNS),
-        (ReweightedLeastSquares("huber"), INDEPENDENT, FEW_RUNS),
+        pytest.param(ReweightedLeastSquares("huber"), INDEPENDENT, FEW_RUNS, marks=LONG),
         (Ridge(strength=1.0), INDEPENDENT, RUNS),
     ],
     ids=lambda value: getattr(value, "name", ""),
