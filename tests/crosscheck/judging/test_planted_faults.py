@@ -10,10 +10,12 @@ from long_check import few
 from urdf_text import inertial
 
 import urdf
+from crosscheck.judging.faults.velocity_terms import velocity_terms
 from crosscheck.judging.judge import judge
 from graphdyn import joint_torque_regressor
 
 SAMPLES = 10
+ROUNDED = 1e-12
 TEN_KINDS = (*(kind for kind in FIRST if kind not in ("rotor_inertia", "inertial_parameters")), "fixed_link")
 """The kinds that are counted; the other two are tested below like all variants."""
 
@@ -161,6 +163,16 @@ def test_a_fault_that_shows_only_where_terms_meet():
     assert diagnosis.message == (
         "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
     )
+
+
+def test_decompositions_of_the_velocity_terms_add_up():
+    q, v = model().random_state(np.random.default_rng(0), 3)
+    (whole,), *decompositions = (tuple(terms.values()) for terms in velocity_terms(model(), q, v))
+    assert len(decompositions) == 3
+    for parts in decompositions:
+        assert np.abs(sum(parts) - whole).max() <= ROUNDED * np.abs(whole).max()
+    *_, products = velocity_terms(model(), q, v * [0, 1, 0, 0])[-1].values()
+    assert np.abs(products).max() <= ROUNDED * np.abs(whole).max()
 
 
 def mass_of(inverse_dynamics, q):
