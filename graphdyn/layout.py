@@ -1,4 +1,4 @@
-"""Where things stand in the stacked vectors: 6 rows per body, 5 per joint.
+"""Layout of the stacked vectors: 6 rows per body, 5 per joint.
 
 The only module that knows these sizes.
 

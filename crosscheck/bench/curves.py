@@ -150,7 +150,7 @@ def chain_lengths(
 
 
 def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
-    """From where chains have other code."""
+    """Number of bodies from where chains have other code."""
     long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["solve_kkt"])
     return (f"beyond {MAX_UNROLLED_BODIES} bodies, code for one body after the other",) if long else ()
 

@@ -102,7 +102,7 @@ def compare_identification(model: RobotModel, pinocchio: PinocchioModel, seed: i
 
 
 def _rounding(difference: Array, terms: Array) -> Array:
-    """By how many eps two correct computations may differ: their difference, at most that of the summed terms.
+    """The number of eps two correct computations may differ: their difference, at most that of the summed terms.
 
     Where terms cancel, as for a center of mass whose acceleration nearly equals gravity, columns or torques are short;
     scaled to unit length, they carry a large relative rounding into the parameters.

@@ -189,7 +189,8 @@ def _compared_at(chunk: Case, derive: bool) -> Iterator[TabulatedQuantity]:
 
 
 def _solved_errors(states: ComparedStates, quantities: Iterable[TabulatedQuantity]) -> dict[str, Array]:
-    """Of what needs a regular mass matrix; infinite where a system is exactly singular: the ranks show the reason."""
+    """Errors of what needs a regular mass matrix; infinite where a system is exactly singular: the ranks show the
+    reason."""
     solved = [quantity for quantity in quantities if quantity.solves]
     try:
         return {quantity.name: states.errors(quantity) for quantity in solved}

@@ -59,7 +59,7 @@ class ComparedStates(ScaledStates):
 
     @cached_property
     def loaded(self) -> ComparedStates:
-        """With the external wrenches of the case."""
+        """The answers with the external wrenches of the case."""
         return replace(self, loads=self.case.external_wrenches, shared=self.shared and self.shared.loaded)
 
     @cached_property
@@ -68,7 +68,7 @@ class ComparedStates(ScaledStates):
 
     @cached_property
     def solvable(self) -> ComparedStates:
-        """Those with a regular mass matrix."""
+        """States with a regular mass matrix."""
         return self if self.regular.all() else self.rows(self.regular, self.shared and self.shared.solvable)
 
     def rows(self, selected: slice | NDArray[np.bool_], shared: ComparedStates | None = None) -> ComparedStates:
@@ -113,7 +113,7 @@ class ComparedStates(ScaledStates):
         return self.there.required(a)
 
     def errors(self, quantity: TabulatedQuantity) -> Array:
-        """Of a quantity of the table in one form; in frames the largest error of all references (N,)."""
+        """Errors of a quantity of the table in one form; in frames the largest error of all references (N,)."""
         row, form = quantity.row, quantity.form
         states = self.loaded if form.loaded else self
         usual = next(row.readings({}))

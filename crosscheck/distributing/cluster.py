@@ -61,7 +61,7 @@ class Cluster:
         return self._client.submit(function, task, key=f"graphdyn-{uuid4().hex}", pure=False)
 
     def gone(self) -> NoWorkers:
-        """To be raised where the scheduler no longer answers."""
+        """The error to raise if the scheduler no longer answers."""
         return NoWorkers(f"the connection to the scheduler {self.address} is lost; see its log, and run this again")
 
 

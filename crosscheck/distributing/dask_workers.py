@@ -48,7 +48,7 @@ class DaskWorkers:
     def each(
         self, function: Callable[[Task], Answer], tasks: Sequence[Task]
     ) -> Generator[tuple[int, Answer | Lost], None, None]:
-        """As in Workers."""
+        """Like Workers.each."""
         if not tasks:
             return
         work = partial(_in_folder, function, os.getcwd())
@@ -79,7 +79,7 @@ class DaskWorkers:
                 yield k, _answer(future, cluster)
 
     def kept(self) -> nullcontext[DaskWorkers]:
-        """As in LocalProcesses; those of a scheduler go on anyway."""
+        """Like LocalProcesses.kept; the processes of a scheduler go on anyway."""
         return nullcontext(self)
 
 
@@ -119,6 +119,7 @@ def _answer(future: Future, cluster: Cluster) -> Any:
 
 
 def _in_folder(function: Callable[[Any], Any], folder: str, task: object) -> Any:
-    """In the folder of the process that gives the task, where there is one, so that relative paths mean the same."""
+    """Run the task in the folder of the process that gives the task, where there is one, so that relative paths mean
+    the same."""
     with chdir(folder if Path(folder).is_dir() else "."):
         return function(task)

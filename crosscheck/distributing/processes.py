@@ -30,7 +30,7 @@ class LocalProcesses:
     def each(
         self, function: Callable[[Task], Answer], tasks: Sequence[Task]
     ) -> Generator[tuple[int, Answer | Lost], None, None]:
-        """As in Workers."""
+        """Like Workers.each."""
         with self.kept() as workers:
             yield from workers.each(function, tasks)
 
@@ -45,7 +45,7 @@ class LocalProcesses:
 
 
 class KeptProcesses:
-    """Those of LocalProcesses, of which one that has no task left waits for the next work."""
+    """Local processes; one that has no task left waits for the next work."""
 
     def __init__(self, count: int, tries: int):
         self._count, self._tries = count, tries
@@ -54,7 +54,7 @@ class KeptProcesses:
     def each(
         self, function: Callable[[Task], Answer], tasks: Sequence[Task]
     ) -> Generator[tuple[int, Answer | Lost], None, None]:
-        """As in Workers."""
+        """Like Workers.each."""
         waiting = deque(range(len(tasks)))
         deaths = Counter[int]()
         busy: dict[Connection, tuple[_Process, int]] = {}
@@ -145,7 +145,7 @@ class _Process:
 
 
 def end_with_parent() -> None:
-    """From now on this process ends as soon as the one that started it has ended, even if that was killed."""
+    """Let this process end as soon as the one that started it has ended, even if that was killed."""
     parent = parent_process()
     assert parent is not None
 

@@ -24,13 +24,13 @@ SHARED_LIBRARIES = ("graphdyn", "numpy", "scipy")
 
 
 def versions() -> dict[str, str]:
-    """Of this process."""
+    """Versions of this process."""
     python = ".".join(platform.python_version_tuple()[:2])
     return {"python": python, **{name: version(name) for name in SHARED_LIBRARIES}}
 
 
 def differences(here: Mapping[str, str], there: Mapping[str, str]) -> str:
-    """In words; empty where there is none."""
+    """Differences in words; empty where there is none."""
     return ", ".join(
         f"{name} {there.get(name)} in place of {here[name]}" for name in here if there.get(name) != here[name]
     )
@@ -42,7 +42,7 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True)
 class Lost:
-    """In place of an answer, where none was given. reason: in words."""
+    """The stand-in for an answer where none was given. reason: in words."""
 
     reason: str
 

@@ -42,7 +42,7 @@ def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) 
 
 
 def _again(problem: ExcitationProblem, seed: int, before: OptimizedMotion) -> OptimizedMotion:
-    """From the motion before, or, where that leads to none, from random motions as at first."""
+    """Search again from the motion before, or, where that leads to none, from random motions as at first."""
     try:
         return optimized(problem, seed, start=before.trajectory)
     except NoFeasibleMotion:

@@ -33,7 +33,7 @@ MAX_FORBIDDEN_SHARE = 0.1
 """Spheres that forbid more than this part of the poses in which the meshes are free may overlap."""
 
 CLEARANCE_STEP = 0.002
-"""[m] By so much more than at a collision of the meshes the spheres must be apart in the next search."""
+"""[m] Distance, beyond that at a collision of the meshes, by which spheres must be apart in the next search."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class SelfCollision:
         return MeshContacts(self.meshes)
 
     def __getstate__(self) -> dict[str, object]:
-        """Without coal's trees."""
+        """The state without coal's trees."""
         return {name: value for name, value in vars(self).items() if name != "_contacts"}
 
 
@@ -162,7 +162,8 @@ def self_collision(
 
 
 def _watched(clearance: Clearance, poses: Poses, touching: NDArray[np.bool_]) -> Clearance | None:
-    """With the distance that the search keeps; None where no random pose collides and spheres would forbid too many."""
+    """The pair with the distance that the search keeps; None where no random pose collides and spheres would forbid too
+    many."""
     distances = smallest_distances(clearance, poses)
     if np.mean(distances[~touching] < clearance.distance) <= MAX_FORBIDDEN_SHARE:
         return clearance

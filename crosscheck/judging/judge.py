@@ -92,7 +92,8 @@ def judge(
 def judge_functions(
     given: Mapping[str, TestedFunction], setting: Setting, progress: Progress | None = None
 ) -> Judgment:
-    """As judge. given: functions by name. Raises InvalidInput for names that are none of FUNCTIONS."""
+    """Judge functions with given settings, like judge. given: functions by name. Raises InvalidInput for names that are
+    none of FUNCTIONS."""
     _check(given, setting)
     check_counts(setting.samples, setting.seed)
     judged_robot = subject(setting.robot, setting.reading)

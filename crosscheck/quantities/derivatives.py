@@ -38,7 +38,7 @@ def _of_accelerations(number: int) -> NativeFunction:
 
 
 def _through_torques(name: str) -> Measure:
-    """Of derivatives of accelerations. name: of the derivatives of the torques by the same"""
+    """Errors of derivatives of accelerations. name: of the derivatives of the torques by the same"""
 
     def errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
         rates: Array = getattr(states.answer("inverse_dynamics_derivatives", "projected"), name)

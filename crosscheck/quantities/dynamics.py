@@ -77,13 +77,13 @@ def _body_acceleration_errors(x: Array, y: Array, states: ScaledStates, chosen: 
 
 
 def _backward_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
-    """Of accelerations x, which need other torques than the given ones y."""
+    """Backward errors of accelerations x, which need other torques than the given ones y."""
     torques, wrenches = states.required(x)
     return backward_error(torques, y, wrenches, states.mass, x, *(() if states.loads is None else (states.loads,)))
 
 
 def _placement_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
-    """Of rotations and positions side by side (N, n, 3, 4)."""
+    """Placement errors of rotations and positions side by side (N, n, 3, 4)."""
     turned = largest(x[..., :3] - y[..., :3])
     return np.maximum(turned, relative(x[..., 3], y[..., 3], constant(center_offset(states.model), states)))
 

@@ -60,7 +60,8 @@ def _spin_of_joint(states: ScaledStates) -> Array:
 
 
 def _by_part(linear: Size, spin: Size, six: int = -1, about: str = "") -> Measure:
-    """Of linear and angular momentum. about: the point, where it is not chosen; six: the axis of the two parts"""
+    """Errors of linear and angular momentum. about: the point, where it is not chosen; six: the axis of the two
+    parts"""
 
     def errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
         x, y = (np.moveaxis(linear_first(z, chosen, six), six, -1) for z in (x, y))

@@ -1,4 +1,4 @@
-"""Where a frame of the robot is, and how it moves."""
+"""Placements and motions of a frame of the robot."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from graphdyn.arguments import Method
 from graphdyn.layout import Array
 
 _BY_REFERENCE = {"reference": ("local_world_aligned", "world", "local"), **ORDER}
-"""Where the axes and the point of a twist are: at the frame in world axes, at the world's origin, at the frame."""
+"""Choices of the axes and the point of a twist: at the frame in world axes, at the world's origin, at the frame."""
 
 VELOCITY = "linear: ‖ω‖ × lever + slide rate"
 
@@ -31,7 +31,7 @@ def _homogeneous(rotation: Array, position: Array) -> Array:
 
 
 def _placement(states: ScaledStates, chosen: Chosen, method: Method) -> Array:
-    """Of the frame of the states, or of all frames of the robot (N, m, 4, 4)."""
+    """Placement of the frame of the states, or of all frames of the robot (N, m, 4, 4)."""
     model, q = states.model, states.q
     if states.frame is not None:
         return _homogeneous(*graphdyn.frame_placement(model, q, states.frame))
@@ -53,7 +53,8 @@ def _placement_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) 
 
 
 def _by_part(linear: Callable[[Sizes], Array], angular: Callable[[Sizes], Array], six: int = -1) -> Measure:
-    """Of linear and angular parts, each on its own scale, of points as far away as the chosen reference has them.
+    """Errors of linear and angular parts, each on its own scale, of points as far away as the chosen reference has
+    them.
 
     six: the axis of the two parts
     """

@@ -26,7 +26,8 @@ _CHRISTOFFEL = "of the Christoffel symbols"
 
 
 def _coriolis_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
-    """Of C; else of C + Cᵀ and C v over the largest velocity, which all valid matrices C have in common."""
+    """Coriolis errors of C; else of C + Cᵀ and C v over the largest velocity, which all valid matrices C have in
+    common."""
     if chosen["matrix"] == _CHRISTOFFEL:
         return relative(x, y, rate_size(states))
     direction = states.v / np.maximum(largest(states.v), np.finfo(float).tiny)[:, None]
@@ -36,7 +37,7 @@ def _coriolis_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -
 
 
 def solved_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
-    """Of M⁻¹."""
+    """Errors of M⁻¹."""
     return ratio(largest(x - y), acceleration_scale(states.mass, y, 0 * states.tau, 0 * states.tau))
 
 

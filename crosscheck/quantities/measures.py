@@ -50,7 +50,8 @@ def columns_relative_to(mass: Size, first_moment: Size, tensor: Size) -> Measure
 
 
 def through_mass_matrix(*sizes: Size) -> Measure:
-    """Of accelerations in columns (N, n, p): M × the error, over the largest of ∣M∣ ∣reference∣ and the given sizes."""
+    """Errors of accelerations in columns (N, n, p): M × the error, over the largest of ∣M∣ ∣reference∣ and the given
+    sizes."""
 
     def measure(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
         required = [largest(np.abs(states.mass) @ np.abs(y)), *(size(states) for size in sizes)]

@@ -44,7 +44,7 @@ class Ours:
 
 
 _SIZES: Mapping[int | str, int | str] = {"bodies": "n", "10 bodies": "10 n"}
-"""Of arrays of robots whose joints move by themselves."""
+"""Sizes of arrays of robots whose joints move by themselves."""
 
 
 def verb(name: str, output: str = "", *, loads: Literal["none", "taken", "needed"] = "none") -> Ours:
@@ -219,7 +219,7 @@ class Quantity:
         return (*self.arguments, LOADS) if loaded and self.ours.takes_loads else self.arguments
 
     def shape_for(self, n: int) -> tuple[int | None, ...]:
-        """Of one answer for n joints; None for any number."""
+        """Shape of one answer for n joints; None for any number."""
         sizes = {"n": n, "10 n": BODY_PARAMETERS * n, "p": None}
         return tuple(size if isinstance(size, int) else sizes[size] for size in self.shape)
 

@@ -39,12 +39,12 @@ class ScaledStates(ABC):
     @property
     @abstractmethod
     def origins(self) -> Array:
-        """Of the links, in the world (N, n, 3)."""
+        """Origins of the links, in the world (N, n, 3)."""
 
     @property
     @abstractmethod
     def rotations(self) -> Array:
-        """Of the links, in the world (N, n, 3, 3)."""
+        """Rotations of the links, in the world (N, n, 3, 3)."""
 
     @property
     @abstractmethod
@@ -82,14 +82,14 @@ class ScaledStates(ABC):
 
     @cached_property
     def sizes(self) -> Sizes:
-        """Of the summed terms, at a."""
+        """Sizes of the summed terms, at a."""
         return self._with_loads(
             term_sizes(self.model, self.v, self.a, self.origins, self.body_velocities, self.body_accelerations)
         )
 
     @cached_property
     def solved_sizes(self) -> Sizes:
-        """Of the summed terms, at the accelerations that belong to tau."""
+        """Sizes of the summed terms, at the accelerations that belong to tau."""
         a, body_accelerations, _ = self.solved
         return self._with_loads(
             term_sizes(self.model, self.v, a, self.origins, self.body_velocities, body_accelerations)

@@ -50,7 +50,7 @@ class Sizes:
 
     @property
     def regressor_columns(self) -> tuple[Array, Array, Array]:
-        """Of the columns of m, of m c and of I in a joint-torque regressor: what by_parameter_type takes."""
+        """Scales of the columns of m, of m c and of I in a joint-torque regressor: what by_parameter_type takes."""
         return self.compensated * self.lever, self.compensated, self.turn
 
     def farther(self, distance: float) -> Sizes:

@@ -21,7 +21,7 @@ def kkt_batch(model: RobotModel, q: Array, v: Array, tau: Array) -> KKTSystem:
 
 
 def solution(states: ScaledStates) -> KKTSolution:
-    """Of Eq. (111). Raises LinAlgError for an exactly singular system."""
+    """Solution of Eq. (111). Raises LinAlgError for an exactly singular system."""
 
     def solve() -> KKTSolution:
         return kkt_batch(states.model, states.q, states.v, states.tau).solve_unchecked()

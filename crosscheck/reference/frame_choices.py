@@ -12,11 +12,12 @@ from graphdyn.arguments import Reference
 from graphdyn.layout import Array
 
 FRAME_REFERENCES: tuple[Reference, ...] = get_args(Reference)
-"""Where and in which axes a frame is described, in the words of graphdyn.frame_velocity."""
+"""Points and axes in which a frame is described, in the words of graphdyn.frame_velocity."""
 
 
 def compared_frames(model: RobotModel) -> tuple[str, ...]:
-    """Of every leaf of the tree the last frame fixed in it, or the body itself; and the last one fixed in any body."""
+    """Frames that are compared: of every leaf of the tree the last frame fixed in it, or the body itself; and the last
+    one fixed in any body."""
     fixed = {frame.body: frame.name for frame in model.frames if frame.body > 0}
     leaves = [i for i in range(1, model.n_bodies + 1) if not model.graph.outside(i)]
     names = [fixed.get(i, model.bodies[i - 1].name) for i in leaves]

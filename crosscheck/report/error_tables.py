@@ -14,7 +14,7 @@ from crosscheck.report.report import Panel, Picture, Plot, Series, Verdict
 from graphdyn.layout import Array
 
 ERROR_FORMAT: dict[str, Any] = {"kind": "number", "form": ".1e"}
-"""Of a column of errors or bounds."""
+"""Format of a column of errors or bounds."""
 
 SPREAD_NOTE = (
     "All states; heights are relative to the fullest bin of the row. The upright line is the bound, ▲ the largest "

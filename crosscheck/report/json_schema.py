@@ -75,7 +75,7 @@ def _object(kind: Any, definitions: dict[str, Any]) -> dict[str, Any]:
 
 
 def _sentence(meaning: str) -> str:
-    """With a capital letter, but for a symbol, and a full stop."""
+    """Sentence with a capital letter, but for a symbol, and a full stop."""
     first = meaning[0].upper() if meaning[:2].isalpha() else meaning[0]
     return f"{first}{meaning[1:].rstrip('.')}."
 
@@ -142,7 +142,7 @@ def _meaning_and_sizes(text: str) -> tuple[str, tuple[str, ...]]:
 
 
 def _schema(kind: Any, member: Member, sizes: Sequence[str], definitions: dict[str, Any]) -> dict[str, Any]:
-    """Of a type, a part of the type of a member. sizes: of the axes from here on"""
+    """Schema of a type, a part of the type of a member. sizes: of the axes from here on"""
     origin, inner = get_origin(kind), get_args(kind)
     if origin is Annotated:
         keywords = [part.keywords for part in inner[1:] if isinstance(part, Keywords)]

@@ -63,7 +63,7 @@ UNIT_THRESHOLD = 0.9995
 
 
 def time_text(seconds: float) -> str:
-    """With three digits and a unit."""
+    """The time with three digits and a unit."""
     size, unit = _unit_for(seconds)
     return f"{seconds / size:.3g} {unit}"
 

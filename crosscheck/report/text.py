@@ -43,7 +43,7 @@ MAX_NAME_WIDTH, MIN_NAME_WIDTH = 38, 20
 """Characters up to which the name of a row is never folded, and those that longer ones have at least."""
 
 WORD = re.compile(r"[^ _]+[ _]*")
-"""Of a heading; a name can be folded behind an underscore."""
+"""Pattern of a word of a heading; a name can be folded behind an underscore."""
 
 COMPACT_STYLE: dict[str, Any] = {"box": box.SIMPLE_HEAD, "show_edge": False, "padding": 0}
 """Style of compact tables."""

@@ -37,7 +37,7 @@ def taking_part(methods: Sequence[str], scenario: Scenario) -> tuple[str, ...]:
 
 
 def measures(estimator: Estimator) -> str:
-    """In one of these words."""
+    """What the method measures, in one of these words."""
     return WRENCHES if takes_wrenches(estimator) else TORQUES
 
 

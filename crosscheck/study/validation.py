@@ -23,13 +23,13 @@ VALIDATION_SECONDS, VALIDATION_RATE = 10.0, 100.0
 """Length of the held-out motion [s], and samples per second of its torque [Hz]."""
 
 LOOP_RATE = 1000.0
-"""Of controller and steps of the simulated loop [Hz]."""
+"""Rate of controller and steps of the simulated loop [Hz]."""
 
 MAX_DISTANCE_RATIO = 100.0
 """A robot that is so many times as far from where it should be as it ever goes has run away."""
 
 HELD_OUT_SCENARIO = 2**32 - 1
-"""Of the random motion that is held out: scenarios count theirs from zero."""
+"""Number of the random motion that is held out: scenarios count theirs from zero."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ SHOWN_RATE = 50.0
 """Instants that are shown per second: what lies between two is a straight line [Hz]."""
 
 MAX_INSTANTS = 6000
-"""Of a motion at most; a longer one is shown at a lower rate."""
+"""Largest number of instants of a motion; a longer one is shown at a lower rate."""
 
 
 def recorded_motion(model: RobotModel, recording: Recording) -> tuple[LoadedMotion, tuple[str, ...]]:

@@ -57,7 +57,8 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
 
 
 def script_hashes() -> list[str]:
-    """Of all scripts of the page, as a content security policy names them: a page around it must allow them too."""
+    """Hashes of all scripts of the page, as a content security policy names them: a page around it must allow them
+    too."""
     return [_hash(script) for script in (_libraries(), *map(_text, PLAYER_SCRIPTS))]
 
 

@@ -49,7 +49,7 @@ def compressed(content: bytes) -> str:
 
 
 VERTEX_STEPS = 65535
-"""Of the position of a vertex along each edge of the box of its shape."""
+"""Number of steps of the position of a vertex along each edge of the box of its shape."""
 
 
 def scene(title: str, figures: Sequence[Figure], store: NumberStore) -> dict[str, Any]:

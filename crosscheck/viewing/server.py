@@ -33,7 +33,7 @@ MAX_DURATION = 60.0
 """Duration that may be asked for [s]."""
 
 SIMULATION_STEP = 1e-3
-"""Of the simulation, fourth order Runge-Kutta [s]."""
+"""Step of the simulation, fourth order Runge-Kutta [s]."""
 
 HEADERS = {
     "Cache-Control": "no-store",
@@ -61,7 +61,7 @@ class PageServer(ThreadingHTTPServer):
         super().__init__((ADDRESS, port), _Answers)
 
     def server_bind(self) -> None:
-        """As HTTPServer, which would also ask for the machine's name: that may take long without a network."""
+        """Bind like HTTPServer, but do not ask for the machine's name: that may take long without a network."""
         TCPServer.server_bind(self)
         self.server_name, self.server_port = ADDRESS, self.server_address[1]
 
@@ -101,7 +101,7 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def questions(self) -> dict[str, Callable[..., tuple[LoadedMotion, tuple[str, ...]]]]:
-        """By the last part of their path."""
+        """Questions by the last part of their path."""
         return {"let-go": self._let_go, "pose": self._pose}
 
     def _let_go(self, model: RobotModel, q: list[float], asked: dict[str, Any]) -> tuple[LoadedMotion, tuple[str, ...]]:

@@ -81,7 +81,8 @@ def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:
 
 
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
-    """As joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading dimensions."""
+    """Check like joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading
+    dimensions."""
     arrays = joint_arrays(model, base, check=True, **arguments)
     batch = next(iter(arrays.values())).shape[:-1]
     if batch:

@@ -116,7 +116,7 @@ class CompiledProgram:
 
 
 def guard_memory(lanes: int) -> Array:
-    """Where compiled code watches, before it has seen anything."""
+    """Memory of the guards of compiled code, before it has seen anything."""
     return _guard_starts(lanes).copy()
 
 

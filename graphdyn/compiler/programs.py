@@ -207,7 +207,7 @@ class Sample:
 
     @property
     def mass(self) -> float:
-        """Of all bodies. Raises InvalidInput for a robot without mass."""
+        """Mass of all bodies. Raises InvalidInput for a robot without mass."""
         return total_mass(self.model)
 
     @property

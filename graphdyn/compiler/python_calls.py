@@ -104,7 +104,7 @@ class _MethodDefinition(ctypes.Structure):
 
 @cache
 def _definition(count: int, n: int) -> _MethodDefinition:
-    """Of calls with this number of arguments (n,)."""
+    """Definition of calls with this number of arguments (n,)."""
     code = MachineCode(_code(count, n))
     definition = _MethodDefinition(
         b"single_state", _address(code.function("call", ctypes.CFUNCTYPE(None))), FASTCALL, None

@@ -23,7 +23,7 @@ from graphdyn.scalars.expressions import Program
 Law = Literal["pd", "computed_torque"]
 
 TENSOR_INDEX = ((0, 1, 3), (1, 2, 4), (3, 4, 5))
-"""Where the entries of the tensor are among I_xx, I_xy, I_yy, I_xz, I_yz, I_zz."""
+"""Indices of the tensor's entries among I_xx, I_xy, I_yy, I_xz, I_yz, I_zz."""
 
 
 @dataclass(frozen=True)

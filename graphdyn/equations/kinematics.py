@@ -25,7 +25,7 @@ from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, r
 
 @dataclass(frozen=True, eq=False)
 class MaximalState:
-    """Where all bodies are and how they move; arrays have leading batch dimensions.
+    """Placements and motions of all bodies; arrays have leading batch dimensions.
 
     position: r, centers of mass, world axes                (…, n, 3)     [m]
     rotation: R, body axes to world axes                    (…, n, 3, 3)

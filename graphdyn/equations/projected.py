@@ -36,7 +36,7 @@ Specification = Callable[[RobotModel, Arguments, BaseMotion | None, bool], dict[
 
 
 def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """Of x["q"], x["v"], x["tau"], x["external_wrenches"]. Raises SingularMassMatrix."""
+    """Forward dynamics from x["q"], x["v"], x["tau"], x["external_wrenches"]. Raises SingularMassMatrix."""
     state = rooted_state(model, base, x["q"], x["v"])
     n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     mass = projected_mass(state, n)
@@ -67,7 +67,8 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
 
 
 def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """Of x["q"], x["v"], x["a"], x["external_wrenches"]; dense solves E τ - φ_qᵀλ = A q̈ - B for (τ, λ)."""
+    """Inverse dynamics from x["q"], x["v"], x["a"], x["external_wrenches"]; dense solves E τ - φ_qᵀλ = A q̈ - B for (τ,
+    λ)."""
     state = rooted_state(model, base, x["q"], x["v"], x["a"])
     assert state.acceleration is not None
     accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)

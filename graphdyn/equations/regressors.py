@@ -46,7 +46,7 @@ def momentum_regressor(
 
 
 def energy_regressor(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """Of T = Σ ½ (u, ω)·(momentum about O_j) and U = -Σ g·(m O_j + R m c) (…, 10n each)."""
+    """Energy regressor of T = Σ ½ (u, ω)·(momentum about O_j) and U = -Σ g·(m O_j + R m c) (…, 10n each)."""
     n = model.n_bodies
     twist = np.concatenate(_twist(_skeleton_state(model, base, x)), axis=-1)
     state = state_on(ground(model, base, x["q"].shape[:-1]), model.skeleton, x["q"], x["v"], None)

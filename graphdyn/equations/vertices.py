@@ -38,7 +38,8 @@ class Vertices:
         self.center = np.stack([np.zeros(3), *(body.center_of_mass for body in model.bodies)])
 
     def arm(self, i: int, point: Array) -> Array:
-        """From the center of mass of vertex i to a point given in its link axes (3,), in world axes (…, 3) [m]."""
+        """Vector from the center of mass of vertex i to a point given in its link axes (3,), in world axes (…, 3)
+        [m]."""
         arm: Array = self.rotation[..., i, :, :] @ (point - self.center[i])
         return arm
 

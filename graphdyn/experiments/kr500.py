@@ -18,10 +18,10 @@ BODY_LENGTHS = (1.045, 1.245, 1.21, 0.315, 0.29, 0.3)
 BODY_RADII = (0.5, 0.3, 0.2, 0.2, 0.2, 0.3)
 
 RAIL_ACCELERATION = 2.0
-"""Of the moving base along e_1^(0) [m/s²]."""
+"""Acceleration of the moving base along e_1^(0) [m/s²]."""
 
 JOINT_ACCELERATION = np.radians(30.0)
-"""Of joints O1 (positive) and O2 (negative) in the experiment of section 3.1 [rad/s²]."""
+"""Accelerations of joints O1 (positive) and O2 (negative) in the experiment of section 3.1 [rad/s²]."""
 
 _E1, _E2 = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 _AXES = (_E1, _E2, _E2, _E1, _E2, _E1)

@@ -145,7 +145,8 @@ class VirtualRecording:
         relative: float | None = None,
         absolute: Mapping[str, ArrayLike] | None = None,
     ) -> VirtualRecording:
-        """With independent normal noise on the channels; the times stay. The same seed gives the same noise.
+        """The recording with independent normal noise on the channels; the times stay. The same seed gives the same
+        noise.
 
         rng: generator or seed
         relative: standard deviation of each column (one joint, or one component of one body) as a part of its root mean

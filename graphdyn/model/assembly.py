@@ -109,7 +109,8 @@ def _worst(loops: Loops, errors: Array) -> tuple[float, str, str]:
 
 
 def walked(loops: Loops, start: Array, target: Array) -> tuple[Array, Array]:
-    """From a closed pose (n,) in WALK_STEPS steps towards poses (…, n), closing the loops at each: positions and gaps.
+    """Walk from a closed pose (n,) in WALK_STEPS steps towards poses (…, n), closing the loops at each: positions and
+    gaps.
 
     So linkages stay in the branch of the start, as a moved one does.
     """

@@ -58,7 +58,8 @@ class DegreesOfFreedom:
 
 
 def degrees_of_freedom(who: str, joints: Sequence[str], couplings: Sequence[Coupling]) -> DegreesOfFreedom:
-    """Of joints with these names. Raises InvalidModel for unknown joints, one driven twice, and circles."""
+    """Degrees of freedom of joints with these names. Raises InvalidModel for unknown joints, one driven twice, and
+    circles."""
     index, driven = {name: k for k, name in enumerate(joints)}, [coupling.joint for coupling in couplings]
     for coupling in couplings:
         for name in (coupling.joint, *coupling.ratios):

@@ -88,7 +88,7 @@ class Loops:
         return tuple(f"{chord.name} {row}" for chord in self.chords for row in chord.rows)
 
     def links(self, q: Array, v: Array | None = None) -> Links:
-        """Of q, v (…, nv)."""
+        """Positions and velocities of all joints at q, v (…, nv)."""
         positions = q @ self.degrees_of_freedom.matrix.T + self.degrees_of_freedom.offset
         rates = None if v is None else v @ self.degrees_of_freedom.matrix.T
         batch, n = positions.shape[:-1], len(self.joints)
@@ -277,7 +277,8 @@ class LoopSpaces:
 
     @property
     def distance(self) -> Array:
-        """From a singular pose (…): smallest by largest of the singular values that count; 1 where none does."""
+        """Distance from a singular pose (…): smallest by largest of the singular values that count; 1 where none
+        does."""
         largest = self.inverse.max(axis=-1, initial=0.0)
         least = np.where(self.inverse > 0, self.inverse, np.inf).min(axis=-1, initial=np.inf)
         return np.where(largest > 0, least / np.where(largest > 0, largest, 1.0), 1.0)
@@ -311,7 +312,7 @@ class LoopSpaces:
 
 
 def loop_spaces(jacobian: Array) -> LoopSpaces:
-    """Of J (…, m, n)."""
+    """Spaces of J (…, m, n)."""
     left, values, right = np.linalg.svd(jacobian)
     kept = values > LOOP_RANK_TOLERANCE * values.max(axis=-1, keepdims=True, initial=0.0)
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))

@@ -24,7 +24,8 @@ CLOSING_STARTS = 100
 """Random poses from which the loops are closed before that counts as impossible."""
 
 POSES_ASSEMBLED_AT_ONCE = 20
-"""Of these as many at once as keep an assembly of many loops short where one of the first closes."""
+"""Number of these poses assembled at once, so as to keep an assembly of many loops short where one of the first
+closes."""
 
 REGULAR_CANDIDATES = 20
 """Closed poses among which regular_pose chooses."""
@@ -58,7 +59,7 @@ def closed_pose(who: str, loops: Loops) -> Array:
 
 
 def regular_pose(who: str, loops: Loops, start: Array) -> Array:
-    """Of some closed poses (n,), the one farthest from a singular one; start: a closed pose.
+    """Find, among some closed poses (n,), the one farthest from a singular one; start: a closed pose.
 
     That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
     """

@@ -152,7 +152,7 @@ class RobotModel:
 
     @cached_property
     def regular_pose(self) -> Array:
-        """Of some closed poses (nv,), the one farthest from a singular one.
+        """Find, among some closed poses (nv,), the one farthest from a singular one.
 
         That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
         Raises InconsistentState where the loops cannot be closed.
@@ -170,17 +170,17 @@ class RobotModel:
         return tuple(sorted(pivoted_columns(jacobian, int(loop_spaces(jacobian).rank), motors)))
 
     def joint_positions(self, q: ArrayLike) -> Array:
-        """Of all joints (…, n) [rad or m], from those of the independent ones (…, nv)."""
+        """Joint positions of all joints (…, n) [rad or m], from those of the independent ones (…, nv)."""
         return np.asarray(q) @ self.degrees_of_freedom.matrix.T + self.degrees_of_freedom.offset
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """In the order of the bodies."""
+        """Body names in the order of the bodies."""
         return tuple(body.name for body in self.bodies)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """In the order of the joints."""
+        """Joint names in the order of the joints."""
         return tuple(joint.name for joint in self.joints)
 
     @cached_property

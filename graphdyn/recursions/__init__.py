@@ -8,7 +8,7 @@ from graphdyn.recursions.declarations import ARRAY_SPECS, CLOSED, RECURSIONS
 from graphdyn.recursions.loops import couplings, loops
 
 FILES = (inverse, forward, inertia, momentum, derivatives, frames, regressors, motion, couplings, loops)
-"""Where recursions are declared."""
+"""Files that declare recursions."""
 
 CLOSED.update({name: loops.at_motors(each) for name, each in RECURSIONS.items() if each.of_torques})
 

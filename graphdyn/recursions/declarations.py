@@ -36,7 +36,7 @@ MODEL_SIZES: dict[str, Callable[[RobotModel], int]] = {
     "couplings": lambda model: len(model.couplings),
     "chord rows": lambda model: model.n_chord_rows,
 }
-"""Of a robot, by the words in which shapes speak of them."""
+"""Sizes of a robot, by the words in which shapes speak of them."""
 
 ACCELERATIONS, TORQUES = ArraySpec(("n",), "rad/s² or m/s²"), ArraySpec(("n",), "N m or N")
 
@@ -98,7 +98,8 @@ def recursion(**outputs: ArraySpec) -> Callable[[Function], Function]:
 
 
 def recursion_of_torques(**outputs: ArraySpec) -> Callable[[Function], Function]:
-    """As recursion, of torques or torques per parameter of all joints. With chords it answers those of the motors."""
+    """Declare like recursion a function of torques or torques per parameter of all joints. With chords it answers those
+    of the motors."""
     return partial(_declare, outputs, True)
 
 
@@ -125,7 +126,7 @@ def with_chords(function: Function) -> Function:
 
 
 def _parameters(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Without those that are keywords only, which are for other callers."""
+    """Parameters without those that are keywords only, which are for other callers."""
     code = function.__code__
     return code.co_varnames[: code.co_argcount]
 

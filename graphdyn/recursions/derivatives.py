@@ -76,7 +76,7 @@ def inverse_dynamics_second_derivatives(
 def reaction_derivatives(
     links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
-    """Of multipliers (n 5 n each) and joint wrenches (n 6 n each) by q, v and a."""
+    """Reaction derivatives of multipliers (n 5 n each) and joint wrenches (n 6 n each) by q, v and a."""
     found = inverse_dynamics(links, root, q, v, a, external)
     return {
         f"d{short}_d{name}": list(part.ravel())

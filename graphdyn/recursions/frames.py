@@ -73,7 +73,7 @@ def frame_jacobian_derivative(links: Links, root: Root, q: PerJoint, v: PerJoint
 
 @recursion(frame_velocity=ArraySpec((BODY_DOF,), "m/s, rad/s"))
 def frame_velocity(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: FixedFrame) -> list[Any]:
-    """Of the point, then ω (6)."""
+    """Frame velocity of the point, then ω (6)."""
     to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
     linear, omega = (root.velocity, root.omega) if frame.body < 0 else twists(links, at, root, v)[frame.body]
@@ -82,7 +82,7 @@ def frame_velocity(links: Links, root: Root, q: PerJoint, v: PerJoint, frame: Fi
 
 @recursion(frame_acceleration=ArraySpec((BODY_DOF,), "m/s², rad/s²"))
 def frame_acceleration(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, frame: FixedFrame) -> list[Any]:
-    """Of the point, classical or spatial, then ω̇ (6)."""
+    """Frame acceleration of the point, classical or spatial, then ω̇ (6)."""
     to_reference, point = _view(links, root, q, frame)
     at = places(links, q)
     here = BodyMotion(root.omega, root.alpha, root.acceleration)
@@ -101,7 +101,8 @@ def _path(links: Links, body: int) -> list[int]:
 
 
 def _view(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> tuple[Scalars, Scalars]:
-    """From joint axes of the body to the axes of the reference; from O_j to the point that is spoken of, joint axes."""
+    """The rotation from joint axes of the body to the axes of the reference; from O_j to the point that is spoken of,
+    joint axes."""
     rotation, origin = root.rotation, root.position
     if frame.body >= 0:
         at = places(links, q)

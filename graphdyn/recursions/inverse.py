@@ -1,4 +1,4 @@
-"""From the leaves to the ground: what the joints transmit, and how the verbs state it.
+"""Inward recursion, from the leaves to the ground: what the joints transmit, and how the verbs state it.
 
 Inverse dynamics by recursion: outwards the motion, inwards the wrenches. Luh, Walker and Paul, 1980.
 """

@@ -65,7 +65,7 @@ def energy_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint) -> dict
 
 @recursion(center_of_mass=ArraySpec((3,), "m"))
 def center_of_mass(links: Links, root: Root, mass: float, q: PerJoint) -> list[Any]:
-    """In the world (3,)."""
+    """Center of mass in the world (3,)."""
     links, root = rooted(links, root)
     return list(root.position + root.rotation @ _center(links, places(links, q), mass))
 
@@ -126,7 +126,7 @@ def _momentum(link: Link, u: Scalars, omega: Scalars) -> Wrench:
 
 
 def _center(links: Links, at: Sequence[JointPlacement], mass: float) -> Scalars:
-    """Of all bodies, from the origin of the ground frame in its axes."""
+    """Center of all bodies, from the origin of the ground frame in its axes."""
     first_moment = zeros(3)
     for link, place, outside in zip(links, at, composites(links, at), strict=True):
         if link.inside < 0:

@@ -1,4 +1,4 @@
-"""From the ground to the leaves: where the bodies are and how they move.
+"""Outward recursion, from the ground to the leaves: where the bodies are and how they move.
 
 Luh, Walker and Paul, "On-line computational scheme for mechanical manipulators", ASME Journal of Dynamic Systems,
 Measurement, and Control 102(2), 1980; Featherstone, "Rigid Body Dynamics Algorithms", 2008, section 5.3. Velocities and
@@ -75,7 +75,7 @@ def rooted(links: Links, root: Root) -> tuple[list[Link], Root]:
 
 @dataclass(frozen=True, eq=False)
 class JointPlacement:
-    """Where body j is in its inside body: rotation R Rz(q), translation with the slide. R comes last."""
+    """Placement of body j in its inside body: rotation R Rz(q), translation with the slide. R comes last."""
 
     rotation: Scalars
     c: Any
@@ -83,7 +83,7 @@ class JointPlacement:
     translation: Scalars
 
     def inwards(self, x: Scalars) -> Scalars:
-        """From joint axes of body j to those of the inside body; a vector, or each column of a matrix."""
+        """Rotate from joint axes of body j to those of the inside body; a vector, or each column of a matrix."""
         turned: Scalars = self.rotation @ turn(self.c, self.s, x)
         return turned
 
@@ -124,13 +124,13 @@ def places(links: Links, q: PerJoint) -> list[JointPlacement]:
 
 
 def _cosine_and_sine(angle: Any, quarters: int) -> tuple[Any, Any]:
-    """Of the angle plus this many quarter turns, 0 … 3."""
+    """Cosine and sine of the angle plus this many quarter turns, 0 … 3."""
     c, s = angle.cosine, angle.sine
     return ((c, s), (-s, c), (-c, -s), (s, -c))[quarters]
 
 
 def motions(links: Links, at: Sequence[JointPlacement], root: Root, v: PerJoint, a: PerJoint) -> list[BodyMotion]:
-    """Of all bodies, at joint velocities v and accelerations a."""
+    """Motions of all bodies, at joint velocities v and accelerations a."""
     done: list[BodyMotion] = []
     for link, place, rate, acceleration in zip(links, at, v, a, strict=True):
         inside = done[link.inside] if link.inside >= 0 else BodyMotion(root.omega, root.alpha, root.compensated)

@@ -43,7 +43,7 @@ def joint_torque_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint, a
 
 @recursion(momentum_regressor=ArraySpec(("n", "10 bodies"), "kg m²/s or kg m/s per parameter"))
 def momentum_regressor(links: Links, q: PerJoint, v: PerJoint) -> Scalars:
-    """Of M v (n, 10 n): the torque that accelerations v take at rest without gravity."""
+    """Momentum regressor of M v (n, 10 n): the torque that accelerations v take at rest without gravity."""
     return joint_torque_regressor(links, resting_root(), q, [0.0] * len(links), v)
 
 

@@ -102,7 +102,7 @@ def _needed(recorder: Recorder, numbers: Iterable[int], held: Set[int] = frozens
 
 
 def _dependent(recorder: Recorder, needed: Iterable[int], variables: set[int]) -> set[int]:
-    """Those of the needed operations that depend on a variable."""
+    """The ones of the needed operations that depend on a variable."""
     found: set[int] = set()
     for number in needed:
         if number in variables or not found.isdisjoint(operands(recorder.operations[number])):

@@ -231,7 +231,7 @@ def program_of(
     outputs: Mapping[str, Sequence[int]],
     guards: Mapping[Guard, Sequence[int]],
 ) -> Program:
-    """Those operations that it takes to compute these outputs and watches."""
+    """The program of the operations that it takes to compute these outputs and watches."""
     needed, pending = set(), [k for numbers in (*outputs.values(), *guards.values()) for k in numbers]
     while pending:
         number = pending.pop()

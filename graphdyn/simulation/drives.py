@@ -57,7 +57,8 @@ class Friction:
 
     @classmethod
     def identified(cls, model: RobotModel, parameters: Mapping[str, float]) -> Friction:
-        """From identified parameters by symbol: FV_j, FC_j and OFF_j of joint j; other symbols are passed over."""
+        """Friction from identified parameters by symbol: FV_j, FC_j and OFF_j of joint j; other symbols are passed
+        over."""
         numbers = [k + 1 for k in model.degrees_of_freedom.independent]
         return cls(*([parameters.get(f"{symbol}_{j}", 0.0) for j in numbers] for symbol in ("FV", "FC", "OFF")))
 

@@ -56,7 +56,7 @@ class Equations:
         return clipped
 
     def rates(self, t: float, q: Array, v: Array, tau: Array, contact: Contact) -> Rates:
-        """At the torque of the actuators. Joints that are not free keep their velocity of zero."""
+        """Rates at the torque of the actuators. Joints that are not free keep their velocity of zero."""
         passive = self._passive(q, v, contact.sign)
         mass = self._verbs.mass_matrix(q) + self._rotor
         bias = self._bias(t, q, v)
@@ -132,7 +132,7 @@ def answer(name: str, value: object, shape: tuple[int, ...], t: float) -> Array:
 
 
 MAX_PROJECTION_STEPS = 6
-"""Of a projection; two close what a step of integration leaves open."""
+"""Largest number of steps of a projection; two close what a step of integration leaves open."""
 
 LAST_STEP_GAP = 1e-8
 """Gap [m, rad] whose square is rounding: the Newton step from there is the last."""
@@ -161,7 +161,7 @@ class LoopEquations(Equations):
         self.distance = self.usual_distance
 
     def rates(self, t: float, q: Array, v: Array, tau: Array, contact: Contact) -> Rates:
-        """At the torque of the actuators."""
+        """Rates at the torque of the actuators."""
         passive = self._passive(q, v, contact.sign)
         links = self._loops.links(q, v)
         inverse, motions = self._spaces(self._loops.jacobian(links))
@@ -212,7 +212,7 @@ class LoopEquations(Equations):
 
 
 def equations_of(plant: PlantConstants) -> Equations:
-    """Of a tree, or of a robot with loops."""
+    """Equations of a tree, or of a robot with loops."""
     return LoopEquations(plant) if plant.model.chords else Equations(plant)
 
 

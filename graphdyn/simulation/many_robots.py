@@ -165,7 +165,7 @@ def _times(
     duration: float | None,
     period: float | None,
 ) -> tuple[int, int]:
-    """For how many steps a torque is held, and the number of steps."""
+    """The number of steps many steps a torque is held, and the number of steps."""
     if isinstance(controls, Controller):
         if period is not None:
             raise InvalidInput("a controller has a period of its own; omit period")

@@ -79,7 +79,7 @@ class Simulation:
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Of the columns of q, v, a and tau."""
+        """Joint names of the columns of q, v, a and tau."""
         return self.model.independent_joints
 
     @cached_property
@@ -107,7 +107,7 @@ class Simulation:
 
     @cached_property
     def bodies(self) -> MaximalState:
-        """Where the bodies are: as integrated in maximal coordinates, otherwise as q and v say."""
+        """Placements of the bodies: as integrated in maximal coordinates, otherwise as q and v say."""
         return self._bodies or maximal_state(self.model, self.q, self.v, base=self._base())
 
     def closure_error(self) -> Array:

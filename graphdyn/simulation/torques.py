@@ -1,4 +1,4 @@
-"""Where the torque of a simulation comes from: a function, numbers that are held, or a controller."""
+"""Sources of the torque of a simulation: a function, numbers that are held, or a controller."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Torques:
         return self.controller.period if self.controller else None
 
     def steps_held(self, step: float, steps: int) -> int:
-        """For how many fixed steps a torque is held. Raises InvalidInput where it is no whole number."""
+        """The number of fixed steps a torque is held. Raises InvalidInput where it is no whole number."""
         if self.values is not None:
             if len(self.values) == 1:
                 return CONSTANT_TORQUE_STEPS
@@ -76,7 +76,8 @@ class Torques:
         return self._law(time, q, v)
 
     def columns(self, first: int, count: int, period: float) -> Array:
-        """Of compiled steps: the values or references of the ticks first … first + count - 1 (count, n or 3 n)."""
+        """Columns of compiled steps: the values or references of the ticks first … first + count - 1 (count, n or 3
+        n)."""
         ticks = np.arange(first, first + count)
         if self.values is not None:
             return np.asarray(self.values[np.minimum(ticks, len(self.values) - 1)])

@@ -184,4 +184,4 @@ class MatrixCalls:
     """Y (n, 6, 10) [N, N m per parameter]"""
 
     momentum_regressor: SingleState[OfState]
-    """Of M v (n, 10 n) [kg m²/s or kg m/s per parameter]"""
+    """Momentum regressor of M v (n, 10 n) [kg m²/s or kg m/s per parameter]"""

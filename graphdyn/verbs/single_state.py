@@ -78,7 +78,7 @@ class SingleState(threading.local, Generic[Form]):  # __init__ runs again in eve
     _python_call: PythonCall | None = None
 
     def __new__(cls, model: RobotModel, name: str) -> Self:
-        """Of a class of its own, which holds what all threads share.
+        """Make an object of a class of its own, which holds what all threads share.
 
         Python looks for __call__ in the class, and calls a C function there at once.
         """

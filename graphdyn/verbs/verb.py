@@ -182,7 +182,7 @@ def _of_loops(
     options: Options,
     out: object,
 ) -> dict[str, Array]:
-    """Of a robot with loops. What they leave undetermined is NaN."""
+    """Answers of a robot with loops. What they leave undetermined is NaN."""
     if not (is_recursive(method, x, out) and (verb.is_compiled(model) or method == "recursive" or out is not None)):
         return closed(model, _complete(model, x), base, method == "dense")
     verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")

@@ -62,7 +62,7 @@ class Drawing:
 
     @property
     def line(self) -> int | None:
-        """Of the file, if known."""
+        """Line of the file, if known."""
         return line_of(self.element) or None
 
     @property
@@ -80,7 +80,7 @@ class Drawings:
 
 
 def drawings(robot: etree._Element) -> Drawings:
-    """Of a document that still has all its elements."""
+    """Drawings of a document that still has all its elements."""
     found = [
         Drawing(name_of(link), geometry, element)
         for link in children(robot, "link")

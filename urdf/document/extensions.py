@@ -45,7 +45,7 @@ class Extensions:
 
 
 def extensions(robot: etree._Element, path: Path) -> Extensions:
-    """Of a document that still has all its elements."""
+    """Extensions of a document that still has all its elements."""
     return Extensions(tuple(_closures(robot, path)), tuple(_motors(robot, path)), tuple(_unread(robot)))
 
 
@@ -63,7 +63,7 @@ def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
 
 
 def _motors(robot: etree._Element, path: Path) -> Iterator[Motor]:
-    """Of <transmission>: the joints that have an <actuator>."""
+    """Motors of <transmission>: the joints that have an <actuator>."""
     for transmission in robot.iterchildren(etree.Element):
         tags = [tag_of(child) for child in transmission]
         if tag_of(transmission) == "transmission" and "actuator" in tags:

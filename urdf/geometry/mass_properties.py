@@ -67,7 +67,7 @@ def together(solids: Sequence[Filled]) -> Filled:
 
 
 def _primitive(drawn: Drawn, triangles: Triangles) -> Filled:
-    """By the formulas: the triangles of a round solid lie inside it."""
+    """Mass properties by the formulas: the triangles of a round solid lie inside it."""
     if drawn.kind == "box":
         x, y, z = drawn.sizes
         volume = x * y * z

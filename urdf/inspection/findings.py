@@ -7,7 +7,7 @@ from typing import Literal
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
-"""In this order: urdf.load refuses the file; it loads, but its dynamics are doubtful; good to know."""
+"""Severities in this order: urdf.load refuses the file; it loads, but its dynamics are doubtful; good to know."""
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
 

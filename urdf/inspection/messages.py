@@ -72,7 +72,8 @@ OTHER_READERS = {
     "zero-inertia": _BOTH_LOAD,
     "zero-mass": _BOTH_LOAD,
 }
-"""By code of a finding: what Pinocchio and yourdfpy do. Codes that make no difference to them are not listed."""
+"""Behavior of other readers by code of a finding: what Pinocchio and yourdfpy do. Codes that make no difference to them
+are not listed."""
 
 
 def about(code: str, severity: Severity, element: etree._Element, problem: str, remedy: str) -> Finding:

@@ -42,7 +42,7 @@ def stated_beside(loops: Loops, path: Path) -> CompanionFiles:
 
 
 def all_closures(source: Source, added: CompanionFiles) -> list[Closure]:
-    """Those of the file and those stated beside it; source: with all its links."""
+    """The closures of the file and those stated beside it; source: with all its links."""
     links = {name_of(link) for link in source.links}
     carried = {name_of(joint): end(joint, "child") for joint in source.joints}
     return [*source.extensions.closures, *(_closure(loop, place, links, carried) for loop, place in added.loops)]
@@ -117,7 +117,8 @@ def closure_faults(
 
 
 def constraining(closures: Sequence[Closure], carriers: Mapping[str, str | None]) -> Iterator[Closure]:
-    """Those that constrain the model: not those between links of one body, or between links that are left out."""
+    """The closures that constrain the model: not those between links of one body, or between links that are left
+    out."""
     for closure in closures:
         if len(closure.links) < 2 or len({carriers.get(link, "") for link in closure.links}) > 1:
             yield closure

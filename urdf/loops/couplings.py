@@ -15,7 +15,7 @@ from urdf.document.tree import joint_into, path_up
 from urdf.errors import InvalidLoop, listed, shortened
 
 INDEPENDENT_VALUES = {"true": True, "1": True, "false": False, "0": False}
-"""By the lower-case text of the attribute independent= of a joint."""
+"""Independent values by the lower-case text of the attribute independent= of a joint."""
 
 
 @dataclass(frozen=True)

@@ -61,7 +61,7 @@ def resolve(
     }
 
     def value(name: str, on_the_way: tuple[str, ...]) -> float | None:
-        """Where a joint stands; None if it is free or a free one drives it."""
+        """The position of a joint; None if it is free or a free one drives it."""
         if name in on_the_way:
             raise _circle(by_joint[name], (*on_the_way[on_the_way.index(name) :], name))
         if name not in by_joint:
@@ -107,7 +107,7 @@ def resolve(
 
 
 def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Relation]:
-    """Of the mimic joints of a file, by joint."""
+    """Mimic relations of the mimic joints of a file, by joint."""
     elements = {name_of(joint): joint for joint in source.joints}
     found = {}
     for joint in robot.joints:

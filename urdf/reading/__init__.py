@@ -1,4 +1,4 @@
-"""From the document to the model: repair, check, cut, lock, fuse, and the warnings of urdf.load."""
+"""The model from the document: repair, check, cut, lock, fuse, and the warnings of urdf.load."""
 
 from urdf.reading.cutting import Chain
 from urdf.reading.misreading import Misreadings

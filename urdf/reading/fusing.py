@@ -125,7 +125,7 @@ def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked
 
 
 def _placement(origin: np.ndarray | None) -> Placement:
-    """Of yourdfpy's homogeneous matrix (4, 4); the identity for None, where the file has no <origin>."""
+    """Placement of yourdfpy's homogeneous matrix (4, 4); the identity for None, where the file has no <origin>."""
     return Placement() if origin is None else Placement(origin[:3, :3], origin[:3, 3])
 
 

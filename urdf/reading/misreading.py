@@ -37,7 +37,8 @@ class Misreadings:
     def of(
         self, changes: Mapping[str, Callable[[Robot], object]]
     ) -> Iterator[tuple[str, tuple[Body, ...], tuple[Joint, ...]]]:
-        """By name of the change: the bodies and joints after it; change(robot) alters a copy of the robot in place."""
+        """Numbers by name of the change: the bodies and joints after it; change(robot) alters a copy of the robot in
+        place."""
         for name, change in changes.items():
             robot = _copied(self.robot)
             change(robot)

@@ -1,4 +1,4 @@
-"""From the model to URDF, and new inertial parameters into an existing file."""
+"""URDF from a model, and new inertial parameters into an existing file."""
 
 from urdf.writing.writing import urdf_document
 

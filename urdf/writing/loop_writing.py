@@ -18,7 +18,7 @@ from urdf.document.numbers import add_placement, text
 from urdf.errors import CannotSave, shortened
 
 LOOP_TYPES = {"hinge": "revolute", "slide": "prismatic", "weld": "fixed", "ball": "spherical", "distance": "distance"}
-"""By the kind of a chord: the type of <loop>."""
+"""Loop types by the kind of a chord: the type of <loop>."""
 
 
 def loop_elements(model: RobotModel) -> Iterator[etree._Element]:

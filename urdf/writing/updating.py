@@ -1,4 +1,4 @@
-"""Where the <inertial> elements stand in the bytes of a URDF file, so that they alone can be replaced.
+"""Positions of the <inertial> elements in the bytes of a URDF file, so that they alone can be replaced.
 
 New inertial parameters into an existing URDF file: every byte outside the <inertial> elements stays as it was.
 """

@@ -1,4 +1,4 @@
-"""From the model to a URDF file, written by ourselves: a link per body, a fixed link per frame.
+"""A URDF file from the model, written by ourselves: a link per body, a fixed link per frame.
 
 yourdfpy's writer computes roll and yaw separately, from entries of the rotation that vanish at pitch = ±π/2. With the
 rounding of one matrix product in the entries, the angles it writes miss the rotation by up to 0.37 within 1e-15 rad of

@@ -10,7 +10,7 @@ from graphdyn.compiler import VectorCode
 from graphdyn.scalars import Program
 
 REGISTER_PATTERN, CONTRACT_FLAG = r"%[\w.]+", " contract "
-"""Of values in LLVM code; the mark of sums that may take in a product."""
+"""Names of values in LLVM code; the mark of sums that may take in a product."""
 
 
 def floating_point_operations(program: Program) -> int:

@@ -90,7 +90,7 @@ class CoreShare:
 
     @property
     def share(self) -> float:
-        """Between 0 and 1; 1 before anything was measured."""
+        """Share between 0 and 1; 1 before anything was measured."""
         return min(1.0, self.used / self.elapsed) if self.elapsed else 1.0
 
 

@@ -13,7 +13,7 @@ from crosscheck.report.report import Block, Column, Panel, Plot, Prose, Row, Sec
 from graphdyn.layout import Array
 
 CURVE_HEIGHT = 1.7
-"""Of a plot, relative to others."""
+"""Height of a plot, relative to others."""
 
 
 def curve_section(curve: ScalingCurve) -> Section:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, ROW, AXIS = 7.6, 0.24, 0.45
-"""Of the picture, of one bar, of the axis with its title [inches]."""
+"""Sizes of the picture, of one bar, of the axis with its title [inches]."""
 
 
 def ratio_bars(key: str, comparisons: Sequence[SpeedRatio]) -> Markup:

@@ -134,8 +134,8 @@ class IdentificationRunRecord(Record, of=IdentificationRun, leave_out=("times",)
 
 
 class BenchIdentificationRecord(Record, of=Identifications):
-    """From a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports are
-    not.
+    """The way from a recording in memory to the inertial parameters, in fresh processes; compiling is included, imports
+    are not.
 
     ratios: ours against Pinocchio's loop with lstsq, per number of threads
     """

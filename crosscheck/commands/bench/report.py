@@ -244,7 +244,7 @@ def _identification(found: Identifications) -> Section:
 
 
 def _whole_time(entry: IdentificationRun, samples: int) -> str:
-    """Of the whole recording; extrapolated where fewer samples were worked on."""
+    """Time of the whole recording; extrapolated where fewer samples were worked on."""
     prefix = "" if entry.samples == samples else "≈ "
     return prefix + time_text(entry.times.median * samples)
 

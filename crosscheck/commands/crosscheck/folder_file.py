@@ -40,7 +40,7 @@ NAMES_BEFORE = {
     "closed_acceleration": "closed_forward_dynamics",
     "closed_joint_wrench": "closed_joint_wrenches",
 }
-"""Of quantities in files of format 2, and what they are called now."""
+"""Names before of quantities in files of format 2, and what they are called now."""
 
 
 class SweepFile:

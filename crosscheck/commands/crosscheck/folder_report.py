@@ -28,7 +28,7 @@ FOLDER_STATES: dict[str, State] = {
     KINEMATICS_ONLY: "undecided",
     AGREES: "agrees",
 }
-"""In the order of the page."""
+"""Folder states in the order of the page."""
 
 
 def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison]) -> Report:

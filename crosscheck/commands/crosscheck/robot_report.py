@@ -169,7 +169,7 @@ def quantities_table(comparison: Comparison, *, terminal: bool) -> Table:
 
 
 def _distribution(comparison: Comparison) -> tuple[Block, ...]:
-    """Of all quantities, and over the states those nearest to their bounds."""
+    """Distribution of all quantities, and over the states those nearest to their bounds."""
     results = sorted(comparison.quantities.values(), key=lambda result: result.agrees)
     bounded = [result for result in results if result.quantity.tolerance.bound and result.worst]
     nearest = sorted(bounded, key=lambda result: result.part_of_bound, reverse=True)[:N_PLOTTED]

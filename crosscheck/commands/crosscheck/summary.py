@@ -94,7 +94,7 @@ def _reasons(record: Mapping[str, Any]) -> list[str]:
 
 
 def _one_line(text: str, *paths: str) -> str:
-    """Without line breaks and without the folders of the file, which has its own column."""
+    """One line without line breaks and without the folders of the file, which has its own column."""
     for path in paths:
         text = text.replace(path, Path(path).name)
     return " ".join(text.split())

@@ -21,10 +21,10 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 7.6, 3.6
 RANK_HEIGHT = 1.7
-"""Of the picture of A2 [inches]."""
+"""Height of the picture of A2 [inches]."""
 
 MIN_DRAWN_ERROR = 1e-17
-"""Where an error of zero is drawn."""
+"""Value at which an error of zero is drawn."""
 
 PRINTED_COLOR, CORRECT_COLOR = CURVES[1], CURVES[0]
 ROBOT_MARKERS = {"kr500": "o", "ur5": "^"}

@@ -93,7 +93,8 @@ def run(options: ExciteOptions) -> None:
 def _searched(
     problem: ExcitationProblem, collisions: SelfCollision | None, options: ExciteOptions
 ) -> tuple[list[PlannedMotion], list[str]]:
-    """As many motions as asked for, each chosen for what the others do not show. Raises typer.Exit if there is none."""
+    """Search as many motions as asked for, each chosen for what the others do not show. Raises typer.Exit if there is
+    none."""
     from crosscheck.exciting.excited import planned
     from graphdyn.compiler import cores
 

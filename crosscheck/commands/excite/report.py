@@ -1,4 +1,4 @@
-"""Of `graphdyn excite`: which links were kept from hitting each other.
+"""Collisions in the report of `graphdyn excite`: which links were kept from hitting each other.
 
 `graphdyn excite`: planned motions and what they promise, as a report.
 """
@@ -90,7 +90,7 @@ def _some(told: Sequence[str], between: str) -> str:
 
 
 CURVE_RATE = 100.0
-"""[Hz] Of the curves."""
+"""[Hz] Rate of the curves."""
 
 DETERMINATION_VERDICTS: dict[str, State] = {"well": "agrees", "roughly": "undecided", "not": "disagrees"}
 

@@ -41,7 +41,7 @@ def search(task: SearchTask) -> OptimizedMotion | str:
 
 
 def one_by_one(tasks: list[SearchTask]) -> Generator[tuple[int, OptimizedMotion | str]]:
-    """In this process: starting another takes longer than a search."""
+    """Search in this process: starting another takes longer than a search."""
     for k, task in enumerate(tasks):
         yield k, search(task)
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MAX_AXIS_PERCENT = 1e4
-"""[%] Where the axis ends at most: beyond, nothing is determined."""
+"""[%] Largest end of the axis: beyond, nothing is determined."""
 
 
 def sigma_bars(key: str, found: Excited) -> Markup:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, ROW, AXIS = 7.6, 0.3, 0.85
-"""Of the picture, of one row, of axis and key [inches]."""
+"""Sizes of the picture, of one row, of axis and key [inches]."""
 
 METHOD_MARKERS = "os^Dv*Px<>ph"
 MEAN_COLOR, JOINT_COLOR = CURVES[0], MIDDLE_COLOR

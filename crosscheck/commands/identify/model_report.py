@@ -1,4 +1,4 @@
-"""Of one result of an identification: its torques beside the measured ones, its parameters beside those of CAD."""
+"""One result of an identification: its torques beside the measured ones, its parameters beside those of CAD."""
 
 from __future__ import annotations
 
@@ -30,14 +30,15 @@ BLUE_CURVE, RED_CURVE, GRAY_CURVE = 0, 1, 7
 """Colors of curves."""
 
 TORQUE_HEIGHT, RESIDUAL_HEIGHT = 0.8, 0.45
-"""Of the panels of a joint."""
+"""Heights of the panels of a joint."""
 
 VALUE_FORMAT: dict[str, Any] = {"kind": "number", "form": ".4g"}
 DEVIATION_FORMAT: dict[str, Any] = {"kind": "number", "form": ".2g"}
 
 
 def torques_section(found: Identified, shown: MethodResult) -> Section:
-    """For the page: every joint over the fitted rows and, beside it, over those held out and those kept aside."""
+    """The section of the page with every joint over the fitted rows and, beside it, over those held out and those kept
+    aside."""
     of_shown = found.model_of(shown)
     sides = {
         "fitted": of_shown.fit.curves(shown.name),

@@ -46,7 +46,7 @@ def findings(found: Identified) -> list[RecordingFinding]:
 
 
 def _expanded(paths: Sequence[Path]) -> list[str]:
-    """With patterns, which a shell leaves in quotation marks as they are, replaced by what they match."""
+    """The arguments with patterns, which a shell leaves in quotation marks as they are, replaced by what they match."""
     return [name for path in paths for name in ([str(path)] if path.exists() else _matching(str(path)))]
 
 

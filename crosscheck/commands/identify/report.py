@@ -100,7 +100,7 @@ def _without_effect(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:
 
 
 def _settings(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:
-    """Of the terms, where they were found: per joint, in brackets where the recording does not say."""
+    """Settings of the terms, where they were found: per joint, in brackets where the recording does not say."""
     return tuple(
         (
             setting.name,
@@ -162,7 +162,8 @@ def _listed(title: str, names: Sequence[str], *, folded: bool) -> tuple[Block, .
 
 
 def _singular_values(model: IdentifiedModel) -> Array:
-    """Of the regressor of the base parameters, joints weighted by their torque, columns at unit length (r,)."""
+    """Singular values of the regressor of the base parameters, joints weighted by their torque, columns at unit length
+    (r,)."""
     equations = model.problem.equations
     size = np.sqrt(equations.measured_squares / np.maximum(equations.counts, 1))
     r, _ = equations.weighted(np.where(size > 0, size, 1.0))

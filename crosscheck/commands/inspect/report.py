@@ -65,7 +65,7 @@ def inspect_report(inspected: Sequence[urdf.Inspection], failures: Sequence[Mapp
 
 
 def occurrences(inspected: Sequence[urdf.Inspection]) -> dict[str, int]:
-    """By code, the number of files that have it, most frequent first."""
+    """Occurrences by code, the number of files that have it, most frequent first."""
     return dict(Counter(code for file in inspected for code in file.codes).most_common())
 
 

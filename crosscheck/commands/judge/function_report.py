@@ -17,7 +17,7 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 MAX_SHOWN_ENTRIES = 12
-"""Of a matrix, the entries shown at most, those that differ most; the code to reproduce them has all."""
+"""Largest number of entries of a matrix that are shown, those that differ most; the code to reproduce them has all."""
 
 
 def infinite_where_nan(errors: Array) -> Array:
@@ -26,7 +26,7 @@ def infinite_where_nan(errors: Array) -> Array:
 
 
 def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
-    """For the page: the errors in detail, and the worst call."""
+    """The section of the page with the errors in detail, and the worst call."""
     contests = [
         *(
             SpreadRow(f"against {who}", infinite_where_nan(errors), function.bound)

@@ -23,13 +23,13 @@ POSE_PICTURE_SIZE = 3.7
 """Width and height of a picture [inches]."""
 
 PICTURE_RANGE = ((-2.3, 2.1), (-0.9, 3.5))
-"""Of the picture's plane, around the base: the arm in all three poses [m]."""
+"""Range of the picture's plane, around the base: the arm in all three poses [m]."""
 
 FRAME, AXIS, RAIL = 0.36, 0.75, 2.4
 """Lengths of the body axes, half lengths of the joint axes and of the drawn part of the rail [m]."""
 
 LABEL_DISTANCE_POINTS = 11.0
-"""Of a joint's name from its origin, against e_3 of its body [points]."""
+"""Distance of a joint's name from its origin, against e_3 of its body [points]."""
 
 CIRCLE_ANGLES = np.linspace(0.0, 2 * np.pi, 33)
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, ROW, AXIS = 7.6, 0.165, 0.95
-"""Of the picture, of one row, of axis and key [inches]."""
+"""Sizes of the picture, of one row, of axis and key [inches]."""
 
 MIN_EXPONENT, MAX_EXPONENT = -14.5, -1.0
 """Decades of the axis [kg, kg m²]."""

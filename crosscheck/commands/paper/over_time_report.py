@@ -13,7 +13,7 @@ MARKED_SAMPLE_INTERVAL = 10
 """Every MARKED_SAMPLE_INTERVAL-th sample of rnea is marked."""
 
 PANEL_HEIGHT = 0.62
-"""Of a panel, relative to others."""
+"""Height of a panel, relative to others."""
 
 KILO_FACTOR = 1e-3
 

@@ -80,7 +80,7 @@ class MultiplierRecord(Record, of=Multiplier, leave_out=("joint", "number")):
 
 
 class PaperRatioRecord(Record):
-    """Of one joint.
+    """A ratio of multipliers of one joint.
 
     joint: number of the joint
     printed: λ_j4 / λ_j5 as printed

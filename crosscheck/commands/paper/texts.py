@@ -13,7 +13,7 @@ BODY_TABLE_COLUMNS = tuple(Column(f"B_{i}", "number") for i in range(1, 7))
 
 
 def printed_text(number: Printed) -> str:
-    """As printed, with the number of its erratum."""
+    """The number as printed, with the number of its erratum."""
     if number.text is None:
         return NO_VALUE
     return f"{number.text} {number.erratum or ''}".strip()
@@ -27,7 +27,7 @@ def misprints(numbers: Iterable[Printed]) -> str:
 
 
 def value_text(value: float) -> str:
-    """With the four decimal places of the paper; no minus before a zero."""
+    """The value with the four decimal places of the paper; no minus before a zero."""
     return NO_VALUE if math.isnan(value) else f"{round(value, 4) + 0.0:.4f}"
 
 
@@ -39,7 +39,7 @@ def error_text(error: float) -> str:
 
 
 def multiplier_text(number: Multiplier) -> str:
-    """With the seven digits of the paper; zero for what is rounding of zero."""
+    """The multiplier with the seven digits of the paper; zero for what is rounding of zero."""
     if math.isnan(number.ours):
         return NO_VALUE
     return "0" if number.kind == "rounding" else f"{number.ours:.6e}"

@@ -31,7 +31,7 @@ SYSTEM_ERROR_REMEDIES = {
     EISDIR: "name a file",
     ENOSPC: "make room, or write elsewhere",
 }
-"""By number of an error of the system."""
+"""Remedies by number of an error of the system."""
 
 Advance = Callable[[str, int], None]
 """Called with what was just done, and the number of its steps."""

@@ -1,4 +1,4 @@
-"""Where a report goes: the terminal, and if asked for a page and a JSON file."""
+"""Destinations of a report: the terminal, and if asked for a page and a JSON file."""
 
 from __future__ import annotations
 

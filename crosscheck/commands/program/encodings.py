@@ -27,7 +27,7 @@ def accept_all_characters() -> None:
 
 
 def spelled(text: str) -> str:
-    """In ASCII: τ as tau, ẍ as x, 10⁻³ as 10-3; other characters as Python writes them, as \\u4e2d."""
+    """The text in ASCII: τ as tau, ẍ as x, 10⁻³ as 10-3; other characters as Python writes them, as \\u4e2d."""
     return "".join(map(_letter, text.translate(ASCII_SPELLING)))
 
 

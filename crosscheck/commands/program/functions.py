@@ -17,7 +17,7 @@ from crosscheck.commands.program import own_process
 from crosscheck.user_code import module_of_file
 
 _files: set[str] = set()
-"""Of the user code that this process has imported, as tracebacks name them."""
+"""Files of the user code that this process has imported, as tracebacks name them."""
 
 
 def user_function(option: str, text: str) -> Callable[..., object]:
@@ -52,7 +52,8 @@ def user_function(option: str, text: str) -> Callable[..., object]:
 
 
 def place_in_user_code(error: BaseException) -> str:
-    """Where in user code an error was raised, or what it called: "my_code.py, line 12, in rnea"; "" if elsewhere."""
+    """The place in user code where an error was raised, or what it called: "my_code.py, line 12, in rnea"; "" if
+    elsewhere."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in _files]
     return f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}" if frames else ""
 

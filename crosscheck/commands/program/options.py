@@ -89,7 +89,7 @@ class PageOptions(ReportOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class WorkerOptions:
-    """Where the work is done: processes here, or the workers of a Dask scheduler."""
+    """Workers: processes here, or the workers of a Dask scheduler."""
 
     PANEL: ClassVar[str] = "Workers"
 

@@ -29,7 +29,8 @@ program: Callable[[], None] | None = None
 """Runs the command line; set by crosscheck.commands.application, whose commands this file serves."""
 
 tell: Callable[[str], None] | None = None
-"""In the process of the command: says to the program which user code is about to run. None in the program itself."""
+"""Hook in the process of the command that says to the program which user code is about to run. None in the program
+itself."""
 
 
 class UserCodeEnded(GraphDynError):
@@ -105,7 +106,8 @@ def _run(again: Callable[[], None], theirs: Connection) -> None:
 
 
 def _keep_standard_output() -> None:
-    """For results alone: what user code prints goes to standard error, also where it is not written in Python."""
+    """Keep standard output for results alone: what user code prints goes to standard error, also where it is not
+    written in Python."""
     kept = os.dup(sys.stdout.fileno())
     console.out.file = open(kept, "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)  # noqa: SIM115
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())

@@ -14,7 +14,7 @@ Signs = Sequence[Sequence[Literal[-1, 0, 1]]]
 
 @dataclass(frozen=True, kw_only=True)
 class BodyPlacementDescription:
-    """Where the link frame of a body is in the world.
+    """Placement of the link frame of a body in the world.
 
     name: of its link
     xyz: origin (3,) [m]
@@ -44,7 +44,7 @@ class MassMotionDescription:
 
 @dataclass(frozen=True, kw_only=True)
 class FrameStateDescription:
-    """Where a named frame is, and how it moves.
+    """Placement and motion of a named frame.
 
     name: of the frame, as given
     reference: point and axes of velocity and Jacobian, in Pinocchio's words

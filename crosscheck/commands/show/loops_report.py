@@ -15,7 +15,7 @@ MAX_SHOWN_STRESSES = 20
 """Self-stresses on terminal and page; of a linkage of 42 loops there are 138."""
 
 MAX_SHOWN_PARTS = 8
-"""Of one self-stress, the largest first."""
+"""Largest number of shown parts of one self-stress, the largest first."""
 
 DIRECTIONS = (*FORCES, *MOMENTS)
 

@@ -1,4 +1,4 @@
-"""Where the matrix of Eq. (111) has its entries."""
+"""Pattern of the entries of the matrix of Eq. (111)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ LABEL_FILL = 0.6
 """Height of a label, as a part of the rows of its joint, where 9 points do not fit."""
 
 POINTS_PER_INCH = 72
-"""Of an inch."""
+"""Points of an inch."""
 
 
 def matrix_pattern(key: str, pattern: NDArray[np.bool_], n: int, chords: Sequence[int] = ()) -> Markup:

@@ -13,7 +13,7 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 
 JACOBIAN_ROWS = ("v_x", "v_y", "v_z", "ω_x", "ω_y", "ω_z")
-"""Of a frame Jacobian."""
+"""Rows of a frame Jacobian."""
 
 
 def state_section(state: StateDescription, model: RobotModel) -> Section:

@@ -130,7 +130,7 @@ class _Shown:
 
 
 def _in_words(seconds: float) -> str:
-    """In the unit that people would say."""
+    """The time in the unit that people would say."""
     for size, unit in ((3600, "h"), (60, "min")):
         if seconds >= 1.5 * size:
             return f"{seconds / size:.0f} {unit}"

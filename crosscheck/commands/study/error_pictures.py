@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, LEFT_MARGIN = 7.6, 1.25, 0.26, 0.5
-"""Of the picture, height of a panel, of what is above it, room for the numbers on the left [inches]."""
+"""Sizes of the picture, height of a panel, of what is above it, room for the numbers on the left [inches]."""
 
 ERROR_PANELS_PER_ROW = 5
 """Panels beside each other."""

@@ -27,7 +27,7 @@ ERRORS_NOTE = (
 
 
 def errors_section(found: StudySummary, grid: Grid, measures: Measures, on_page: ShownRuns) -> Section:
-    """Of the methods that measure this."""
+    """Errors of the methods that measure this."""
     columns = found.methods(measures)
     blocks: list[Block] = [Prose(ERRORS_NOTE.format(level=CONFIDENCE_LEVEL), soft=True, on=("page",))]
     for error in ERRORS:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, PANEL, TITLE, LEFT, EDGE = 7.6, 1.0, 0.3, 0.5, 0.4
-"""Of the picture, height of a panel, of what is above it, room on the left and below [inches]."""
+"""Sizes of the picture, height of a panel, of what is above it, room on the left and below [inches]."""
 
 PARAMETER_PANELS_PER_ROW = 4
 """Panels beside each other."""

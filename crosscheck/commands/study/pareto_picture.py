@@ -37,7 +37,7 @@ class Trade:
 
 
 def efficient(trades: Sequence[Trade]) -> list[Trade]:
-    """Those than which no other is faster and as accurate, or as fast and more accurate; fastest first."""
+    """Methods than which no other is faster and as accurate, or as fast and more accurate; fastest first."""
     kept: list[Trade] = []
     for trade in sorted(trades, key=lambda one: (one.seconds, one.ratio)):
         if not kept or trade.ratio < kept[-1].ratio:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, ROW, AXIS = 4.1, 0.175, 0.75
-"""Of the picture, of one row, of axis and distance [inches]."""
+"""Sizes of the picture, of one row, of axis and distance [inches]."""
 
 GROUP_DISTANCE = 0.07
 """Distance of the bars of two groups [inches]."""

@@ -23,7 +23,7 @@ from crosscheck.study.statistics.outcomes import Measures, read_outcomes
 from crosscheck.study.statistics.summary import StudySummary, summarized
 
 NUMBER_IN_REASON = re.compile(r"\d[\d.e+-]*")
-"""In a reason."""
+"""Numbers in a reason."""
 
 SECONDS_PER_HOUR = 3600.0
 """[s]"""

@@ -57,7 +57,7 @@ def shown_runs(found: StudySummary) -> ShownRuns:
 def scenario_sections(
     found: StudySummary, grid: Grid, on_page: ShownRuns, repeat: Callable[[str, int], Sequence[str]]
 ) -> Iterator[Section]:
-    """In the order of the grid; the first ones with their parameters."""
+    """Sections of the scenarios in the order of the grid; the first ones with their parameters."""
     for place, number in enumerate(grid.order()):
         scenario = found.scenarios[number]
         outcomes = scenario.outcomes

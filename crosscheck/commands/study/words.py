@@ -11,7 +11,8 @@ METHOD_CLASSES: dict[Measures, tuple[str, str]] = {
     "torques": ("Methods that measure torques", "torques"),
     "wrenches": ("Methods that measure wrenches in every joint", "wrenches"),
 }
-"""In headings, in tables. The two are never compared: a wrench has six numbers where a torque is one."""
+"""Names of the classes in headings and in tables. The two are never compared: a wrench has six numbers where a torque
+is one."""
 
 ERRORS_IN_WORDS = {
     "parameter_error": "parameter error",
@@ -37,5 +38,5 @@ def percent_text(found: Interval, form: str = ".2g") -> str:
 
 
 def _text(value: float, form: str) -> str:
-    """Without exponents for whole percents, such as 100."""
+    """Text without exponents for whole percents, such as 100."""
     return "∞" if np.isinf(value) else f"{value:.0f}" if 99 < abs(value) < 1e5 else format(value, form)

@@ -134,7 +134,7 @@ def run(options: ViewOptions) -> None:
 
 
 def _serve(title: str, figures: Sequence[Figure], port: int, no_browser: bool) -> None:
-    """Until Ctrl-C."""
+    """Serve until Ctrl-C."""
     from crosscheck.viewing.server import PageServer
 
     try:

@@ -62,7 +62,7 @@ def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
 
 
 def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> TimedPositions:
-    """Of programs in this form. Raises BadRecordingFile for others."""
+    """Read programs in this form. Raises BadRecordingFile for others."""
     signs, zeros = settings.of(len(prismatic))
     text = path.read_text(encoding="utf-8", errors="replace")
     end, points = _END.search(text), _POINT.findall(text)

@@ -33,7 +33,7 @@ class TimedMotion:
     def of(
         cls, course: FiniteMotion, joint_names: tuple[str, ...], prismatic: tuple[bool, ...], rate: float
     ) -> TimedMotion:
-        """At a rate [Hz]; the end is a row even where it is no multiple of the period."""
+        """The motion at a rate [Hz]; the end is a row even where it is no multiple of the period."""
         times = sample_times(course.duration, rate)
         if course.duration - times[-1] > 1e-9 * course.duration:
             times = np.append(times, course.duration)

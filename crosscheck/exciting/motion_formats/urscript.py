@@ -15,7 +15,7 @@ from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPo
 from crosscheck.recordings.errors import BadRecordingFile
 
 LOOKAHEAD, GAIN = 0.1, 300
-"""[s, -] Of servoj: the values of the manual's example."""
+"""[s, -] Settings of servoj: the values of the manual's example."""
 
 _PERIOD = re.compile(r"^\s*global\s+period\s*=\s*([-+.\deE]+)", re.MULTILINE)
 _SERVO = re.compile(r"^\s*servoj\(\s*\[([^\]]*)\]", re.MULTILINE)
@@ -31,7 +31,7 @@ def document(motion: TimedMotion) -> bytes:
 
 
 def read(path: Path, joints: Sequence[str]) -> TimedPositions:
-    """Of programs in this form. Raises BadRecordingFile for others."""
+    """Read programs in this form. Raises BadRecordingFile for others."""
     text = path.read_text(encoding="utf-8", errors="replace")
     period, rows = _PERIOD.search(text), _SERVO.findall(text)
     if period is None or not rows:

@@ -121,7 +121,7 @@ READERS: Mapping[str, Callable[[Path], Iterator[tuple[int, GivenAnswer]]]] = {
     ".npz": _npz,
     ".parquet": _parquet,
 }
-"""By the ending of the name."""
+"""Readers by the ending of the name."""
 
 
 def _entry(number: Any, answer: Any, where: str) -> tuple[int, GivenAnswer]:

@@ -218,7 +218,7 @@ class LineProcess:
 
 
 def end_in_words(code: int | None) -> str:
-    """Of a process. code: its exit code, or minus the number of a signal."""
+    """The end of a process in words. code: its exit code, or minus the number of a signal."""
     if code is None or code >= 0:
         return f"ended itself with exit code {code}"
     return f"was ended by signal {-code} ({signal.strsignal(-code)})"

@@ -15,7 +15,7 @@ from crosscheck.judging.observing.function_under_test import Refusal
 from graphdyn.layout import Array
 
 Shape = tuple[int | None, ...]
-"""Of an answer; None for any number."""
+"""Shape of an answer; None for any number."""
 
 
 class UnreadableAnswer(Exception):
@@ -99,9 +99,9 @@ def _flat(nested: Any) -> Iterator[Any]:
 
 
 def number_text(x: float) -> str:
-    """With 17 digits, which make it the same number again."""
+    """The number with 17 digits, which make it the same number again."""
     return f"{x:.17g}"
 
 
 PROTOCOLS_BY_NAME = {"plain": Protocol(_plain_question, _plain_answer), "json": Protocol(_json_question, _json_answer)}
-"""By name, as --protocol takes them."""
+"""Protocols by name, as --protocol takes them."""

@@ -27,11 +27,12 @@ ID_DECIMALS = 9
 """Decimals of the numbers that an id depends on: not on the rounding of the machine that wrote the questions."""
 
 ARGUMENT_NAMES = ("q", "v", "a", "tau", LOADS)
-"""In the order of files."""
+"""Argument names in the order of files."""
 
 
 NAMES_IN_IDS = {"joint_torque_regressor": "regressor"}
-"""Of functions that were asked under another name: ids stay, so that answers that were written are still answers."""
+"""Names of functions that were asked under another name: ids stay, so that answers that were written are still
+answers."""
 
 
 class SameId(GraphDynError):
@@ -54,7 +55,7 @@ class Question:
 
 
 def question(function: str, arguments: Mapping[str, Array]) -> Question:
-    """With its id."""
+    """Question with its id."""
     said = [
         f"{name} " + " ".join(f"{x + 0.0:.{ID_DECIMALS}e}" for x in values.flat) for name, values in arguments.items()
     ]
@@ -132,7 +133,7 @@ def as_parquet(asked: Sequence[Question]) -> bytes:
 
 
 def _names(asked: Sequence[Question]) -> list[str]:
-    """Of all arguments that some function takes."""
+    """Names of all arguments that some function takes."""
     return [name for name in ARGUMENT_NAMES if any(name in one.arguments for one in asked)]
 
 
@@ -141,4 +142,4 @@ QUESTION_WRITERS: Mapping[str, Callable[[Sequence[Question]], bytes]] = {
     ".npz": as_npz,
     ".parquet": as_parquet,
 }
-"""By the ending of the name; JSON, which has a published format, is crosscheck.commands.questions.record."""
+"""Writers by the ending of the name; JSON, which has a published format, is crosscheck.commands.questions.record."""

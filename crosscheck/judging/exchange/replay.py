@@ -14,8 +14,8 @@ from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
 QUESTION_STAGES = 3
-"""In which a function is asked: the judged states, its noise, and the experiments on a function that deviates. The last
-two are one round of questions."""
+"""Stages in which a function is asked: the judged states, its noise, and the experiments on a function that deviates.
+The last two are one round of questions."""
 
 MAX_LISTED_IDS = 5
 """Ids that a message lists at most."""

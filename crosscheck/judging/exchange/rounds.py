@@ -101,7 +101,8 @@ def judge_answers(
     used: set[int] = set()
 
     def pending(name: str) -> Sequence[Question]:
-        """Of all stages: what is asked later does not depend on the numbers of earlier answers."""
+        """The pending questions of all stages: what is asked later does not depend on the numbers of earlier
+        answers."""
         supposed, asked = dict(given), list[Question]()
         for _ in range(QUESTION_STAGES - 1):
             try:

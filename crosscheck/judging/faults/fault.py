@@ -16,7 +16,7 @@ FAULT_KINDS = (
     *("inertia_point", "inertial_parameters", "unit", "continuous_joint", "inertial_frame", "fixed_link"),
     *("massless_link", "rounding", "friction", "spring", "offset", "rotor_inertia", "clipped"),
 )
-"""Of the faults, in the order in which those that fit alike and change as many numbers are told."""
+"""Kinds of the faults, in the order in which those that fit alike and change as many numbers are told."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ MIN_EQUAL_ANSWERS = 2
 """Answers of one size, the largest, from which on it may be a limit."""
 
 TRIAL_WIDTHS = (0.02, 0.1, 0.5)
-"""Where the search for the width of a law of friction begins, as a part of the largest velocity."""
+"""Start values of the search for the width of a friction law, as a part of the largest velocity."""
 
 Law = Callable[[Array, Array], Array]
 

@@ -79,7 +79,7 @@ def _opposite(rpy: Array) -> Array:
 PLACEMENT_REMEDY = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
 
 TRIAL_ZEROS = np.arange(-11, 13)[:, None] * np.pi / 12
-"""Where the search for the zero of a joint begins [rad]."""
+"""Start values of the search for the zero of a joint [rad]."""
 
 TRIAL_SCALES = np.array([[1.0], [-1.0], [0.5], [2.0], [np.pi / 180], [0.0]])
 

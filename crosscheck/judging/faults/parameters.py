@@ -30,7 +30,7 @@ PARAMETER_REMEDY = "compare mass, center of mass and tensor, and the fixed links
 
 
 def parameters(model: RobotModel) -> Iterator[Family]:
-    """Of one body: one number, then several; of all bodies: factors."""
+    """Parameters of one body: one number, then several; of all bodies: factors."""
     for k in range(model.n_bodies):
         for places in [*PARAMETER_GROUPS, *((place,) for place in range(4, 10)), (0, 1, 2, 3), tuple(range(10))]:
             yield _of_body(model, k, places)

@@ -16,7 +16,7 @@ MAX_SUBSET_JOINTS = 7
 """Largest number of joints for which every set of joints is tried (2^n); beyond, single joints and all."""
 
 AXIS: Signs = (-1, -1, -1, -1)
-"""Of q, v, a and τ: the axis points the other way."""
+"""Signs of q, v, a and τ: the axis points the other way."""
 
 EVERY_SIGN: list[Signs] = [(a, b, c, d) for a, b, c, d in itertools.product((1, -1), repeat=4)]
 

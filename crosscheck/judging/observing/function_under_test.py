@@ -27,7 +27,7 @@ class FunctionFailure(GraphDynError):
 
 @dataclass(frozen=True)
 class Refusal:
-    """In place of an answer, where user code says that it has none at a state."""
+    """A stand-in for an answer, where user code says that it has none at a state."""
 
     reason: str
 
@@ -191,7 +191,8 @@ def _where(arguments: Mapping[str, Array]) -> str:
 
 
 def _line(error: BaseException) -> str:
-    """Where in the file of the function an exception was raised, or the call that led to it; "" for compiled ones."""
+    """The place in the file of the function where an exception was raised, or the call that led to it; "" for compiled
+    ones."""
     frames = traceback.extract_tb(error.__traceback__)[1:]  # the first one is ours
     own = [frame for frame in frames if frame.filename == frames[0].filename]
     return f" ({own[-1].filename}, line {own[-1].lineno}, in {own[-1].name})" if own else ""

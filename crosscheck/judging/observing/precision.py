@@ -17,8 +17,8 @@ from graphdyn import inverse_dynamics
 
 DIFFERENCE_ORDER = 8
 POINT_SPACING = 1e-5
-"""Between neighboring points, relative to the arguments: 80 units in the last place of single precision; terms that
-turn a thousand times as fast as the joints still vanish."""
+"""Distance between neighboring points, relative to the arguments: 80 units in the last place of single precision; terms
+that turn a thousand times as fast as the joints still vanish."""
 
 N_LINES = 5
 

@@ -32,7 +32,7 @@ class References:
         self._mujoco = MujocoModel(states.model) if mujoco else None
 
     def at(self, selected: NDArray[np.bool_]) -> References:
-        """At some of the states (N,)."""
+        """The references at some of the states (N,)."""
         return self if selected.all() else References(self.states.rows(selected), self._mujoco is not None)
 
     @cached_property
@@ -59,7 +59,7 @@ class References:
         return self._mujoco.evaluate(states.q, states.v, states.a, states.tau)
 
     def answers(self, function: Quantity, chosen: Chosen, ours: Array) -> dict[str, Array]:
-        """By name of the reference implementation, of those that have the function. ours: graphdyn's."""
+        """Answers by name of the reference implementation, of those that have the function. ours: graphdyn's."""
         found = {"graphdyn": ours}
         if self._has(function):
             found["pinocchio"] = function.of_pinocchio(self.pinocchio, self.states, chosen)

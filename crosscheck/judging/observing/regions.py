@@ -1,4 +1,4 @@
-"""Where the states lie at which a function deviates: beyond a threshold of one quantity, or of two.
+"""Regions of the states at which a function deviates: beyond a threshold of one quantity, or of two.
 
 All thresholds of all quantities are tried, of one and of two at a time: a decision tree of two levels, found
 exhaustively. A library of decision trees grows the same tree greedily, and is a heavy dependency for these few lines.
@@ -64,7 +64,7 @@ class Side:
 
 
 def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collection[str]) -> str | None:
-    """Where the deviating states are, in words; None where that has no such form, or may be chance.
+    """The region of the deviating states, in words; None where that has no such form, or may be chance.
 
     arguments: of the function
     """

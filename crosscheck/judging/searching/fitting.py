@@ -13,7 +13,7 @@ from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
 
 COMPLEX_STEP = 1e-30
-"""Of the complex steps."""
+"""Size of the complex steps."""
 
 MAX_FIT_ITERATIONS = 10
 MAX_FITTED_FAMILIES = 60
@@ -36,7 +36,7 @@ class Fitted:
 
 
 def root_mean_square(residuals: Array) -> Array:
-    """Of each code (K,); infinite where an answer is not finite."""
+    """Root mean square of each code (K,); infinite where an answer is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         size: Array = np.sqrt(np.mean(residuals.real**2, axis=(1, 2)))
     return np.where(np.isfinite(size), size, np.inf)

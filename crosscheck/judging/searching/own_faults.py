@@ -69,4 +69,4 @@ OWN_FAULTS: Mapping[str, OwnFault] = {
     "base_regressor": _of_base_regressor,
     "coriolis_matrix": _of_coriolis_matrix,
 }
-"""By the name of the function."""
+"""Own faults by the name of the function."""

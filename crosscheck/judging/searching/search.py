@@ -144,7 +144,7 @@ class Search:
         return explanation
 
     def _refitted(self, explanation: Explanation) -> Explanation:
-        """With the numbers of all its families fitted at once."""
+        """The fault with the numbers of all its families fitted at once."""
         elements = explanation.elements
         if not any(isinstance(element, Family) for element, _ in elements):
             return explanation
@@ -233,7 +233,7 @@ def firsts(found: Sequence[Explanation], nothing: Explanation, bound: float) -> 
 
 
 def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
-    """Those that leave different numbers."""
+    """Explanations that leave different numbers."""
     kept: list[Explanation] = []
     for explanation in explanations:
         if not any(abs(explanation.left - x.left) <= 1e-6 * x.left for x in kept):

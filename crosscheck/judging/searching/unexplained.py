@@ -22,7 +22,7 @@ def unknown(deviation: Deviation, message: str, evidence: str, left: float) -> D
 def unexplained(
     deviation: Deviation, search: Search, nothing: Explanation, found: Sequence[Explanation], evidence: str
 ) -> list[Diagnosis]:
-    """Where the deviation is, and the explanation of a part of it."""
+    """The place of the deviation, and the explanation of a part of it."""
     before = nothing.by_part
     wrong = [part for part, size in before.items() if size > deviation.bound]
     diagnoses, explained = [], set()

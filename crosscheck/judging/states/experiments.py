@@ -72,7 +72,8 @@ def split(function: Function, trial: TrialStates, acceleration: float) -> Parts:
 
 
 def usual_acceleration(model: RobotModel, trial: TrialStates) -> float:
-    """At which inertia takes torques as large as gravity: differences of torques then lose no digits."""
+    """An acceleration at which inertia takes torques as large as gravity: differences of torques then lose no
+    digits."""
     weight = np.abs(inverse_dynamics(model, trial.q, 0 * trial.q, 0 * trial.q).joint_wrenches).max()
     inertia = np.abs(mass_matrix(model, trial.q)).max()
     return float(max(1.0, weight / inertia)) if inertia > 0 else 1.0

@@ -1,4 +1,4 @@
-"""From observations to diagnoses: which faults, put into graphdyn, give the numbers of a function under test."""
+"""Diagnoses from observations: which faults, put into graphdyn, give the numbers of a function under test."""
 
 from __future__ import annotations
 

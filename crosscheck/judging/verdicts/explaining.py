@@ -149,7 +149,7 @@ def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
 def _of_terms(
     function: FunctionUnderTest, found: Judged, precision: float, readings: Readings, say: Progress
 ) -> list[Diagnosis]:
-    """From experiments, for functions that are parts of the equations of motion; empty for others."""
+    """Diagnoses from experiments, for functions that are parts of the equations of motion; empty for others."""
     name, states = function.name, found.states
     torque = np.maximum(np.sqrt(np.mean(states.inverse.tau**2, axis=0)), np.finfo(float).tiny)
     try:

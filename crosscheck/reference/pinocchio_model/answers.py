@@ -115,12 +115,12 @@ class PinocchioAnswers:
 
     @property
     def rotation(self) -> Array:
-        """Of the link frames in the world   (N, n, 3, 3)."""
+        """Rotation of the link frames in the world   (N, n, 3, 3)."""
         return self._motion[0]
 
     @property
     def position(self) -> Array:
-        """Of the link frames in the world   (N, n, 3)."""
+        """Position of the link frames in the world   (N, n, 3)."""
         return self._motion[1]
 
     @property
@@ -145,7 +145,7 @@ class PinocchioAnswers:
 
     @cached_property
     def a_body_accelerations(self) -> Array:
-        """Of the bodies at a, the solution of forward dynamics   (N, n, 6)."""
+        """Accelerations of the bodies at a, the solution of forward dynamics   (N, n, 6)."""
         solved = PinocchioAnswers(self.robot, self.model, self.q, self.v, self.a, self.tau_given)
         return solved.acceleration
 
@@ -204,14 +204,15 @@ class PinocchioAnswers:
 
     @cached_property
     def second_derivatives(self) -> Mapping[str, Array]:
-        """Of the torques (N, n, n, n), by the names of their quantities."""
+        """Second derivatives of the torques (N, n, n, n), by the names of their quantities."""
         states = zip(self.q, self.v, self.a_given, strict=True)
         rows = [second_derivatives(self.rooted, *state) for state in states]
         return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
     @cached_property
     def reaction_derivatives(self) -> Mapping[str, Array]:
-        """Of multipliers (N, n, 5, n) and joint wrenches (N, n, 6, n), by the names of their quantities."""
+        """Reaction derivatives of multipliers (N, n, 5, n) and joint wrenches (N, n, 6, n), by the names of their
+        quantities."""
         return reaction_derivatives(self.rooted, self.q, self.v, self.a_given)
 
     def of_frames(self, function: str, reference: str) -> Array:

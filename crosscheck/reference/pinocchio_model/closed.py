@@ -20,7 +20,7 @@ POINT_CHORD_KINDS = ("hinge", "ball", "weld")
 """Chords that can be held by points; a slide and a distance cannot."""
 
 CLOSURE_ACCURACY, MAX_CLOSURE_ITERATIONS = 1e-14, 30
-"""Of the proximal method, whose accuracy only ends it early."""
+"""Accuracy and iterations of the proximal method, whose accuracy only ends it early."""
 
 CLOSURE_TRIALS = tuple((apart, mu) for apart in (1.0, 0.1, 0.01) for mu in (1e-12, 1e-10, 1e-8))
 """Distance of a chord's further points [m] and μ. With redundant rows and μ = 0 Pinocchio is silently wrong; with links

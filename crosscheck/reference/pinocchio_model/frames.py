@@ -1,4 +1,4 @@
-"""Where frames are and how they move."""
+"""Placements and motions of frames."""
 
 from __future__ import annotations
 

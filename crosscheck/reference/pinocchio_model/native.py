@@ -89,7 +89,8 @@ def write_position(joint: pin.JointModel, full: Array, value: float) -> None:
 
 
 def _inertia(body: Body) -> pin.Inertia:
-    """From mass, center and tensor; from the ten parameters where Pinocchio refuses a tensor that is not positive."""
+    """Inertia from mass, center and tensor; from the ten parameters where Pinocchio refuses a tensor that is not
+    positive."""
     if np.linalg.eigvalsh(body.inertia)[0] < 0:
         return pin.Inertia.FromDynamicParameters(np.array(body.parameters))
     return pin.Inertia(body.mass, np.array(body.center_of_mass), np.array(body.inertia))

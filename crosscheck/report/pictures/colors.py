@@ -9,7 +9,7 @@ INK, SOFT_COLOR, MIDDLE_COLOR, FAINT_COLOR, GROUND, BAR = (
     "#7d96ad",
 )
 CURVES = ("#14507f", "#a3161a", "#2f7d32", "#7a5200", "#5b2a86", "#00707a", "#b0487a", "#8b9096")
-"""Of the curves of a plot and of other marks, in order."""
+"""Colors of the curves of a plot and of other marks, in order."""
 
 VARIABLES = {
     INK: "--ink",

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, ROW, AXIS = 7.6, 0.165, 0.95
-"""Of the picture, of one row, of axis and key [inches]."""
+"""Sizes of the picture, of one row, of axis and key [inches]."""
 
 MAX_NAME_CHARACTERS = 30
 """Characters of a name; the table has the whole one."""
 
 
 def size(count: int) -> tuple[float, float]:
-    """Of a picture with this number of rows [inches]."""
+    """Size of a picture with this number of rows [inches]."""
     return WIDTH, ROW * count + AXIS
 
 

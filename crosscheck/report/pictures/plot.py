@@ -21,23 +21,23 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 WIDTH, HEIGHT = 7.6, 2.3
-"""Of the static picture, and of a panel of height 1 [inches]."""
+"""Sizes of the static picture, and of a panel of height 1 [inches]."""
 
 TITLES, LEFT, RIGHT = 0.55, 0.09, 0.66
 """Room above a panel and below it [inches]; edges of the axes, as parts of the width: the names stand on the right."""
 
 MAX_TICKS = 9
-"""Of a logarithmic axis of x, which are at its values."""
+"""Largest number of ticks of a logarithmic axis of x, which are at its values."""
 
 MAX_MARKED_POINTS = 60
 """Points up to which those of a line are marked, as in page/plots.js."""
 
 MAX_STATIC_POINTS = 350
-"""Of a static curve, each with the smallest and the largest of the values it stands for."""
+"""Largest number of points of a static curve, each with the smallest and the largest of the values it stands for."""
 
 
 MAX_ZOOM_POINTS = 6000
-"""Of a curve that can be zoomed, thinned in the same way."""
+"""Largest number of points of a curve that can be zoomed, thinned in the same way."""
 
 PAGE, AXES = 4_400_000, 13_500
 """Characters that the plots of a page have in all, and of the axes of a static panel."""
@@ -61,7 +61,7 @@ def points_per_curve(plots: Sequence[Plot]) -> int:
 
 
 def _characters(plots: Sequence[Plot]) -> int:
-    """Of all curves of a page; a quarter of PAGE at least."""
+    """Characters of all curves of a page; a quarter of PAGE at least."""
     return max(PAGE // 4, PAGE - AXES * sum(len(plot.panels) for plot in plots))
 
 

@@ -26,11 +26,11 @@ MIN_TICK_DISTANCE = 0.3
 """A tick nearer to that of zero than this part of the step is left out."""
 
 FULLEST_BIN_HEIGHT = 0.78
-"""Of the fullest bin, in rows; no occupied bin is lower than MIN_BIN_HEIGHT."""
+"""Height of the fullest bin, in rows; no occupied bin is lower than MIN_BIN_HEIGHT."""
 MIN_BIN_HEIGHT = 0.06
 
 WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
-"""Of the picture, of one row, of what the axis needs [inches]."""
+"""Sizes of the picture, of one row, of what the axis needs [inches]."""
 
 WITHIN_COLOR, BEYOND_COLOR = BAR, CURVES[1]
 
@@ -55,7 +55,7 @@ class SpreadRow:
 
 @dataclass(frozen=True)
 class _Scale:
-    """Where errors stand on the axis: decades low … high, one place left of them for zero, one right for infinity."""
+    """Positions of errors on the axis: decades low … high, one place left of them for zero, one right for infinity."""
 
     low: int
     high: int
@@ -122,7 +122,7 @@ def _strokes(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _bound(scale: _Scale, row: SpreadRow) -> float:
-    """Where the bound stands; one of zero beside the bar of errors that are zero."""
+    """Position of the bound; a bound of zero beside the bar of errors that are zero."""
     return scale.zero + 1 / BINS_PER_DECADE if row.bound == 0 else scale.place(row.bound)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 ELEVATION, AZIMUTH = np.radians(22), np.radians(-60)
-"""Of the viewer: above the horizon, and from the direction in which the robot reaches."""
+"""Angles of the viewer: above the horizon, and from the direction in which the robot reaches."""
 
 FLAT_EXTENT_SHARE = 0.02
 """Link origins are on one line if their second principal extent is less than this part of the first."""
@@ -27,7 +27,7 @@ BENT_ANGLE = 0.5
 """Angle of every revolute joint where the zero pose puts all link origins on one line [rad]."""
 
 WIDTH, MIN_HEIGHT_RATIO, MAX_HEIGHT_RATIO = 4.6, 0.62, 1.25
-"""Of the picture [inches], and the limits of height over width."""
+"""Sizes of the picture [inches], and the limits of height over width."""
 
 PICTURE_MARGIN = 0.11
 """Around everything, as a part of the size."""
@@ -157,7 +157,7 @@ class _Drawing:
             axes.plot(*point, marker="x", markersize=4, color=FAINT, zorder=1)
 
     def _draw_chords(self, axes: Axes) -> None:
-        """From each of both link origins to the chord, and what lies between its points (of a distance)."""
+        """Draw lines from each of both link origins to the chord, and what lies between its points (of a distance)."""
         for number, (chord, ends) in enumerate(zip(self.model.chords, self.chord_ends, strict=True), start=1):
             for body, end in zip((chord.body_i, chord.body_j), ends, strict=True):
                 color, width = (LINK, 2.6) if body else (FAINT, 1.5)

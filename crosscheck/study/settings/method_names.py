@@ -54,6 +54,6 @@ def takes_wrenches(estimator: Estimator) -> bool:
 
 
 def shown_name(method: str) -> str:
-    """For tables: as in METHODS; of an own one FILE:NAME without its folder."""
+    """The name in tables: that of METHODS; of an own one FILE:NAME without its folder."""
     where, colon, name = method.rpartition(":")
     return f"{Path(where).stem}:{name}" if colon else method

@@ -91,7 +91,7 @@ class Scenario:
 
     @property
     def period(self) -> float:
-        """Of the samples [s]."""
+        """Period of the samples [s]."""
         return 1 / self.sampling_rate
 
     @property

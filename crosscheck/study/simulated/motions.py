@@ -18,7 +18,7 @@ from graphdyn.layout import Array
 from graphdyn.motion_laws import ConstantAcceleration, Course, Locked, MotionLaw
 
 MOTION_PERIOD, HARMONICS = 10.0, 5
-"""Of Fourier series, which repeat in longer recordings [s]."""
+"""Period and harmonics of Fourier series, which repeat in longer recordings [s]."""
 
 MIN_MOTION_RANGE = 1e-9
 """A motion that goes no further is none [rad or m]."""
@@ -30,7 +30,7 @@ STEP_PERIOD = 1.0
 """Time from one step to the next [s]; the robot moves in the first half."""
 
 PAPER_ACCELERATION = np.radians(30.0)
-"""Of the first joint, and backwards of the second [rad/s²]."""
+"""Acceleration of the first joint, and backwards of the second [rad/s²]."""
 
 QUINTIC_SPEED, QUINTIC_ACCELERATION = 1.875, 5.7735
 """Largest |v| T / Δ and |a| T² / Δ of the quintic from rest to rest over Δ in the time T: 15/8 and 10/√3."""
@@ -71,7 +71,7 @@ def _random(
 def _excited(
     plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
 ) -> tuple[MotionLaw, ...]:
-    """For equal shares of noise in the torques of all joints, whatever the noise of the scenario."""
+    """A motion optimized for equal shares of noise in the torques of all joints, whatever the noise of the scenario."""
     torque_model = plant.known_exactly
     basis = FourierBasis(min(duration, MOTION_PERIOD), HARMONICS)
     problem = ExcitationProblem(torque_model, plant.limits, basis, assumed_noise(plant.model)[0], OPTIMIZED_RATE)

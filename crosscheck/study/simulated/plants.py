@@ -21,7 +21,7 @@ from graphdyn.layout import Array
 from graphdyn.motion_laws import MotionLaw
 
 CONTROLLER_FREQUENCY, CONTROLLER_DAMPING = 30.0, 1.0
-"""Of the position loop where no gains are given [rad/s], and its damping ratio."""
+"""Frequency of the position loop where no gains are given [rad/s], and its damping ratio."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -137,7 +137,7 @@ def _recorded(
     scenario: Scenario,
     seeds: Sequence[np.random.SeedSequence],
 ) -> Recording:
-    """With noise of the torques and, if they are measured, of the wrenches."""
+    """The recording with noise of the torques and, if they are measured, of the wrenches."""
     torques, wrenches = (np.random.default_rng(seed) for seed in seeds)
     factor = np.asarray(study.errors.torque_factor) if scenario.model_error == "gear" else 1.0
     tau = factor * motion.tau + scenario.torque_noise * torques.standard_normal(motion.tau.shape)

@@ -19,7 +19,7 @@ AXIS_UNITS = {
     "cutoff": "Hz",
     "min_speed": "rad/s",
 }
-"""Of the axes of the grid that have one; of sliding joints m, N and m/s."""
+"""Units of the axes of the grid that have one; of sliding joints m, N and m/s."""
 
 MIN_PLAIN_NUMBER = 1e-3
 """Numbers below are written as powers of ten."""

@@ -23,7 +23,7 @@ import numpy as np
 from graphdyn.layout import Array
 
 CONFIDENCE_LEVEL = 0.95
-"""Of all intervals and tests of a study."""
+"""Confidence level of all intervals and tests of a study."""
 
 
 @dataclass(frozen=True)

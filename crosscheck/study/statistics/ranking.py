@@ -69,7 +69,7 @@ def friedman(ranks: Array) -> float | None:
 
 
 def friedman_statistic(ranks: Array) -> Array:
-    """Of ranks (…, N, k); 0 where all methods share all ranks."""
+    """Friedman statistic of ranks (…, N, k); 0 where all methods share all ranks."""
     count, methods = ranks.shape[-2:]
     between = ((ranks.sum(axis=-2) - count * (methods + 1) / 2) ** 2).sum(axis=-1)
     within = (ranks**2).sum(axis=(-2, -1)) - count * methods * (methods + 1) ** 2 / 4
@@ -78,7 +78,7 @@ def friedman_statistic(ranks: Array) -> Array:
 
 
 def critical_distance(methods: int, count: int, level: float = CONFIDENCE_LEVEL) -> float:
-    """Of mean ranks over so many records; NaN for fewer than two methods."""
+    """Critical distance of mean ranks over so many records; NaN for fewer than two methods."""
     from scipy.stats import studentized_range
 
     if methods < 2:
@@ -174,7 +174,7 @@ def ranked(names: Sequence[str], columns: Sequence[int], scenarios: Sequence[Sce
 def _with_answers(
     found: Sequence[tuple[Array, ScenarioOutcomes]],
 ) -> tuple[list[Array], list[ScenarioOutcomes]]:
-    """Without the records on which no method has an answer, of which nothing can be learned.
+    """The ranks without the records on which no method has an answer, of which nothing can be learned.
 
     Scenarios where one record is left, which says nothing of its scatter, go too, unless all are like that.
     """

@@ -102,7 +102,7 @@ def summarized(found: StudyOutcomes) -> StudySummary:
 
 
 def _rankings(found: StudyOutcomes, scenarios: Sequence[ScenarioOutcomes]) -> dict[tuple[Measures, str], Ranking]:
-    """Of the scenarios in which all methods of a class take part."""
+    """Rankings of the scenarios in which all methods of a class take part."""
     rankings: dict[tuple[Measures, str], Ranking] = {}
     classes: tuple[Measures, Measures] = ("torques", "wrenches")
     for measures in classes:

@@ -1,4 +1,4 @@
-"""Where NumPy's arrays have their fields: an address read from there takes a fiftieth of array.ctypes.data.
+"""Offsets of the fields of NumPy's arrays: an address read from there takes a fiftieth of array.ctypes.data.
 
 PyArrayObject_fields of NumPy's C interface, the same in NumPy 1 and 2, after the head of every Python object. It is
 tried out before it is used.
@@ -30,14 +30,14 @@ TYPE, DATA, DIMENSIONS, SHAPE, STRIDES, DESCRIPTION = (OBJECT_HEAD_BYTES + offse
 
 
 def address(array: Array) -> int:
-    """Of its first element."""
+    """Address of its first element."""
     if is_known():
         return ctypes.c_void_p.from_address(id(array) + DATA).value or 0
     return int(array.ctypes.data)
 
 
 def places(arrays: Sequence[Array]) -> tuple[list[int], object]:
-    """Where in memory the addresses of these are, for code that reads them there, and what must live meanwhile."""
+    """Address of the table of their addresses, for code that reads them there, and what must live meanwhile."""
     if is_known():
         return [id(array) + DATA for array in arrays], arrays
     addresses = np.array([array.ctypes.data for array in arrays], dtype=np.uintp)

@@ -225,7 +225,7 @@ class VectorCode:
     # at a time, so that half of the transposition is done by the load and store units.
 
     def rows_of(self, array: str, width: int, row: str = "%row") -> str:
-        """Where rows of an array begin: those of this turn of the loop, or from another one on."""
+        """Address of the first of the rows of an array: those of this turn of the loop, or from another one on."""
         return self.let(f"getelementptr double, ptr %{array}, i64 {self.let(f'mul i64 {row}, {width}')}")
 
     def columns_of(self, block: str, width: int, step: int | None = None) -> list[str]:

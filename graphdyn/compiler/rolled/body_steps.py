@@ -130,7 +130,7 @@ RECURSION_PASSES = {
     "inverse_dynamics": (Pass(True, _moving), Pass(False, _transmitted)),
     "forward_dynamics": (Pass(True, _at_rest), Pass(False, _eliminated), Pass(True, _accelerated)),
 }
-"""By recursion."""
+"""Passes by recursion."""
 
 STEP_MEMORY = {
     "turn": (2,),

@@ -89,7 +89,7 @@ def emit_long(program: LongProgram, lanes: int) -> str:
 
 
 def _places(code: VectorCode, program: LongProgram, body: int, step: Program, widths: dict[str, int]) -> Iterator[str]:
-    """Where the constants of a body are, its memory, that of its inside body, and its columns of the arrays."""
+    """Addresses of the constants of a body, its memory, that of its inside body, and its columns of the arrays."""
     row, memory = _row(program), program.memory * code.lanes
     # scratch: the table with a row of constants for each body, then the memory of each body
     first = row * len(program.kinds)

@@ -158,7 +158,7 @@ class StepInputs:
         self._kept.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))
 
     def add(self, name: str, values: Any) -> None:
-        """To a sum of the inside body."""
+        """Add to a sum of the inside body."""
         if not self._at_ground:
             places = range(VECTORS_PER_BODY)[_PLACES[name]]
             self._added.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))

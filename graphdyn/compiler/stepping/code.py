@@ -84,7 +84,7 @@ def _friction(code: VectorCode, constants: Columns, j: int, v: str, sign: str) -
 
 
 def _stop_force(code: VectorCode, constants: Columns, j: int, q: str, v: str) -> str:
-    """Of the spring and damper beyond a limit; it pushes, and never pulls."""
+    """Stop force of the spring and damper beyond a limit; it pushes, and never pulls."""
     zero = code.splat(0.0)
     stiffness, damping = constants.load("stiffness", j), constants.load("damping", j)
     resisting = code.arithmetic("fmul", damping, v)

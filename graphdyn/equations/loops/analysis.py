@@ -51,7 +51,7 @@ class LoopAnalysis:
 
 
 def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
-    """At ONE pose q (nv,) [rad or m].
+    """Rank and redundancy of the loop constraints at ONE pose q (nv,) [rad or m].
 
     Raises InvalidInput for a robot without chords and for more than one pose; InconsistentState, naming the loop, where
     one is open.

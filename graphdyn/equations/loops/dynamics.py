@@ -40,7 +40,7 @@ class Closed:
 
 
 def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None = None) -> Closed:
-    """At q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one."""
+    """The closed state at q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one."""
     loops, who = model.loops, f"robot '{model.name}'"
     refuse_open(who, loops, loops.gaps(q), OPEN_LOOP_REMEDY)
     links = loops.links(q, v)
@@ -53,7 +53,8 @@ def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None 
 
 
 def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """As projected.forward_dynamics, with chord_multipliers. Raises InconsistentState, SingularMassMatrix."""
+    """Forward dynamics like projected.forward_dynamics, with chord_multipliers. Raises InconsistentState,
+    SingularMassMatrix."""
     found = solved(model, x, base)
     state, a, multipliers = found.state, found.a, found.multipliers
     if dense:
@@ -106,7 +107,8 @@ def response(spaces: LoopSpaces, mass: Array) -> Array:
 
 
 def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-    """As projected.inverse_dynamics, of the actuated joints; the smallest torques where these are redundant.
+    """Inverse dynamics like projected.inverse_dynamics, of the actuated joints; the smallest torques where these are
+    redundant.
 
     Raises InconsistentState; InvalidInput, naming the motion, where the actuated joints leave one free.
     """

@@ -113,7 +113,7 @@ class KKTSystem:
         return self.solve_unchecked()
 
     def solve_unchecked(self) -> KKTSolution:
-        """As solve, without the two rank tests: for systems whose rank is known.
+        """Solve like solve, without the two rank tests: for systems whose rank is known.
 
         One step of iterative refinement makes the residual of every row small on its own scale, also where masses
         differ by many orders (Higham, Accuracy and Stability of Numerical Algorithms, chapter 12).
@@ -126,7 +126,8 @@ class KKTSystem:
         return KKTSolution(self, solution[..., :nv], solution[..., nv:])
 
     def solve_redundant(self, least_norm: bool = True, check: bool = False) -> KKTSolution:
-        """As solve, of rows that may depend on each other: φ_q = U Σ Vᵀ, whose first rows Vᵀ are independent.
+        """Solve, like solve, systems of rows that may depend on each other: φ_q = U Σ Vᵀ, whose first rows Vᵀ are
+        independent.
 
         Accelerations are unique; multipliers are the smallest. Systems of different rank are solved one by one.
         check: with the rank tests of solve
@@ -250,7 +251,7 @@ def cardano_system(state: MaximalState, twist: KKTSystem) -> KKTSystem:
 
 
 def cardano_form(state: MaximalState, twist: KKTSystem) -> KKTSystem:
-    """As cardano_system, at any |cos β| > 0: for showing what happens near gimbal lock."""
+    """The system like cardano_system, at any |cos β| > 0: for showing what happens near gimbal lock."""
     to_twist, drift = rate_map(state), cardano_drift(state)
     transposed = np.swapaxes(to_twist, -1, -2)
     return KKTSystem(

@@ -1,4 +1,4 @@
-"""From the wrenches on the bodies to the wrenches in the joints: the path matrix read as a sum of forces.
+"""Joint wrenches from the wrenches on the bodies: the path matrix read as a sum of forces.
 
 A wrench here is force and moment in world axes, the moment about the joint O_j.
 """

@@ -49,7 +49,7 @@ class ChordRows:
 
 
 def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJoint) -> ChordRows:
-    """At q, v of all joints that no couplings drive; at: the places of their bodies."""
+    """Rows of the chords at q, v of all joints that no couplings drive; at: the places of their bodies."""
     paths = [_path(links, body - 1) for body in (chord.body_i, chord.body_j)]
     # the joints that carry both ends move neither end against the other
     while paths[0] and paths[1] and paths[0][0] == paths[1][0]:

@@ -41,7 +41,7 @@ def forward_dynamics(
     tau: PerJoint,
     external: Loads = None,
 ) -> dict[str, list[Any]]:
-    """As graphdyn.recursions.forward answers, of q and v of all joints and the torques of the free ones."""
+    """Answers like those of graphdyn.recursions.forward, of q and v of all joints and the torques of the free ones."""
     _, a, pivots = solved(links, root, degrees_of_freedom, q, v, tau, external)
     found = inverse_dynamics(links, root, q, v, everywhere(a, degrees_of_freedom), external)
     return {**found, "a": list(a), "pivots": pivots}

@@ -58,14 +58,14 @@ class Closing:
         return a
 
     def multipliers(self, torques: Sequence[Any]) -> Scalars:
-        """Of the rows that can move, smallest first, whose Jᵀ λ are these torques (n)."""
+        """Multipliers of the rows that can move, smallest first, whose Jᵀ λ are these torques (n)."""
         wanted = np.array([torques[j] for j in self.dependent], dtype=object)
         found: Scalars = self.dependent_columns @ (self.inverse @ wanted)
         return found
 
 
 def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closing:
-    """Of q, v of all joints that no couplings drive."""
+    """The closing at q, v of all joints that no couplings drive."""
     at = places(links, q)
     rows = [chord_rows(links, at, chord, v) for chord in model.chords]
     jacobian = np.concatenate([row.jacobian for row in rows])
@@ -90,7 +90,7 @@ def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closin
 def forward_dynamics(
     model: RobotModel, links: Links, root: Root, q: PerJoint, v: PerJoint, tau: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
-    """As graphdyn.recursions.forward answers, with chord_multipliers, and forces along the pins."""
+    """Answers like those of graphdyn.recursions.forward, with chord_multipliers, and forces along the pins."""
     held = closing(model, links, q, v)
     k, start = held.motions, held.start(len(links))
     mass = k.T @ mass_matrix(links, q) @ k
@@ -107,7 +107,8 @@ def forward_dynamics(
 def inverse_dynamics(
     model: RobotModel, links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
 ) -> dict[str, list[Any]]:
-    """As graphdyn.recursions.inverse answers, with torques at the actuated joints alone, the smallest that do."""
+    """Answers like those of graphdyn.recursions.inverse, with torques at the actuated joints alone, the smallest that
+    do."""
     held = closing(model, links, q, v)
     needed = torques(links, root, q, v, a, external)
     to_motors, pivots = _actuation(model, held)

@@ -76,13 +76,13 @@ def links(model: RobotModel) -> tuple[Link, ...]:
 
 
 def rounded(rotation: Array) -> Array:
-    """With 0 and ±1 where rounding has left something else."""
+    """The matrix with 0 and ±1 where rounding has left something else."""
     nearest = np.round(rotation)
     cleaned: Array = np.where(np.abs(rotation - nearest) <= ROTATION_ROUNDING, nearest, rotation)
     return cleaned
 
 
 def without_rounding(values: Array, size: float) -> Array:
-    """With 0 where rounding has left something else of a sum; size: of the terms."""
+    """The sum with 0 where rounding has left something else of a sum; size: of the terms."""
     cleaned: Array = np.where(np.abs(values) <= ROTATION_ROUNDING * size, 0.0, values)
     return cleaned

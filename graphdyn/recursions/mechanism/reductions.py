@@ -106,7 +106,7 @@ def slid(links: Links) -> tuple[Link, ...]:
 
 
 def _slides(links: Links) -> list[float]:
-    """Of every origin along its axis. None until a joint that is not parallel has decided."""
+    """Slides of every origin along its axis. None until a joint that is not parallel has decided."""
     slides: list[float | None] = [None] * len(links)
     for j in reversed(range(len(links))):
         outside = _first_outside(links, j)
@@ -131,7 +131,7 @@ def _first_outside(links: Links, j: int) -> int | None:
 
 
 def _feet(link: Link) -> tuple[float, float] | None:
-    """Of the common normal of both axes, along the inside axis and along the joint's own; None if far away."""
+    """Feet of the common normal of both axes, along the inside axis and along the joint's own; None if far away."""
     axis, translation = link.rotation[:, 2].astype(float), link.translation.astype(float)
     sine_squared = axis[0] ** 2 + axis[1] ** 2
     if sine_squared <= ROTATION_ROUNDING**2:

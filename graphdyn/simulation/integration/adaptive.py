@@ -146,7 +146,7 @@ class _Stretch:
         return np.concatenate([v, found.a, [tau @ v, found.passive @ v]])
 
     def checks(self) -> list[_EventCheck]:
-        """Of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
+        """Event checks: of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
         plant = self._equations.plant
         if not plant.sticks:
             return []
@@ -161,7 +161,7 @@ class _Stretch:
         return checks
 
     def _excess(self, j: int, dry: float, t: float, y: Array) -> float:
-        """By how much more than dry friction a joint at rest would need to be held."""
+        """The excess: by how much more than dry friction a joint at rest would need to be held."""
         n = len(self._contact.sign)
         q, v = y[:n], y[n : 2 * n]
         held = self._equations.rates(t, q, v, self._tau_at(t, q, v), self._contact).held

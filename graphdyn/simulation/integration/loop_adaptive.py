@@ -27,13 +27,13 @@ from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
 from graphdyn.simulation.integration.steps import Torque, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
-"""Of the choice of the next width, as in scipy.integrate."""
+"""Constants of the choice of the next width, as in scipy.integrate."""
 
 MIN_STEP_NEAR_POSE = 1 / 8
-"""Of a step near a singular pose, relative to the last one far from it."""
+"""Smallest width of a step near a singular pose, relative to the last one far from it."""
 
 MIN_STEP_WIDTH_SHARE = 1e-14
-"""Of a step, as a part of the duration: narrower ones would be lost in the rounding of the time."""
+"""Smallest width of a step, as a part of the duration: narrower ones would be lost in the rounding of the time."""
 
 FIRST_STEP_SHARE = 1e-3
 """Width of the first step that is tried, as a part of the duration."""
@@ -51,7 +51,7 @@ def loop_adaptive(
     stop_at_limits: bool,
     progress: Callable[[float], None],
 ) -> SimulatedCourse:
-    """As adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
+    """Integrate like adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
     run = _AdaptiveRun(equations, start, torque, closed_stages, tolerances, duration)
     checked = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
     rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""

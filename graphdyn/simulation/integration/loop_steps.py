@@ -25,7 +25,7 @@ GOOD_DISTANCE_SHARE = 0.01
 """A step whose stages keep this part of that distance is good enough to be taken."""
 
 STEP_DIVISIONS = ((1.0,), (0.5, 0.5), (0.35, 0.65), (0.65, 0.35), (0.43, 0.57), (0.57, 0.43), (0.2, 0.8), (0.8, 0.2))
-"""Of a step near a singular pose; the one whose stages stay farthest from it is taken."""
+"""Divisions of a step near a singular pose; the one whose stages stay farthest from it is taken."""
 
 
 @dataclass(frozen=True, eq=False)

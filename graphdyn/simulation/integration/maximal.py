@@ -43,7 +43,7 @@ BAUMGARTE_STEPS = 20
 
 
 class Pose(NamedTuple):
-    """Of all bodies: centers of mass r (n, 3), quaternions x, y, z, w (n, 4), velocity (n, 6); work."""
+    """Pose of all bodies: centers of mass r (n, 3), quaternions x, y, z, w (n, 4), velocity (n, 6); work."""
 
     position: Array
     quaternion: Array

@@ -35,7 +35,7 @@ CONSTRAINT_KINDS: Kinds = {
     **dict.fromkeys(("spherical", "spherical_joint"), "ball"),
     "link": "weld",
 }
-"""By the type of an element: the kind of chord."""
+"""Constraint kinds by the type of an element: the kind of chord."""
 
 DEFAULT_AXIS = (1.0, 0.0, 0.0)
 
@@ -116,7 +116,7 @@ class _ElementReader:
         return found
 
     def placement(self, part: etree._Element | None) -> Placement:
-        """Of an element with xyz and rpy; the identity where there is none."""
+        """Placement of an element with xyz and rpy; the identity where there is none."""
         if part is None:
             return Placement()
         if part.get("quat_xyzw") is not None:
@@ -206,4 +206,4 @@ ELEMENT_READERS: Mapping[str, Callable[[_ElementReader], Loop | CoupledSums]] = 
     "constraint": _constraint,
     "drake:ball_constraint": _ball,
 }
-"""By tag, as written in <robot>."""
+"""Element readers by tag, as written in <robot>."""

@@ -64,7 +64,7 @@ class CoupledSums:
 
 @dataclass(frozen=True)
 class SourceLocation:
-    """Where something is stated; element: as messages call it."""
+    """Place of a statement; element: as messages call it."""
 
     path: Path
     line: int | None

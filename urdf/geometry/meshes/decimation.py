@@ -16,7 +16,7 @@ MIN_PART_FACES = 64
 """Faces that a part keeps at least, where it has them: fewer do not show its form."""
 
 AGGRESSIVENESS = 7
-"""Of fast-simplification, its default: how fast the tolerated error grows from pass to pass."""
+"""Aggressiveness of fast-simplification, its default: how fast the tolerated error grows from pass to pass."""
 
 MAX_FACE_EXCESS = 1.2
 """Part of the wanted number of faces that edge collapse may exceed, before vertices are clustered."""

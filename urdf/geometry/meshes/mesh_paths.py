@@ -1,4 +1,4 @@
-"""Where the mesh file lies that a URDF file names. Nothing is fetched."""
+"""Paths of the mesh files that a URDF file names. Nothing is fetched."""
 
 from __future__ import annotations
 

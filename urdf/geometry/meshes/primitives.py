@@ -13,7 +13,7 @@ CYLINDER_SECTIONS = 32
 """Sides of the prism that a cylinder is drawn as: its radius is short by at most 0.5 %."""
 
 SPHERE_SUBDIVISIONS = 2
-"""Of the icosahedron that a sphere is drawn as: 320 faces."""
+"""Number of subdivisions of the icosahedron that a sphere is drawn as: 320 faces."""
 
 PRIMITIVE_SIZES: Mapping[str, Mapping[str, int]] = {
     "box": {"size": 3},

@@ -102,7 +102,8 @@ def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
 
 
 def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
-    """Of the mass matrix of the motions that keep the loops closed; nothing where no such state is known."""
+    """Findings about the mass matrix of the motions that keep the loops closed; nothing where no such state is
+    known."""
     if model.n_chord_rows > MAX_CHORD_ROWS:
         return
     try:

@@ -1,4 +1,4 @@
-"""Where Pinocchio's reader (urdfdom on TinyXML-2) reads a file differently from urdf.load, or refuses it.
+"""Files that Pinocchio's reader (urdfdom on TinyXML-2) reads a file differently from urdf.load, or refuses it.
 
 TinyXML-2 knows no encoding but UTF-8 and leaves tabs and line breaks in attributes as they are, in names too. urdfdom
 accepts blanks between numbers, and nothing after a single number; it demands parts of a joint that do not affect
