@@ -1,28 +1,28 @@
-"""What the JSON file of a command holds, declared by the class of the result and by what differs from it.
+"""What the JSON file of a command holds: the fields of the result's class, and what differs from them.
 
-    class WorkRecord(Record, of=Measured, leave_out=("limit",)):
-        '''One work.
+    class ContenderRecord(Record, of=Entry, leave_out=("times",)):
+        '''One contender.
 
-        threads: that may be used
+        rank: among all, 1 is the fastest
         '''
 
-        scale = attribute("error")
-        threads: int
+        median = attribute("times.median")
+        rank: int
 
-A record is never made: `written` takes the values of its fields from a result. The fields are
+    written(ContenderRecord, entry, rank=1)
 
-- those of the result's class, but for those that are left out; types and descriptions are those of that class
-- `name = attribute("path")`: a property, an attribute of another name, or one of an attribute
-- `name: type`: given to `written`, or an attribute of the result. Its line in the docstring describes
-  it, or else that of the result's class. A type that stands here goes before that of the result's class
+Types and descriptions of the fields of Entry are those of Entry: its annotations, and the lines of its docstring. Only
 
-Fields of the result come first, but for the outermost record, which has a format. Of an object without a record all
-fields are written.
+- `name = attribute("path")`, a property, an attribute of another name or of an attribute, and
+- `name: type`, a value that `written` is given, or a field of the result whose type is narrower in the file,
+
+stand in the record, with a line of its docstring where the result's class has none. A type that is a record says how
+objects are written; of objects without a record all fields are. No record is ever made: `written` gives a dictionary.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 from inspect import get_annotations
 from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
@@ -43,7 +43,7 @@ def attribute(path: str = "") -> Any:
 
 
 class Record:
-    """The base of all records.
+    """The base of all records; the own fields of the outermost one, which has a format, come first.
 
     format: name and number of the format, of outermost records; empty for others
     result: the class of the result, None where all fields are the record's own
@@ -62,7 +62,7 @@ class Record:
         format: str = "",
     ) -> None:
         """of: class of the result; leave_out: its fields that are not written, or only: those that are"""
-        names = [] if of is None else _names(of)
+        names = [] if of is None else [field.name for field in fields(of)]
         if unknown := {*leave_out, *(only or ())}.difference(names):
             raise TypeError(f"{cls.__name__}: {of} has no field {', '.join(unknown)}")
         own: dict[str, str] = {}
@@ -72,11 +72,6 @@ class Record:
         kept = [name for name in names if name not in leave_out and (only is None or name in only)]
         result = {name: own.pop(name, name) for name in kept}
         cls.format, cls.result, cls.paths = format, of, own | result if format else result | own
-
-
-def _names(kind: Any) -> Sequence[str]:
-    """Fields of a dataclass or of a named tuple."""
-    return getattr(kind, "_fields", None) or [field.name for field in fields(kind)]
 
 
 def written(record: type[Record], result: object = None, **said: Any) -> dict[str, Any]:
