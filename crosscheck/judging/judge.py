@@ -12,14 +12,15 @@ from threadpoolctl import threadpool_limits
 
 from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
 from crosscheck.judging.observing.conventions import check_declared
-from crosscheck.judging.observing.function_under_test import BatchFunction, FunctionUnderTest, joint_order
+from crosscheck.judging.observing.function_under_test import FunctionUnderTest, joint_order
 from crosscheck.judging.observing.references import References
-from crosscheck.judging.setting import TOLERANCES, JudgedKeywords, Precision, Setting, TestedFunction
+from crosscheck.judging.setting import TOLERANCES, JudgedKeywords, Precision, Setting
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged
 from crosscheck.quantities import FUNCTIONS, LOADS, known_function
+from crosscheck.quantities.tested_function import BatchFunction, TestedFunction
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 import numpy as np
 
 from crosscheck.quantities.dynamics import TORQUE
@@ -20,6 +22,7 @@ from crosscheck.quantities.measures import (
 from crosscheck.quantities.quantity import Quantity, verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, by_part, largest, largest_tensor, ratio, relative
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
 from crosscheck.reference.pinocchio_model import NativeFunction
 from graphdyn.layout import Array
@@ -108,6 +111,21 @@ def _mass(states: ScaledStates) -> Array:
 def _mass_of_units(states: ScaledStates) -> Array:
     """The plain form takes differences of unit steps."""
     return largest(states.mass) * np.maximum(1.0, largest(states.v))
+
+
+class DerivativeFunctions(TypedDict, total=False):
+    """What of it a user may give to be judged, as keywords of crosscheck.judge."""
+
+    dtau_dq: TestedFunction | None
+    dtau_dv: TestedFunction | None
+    da_dq: TestedFunction | None
+    da_dv: TestedFunction | None
+    dmultipliers_dq: TestedFunction | None
+    dmultipliers_dv: TestedFunction | None
+    dmultipliers_da: TestedFunction | None
+    dwrenches_dq: TestedFunction | None
+    dwrenches_dv: TestedFunction | None
+    dwrenches_da: TestedFunction | None
 
 
 DERIVATIVES = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypedDict
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from crosscheck.quantities.quantity import (
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import backward_error, center_offset, largest, ratio, relative
 from crosscheck.quantities.system import solution
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION, BACKWARD, FORWARD_WRENCH, RESIDUAL
 from crosscheck.reference.pinocchio_model import NativeFunction, PinocchioAnswers
 from graphdyn import MaximalState, maximal_state
@@ -134,9 +136,23 @@ def _at_rest(*names: str) -> Measure:
     return errors
 
 
+class DynamicsFunctions(TypedDict, total=False):
+    """What of it a user may give to be judged, as keywords of crosscheck.judge."""
+
+    inverse_dynamics: TestedFunction | None
+    forward_dynamics: TestedFunction | None
+    bias_torque: TestedFunction | None
+    gravity_torque: TestedFunction | None
+    static_torque: TestedFunction | None
+    power: TestedFunction | None
+    joint_wrenches: TestedFunction | None
+    multipliers: TestedFunction | None
+
+
 DYNAMICS = (
     Quantity(
         name="inverse_dynamics",
+        shows="torques",
         ours=verb("inverse_dynamics", "tau", loads="taken"),
         pinocchio=lambda there, _: there.tau,
         against="rnea",
@@ -148,6 +164,7 @@ DYNAMICS = (
     ),
     Quantity(
         name="forward_dynamics",
+        shows="accelerations",
         ours=verb("forward_dynamics", "a", loads="taken"),
         pinocchio=lambda there, _: there.a,
         against="aba",
@@ -161,6 +178,7 @@ DYNAMICS = (
     ),
     Quantity(
         name="bias_torque",
+        shows="gravity and velocity terms",
         ours=verb("bias_torque"),
         pinocchio=NativeFunction("nonLinearEffects", ("q", "v"), "torques"),
         errors=_at_rest("v"),
@@ -170,6 +188,7 @@ DYNAMICS = (
     ),
     Quantity(
         name="gravity_torque",
+        shows="gravity",
         ours=verb("gravity_torque"),
         pinocchio=NativeFunction("computeGeneralizedGravity", ("q",), "torques"),
         errors=_at_rest(),

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TypedDict
+
 import numpy as np
 
 from crosscheck.quantities.frames import VELOCITY
@@ -10,6 +13,8 @@ from crosscheck.quantities.measures import (
     Chosen,
     Measure,
     Size,
+    columns_relative_to,
+    constant,
     linear_first,
     relative_to,
     total_mass,
@@ -17,6 +22,7 @@ from crosscheck.quantities.measures import (
 from crosscheck.quantities.quantity import Quantity, verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import by_part, center_offset, largest, largest_tensor, relative
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.reference.pinocchio_model import NativeFunction
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
@@ -27,12 +33,12 @@ _POINT = {"about": ("the center of mass", _ORIGIN), **ORDER}
 _WORLD_ORIGIN = "at the height of the world's origin"
 
 
-def reach(states: ScaledStates) -> Array:
+def _reach(states: ScaledStates) -> Array:
     """Largest position of a link, and offset of a center of mass [m]."""
     return largest(states.origins) + center_offset(states.model)
 
 
-def gravity(states: ScaledStates) -> float:
+def _gravity(states: ScaledStates) -> float:
     return float(np.linalg.norm(states.model.gravity))
 
 
@@ -40,7 +46,7 @@ def _potential_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) 
     """Up to a constant if zero is elsewhere: the median of the differences, which single wrong answers do not move."""
     if chosen["zero"] != _WORLD_ORIGIN:
         x = x - np.median(x - y)
-    return relative(x, y, gravity(states) * total_mass(states) * reach(states))
+    return relative(x, y, _gravity(states) * total_mass(states) * _reach(states))
 
 
 def _linear(states: ScaledStates) -> Array:
@@ -86,12 +92,26 @@ def _about_chosen(answer: Array, states: ScaledStates, chosen: Chosen) -> Array:
     return moved
 
 
+class EnergyFunctions(TypedDict, total=False):
+    """What of it a user may give to be judged, as keywords of crosscheck.judge."""
+
+    center_of_mass: TestedFunction | None
+    center_of_mass_velocity: TestedFunction | None
+    center_of_mass_jacobian: TestedFunction | None
+    momentum: TestedFunction | None
+    centroidal_map: TestedFunction | None
+    kinetic_energy: TestedFunction | None
+    potential_energy: TestedFunction | None
+    kinetic_energy_regressor: TestedFunction | None
+    potential_energy_regressor: TestedFunction | None
+
+
 MOMENTA = (
     Quantity(
         name="center_of_mass",
         ours=verb("center_of_mass"),
         pinocchio=NativeFunction("centerOfMass", ("q",)),
-        errors=relative_to(reach),
+        errors=relative_to(_reach),
         scale="largest position, offset of a center",
         massive=True,
     ),
@@ -148,6 +168,7 @@ MOMENTA = (
 ENERGIES = (
     Quantity(
         name="kinetic_energy",
+        shows="inertia as a quadratic form",
         ours=verb("kinetic_energy"),
         pinocchio=NativeFunction("computeKineticEnergy", ("q", "v"), rooted=True),
         against="computeKineticEnergy; of the bodies",
@@ -164,5 +185,31 @@ ENERGIES = (
         scale="weight × largest position",
         conventions={"zero": (_WORLD_ORIGIN, "elsewhere")},
         widening=("zero",),
+    ),
+    Quantity(
+        name="kinetic_energy_regressor",
+        ours=verb("energy_regressor", "kinetic"),
+        pinocchio=NativeFunction("computeKineticEnergyRegressor", ("q", "v"), "parameters_of"),
+        errors=columns_relative_to(
+            lambda states: states.sizes.velocity**2,
+            lambda states: states.sizes.velocity * states.sizes.omega,
+            lambda states: states.sizes.omega**2,
+        ),
+        scale="columns of m: velocity²; of m c: velocity × ‖ω‖; of I: ‖ω‖²",
+    ),
+    Quantity(
+        name="potential_energy_regressor",
+        ours=replace(
+            verb("energy_regressor", "potential"),
+            arguments=("q",),
+            code="graphdyn.energy_regressor(model, q, 0 * q).potential",
+        ),
+        pinocchio=NativeFunction("computePotentialEnergyRegressor", ("q",), "parameters_of"),
+        errors=columns_relative_to(
+            lambda states: _gravity(states) * _reach(states),
+            lambda states: constant(_gravity(states), states),
+            lambda states: constant(0, states),
+        ),
+        scale="columns of m: ‖g‖ × largest position; of m c: ‖g‖",
     ),
 )

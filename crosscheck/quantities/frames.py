@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypedDict
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from crosscheck.quantities.measures import ORDER, Chosen, Measure, linear_first
 from crosscheck.quantities.quantity import USUAL, Ours, Quantity, frame_verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import Sizes, by_part, center_offset, largest, relative
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.reference.frame_choices import compared_frames
 from crosscheck.reference.pinocchio_model import FrameFunction, PinocchioAnswers
 from graphdyn.arguments import Method
@@ -73,6 +75,17 @@ def _by_part(linear: Callable[[Sizes], Array], angular: Callable[[Sizes], Array]
 
 _ACCELERATION = "linear: swing; angular: turn"
 _acceleration_errors = _by_part(lambda size: size.acceleration, lambda size: size.turn)
+
+
+class FrameFunctions(TypedDict, total=False):
+    """What of it a user may give to be judged, as keywords of crosscheck.judge."""
+
+    frame_placement: TestedFunction | None
+    frame_jacobian: TestedFunction | None
+    frame_jacobian_derivative: TestedFunction | None
+    frame_velocity: TestedFunction | None
+    frame_acceleration: TestedFunction | None
+
 
 FRAMES = (
     Quantity(

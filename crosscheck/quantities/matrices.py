@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypedDict
+
 import numpy as np
 
 from crosscheck.quantities.measures import (
@@ -14,6 +16,7 @@ from crosscheck.quantities.measures import (
 from crosscheck.quantities.quantity import USUAL_TWICE, Quantity, verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, largest, largest_tensor, ratio, relative
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
 from crosscheck.reference.pinocchio_model import NativeFunction
 from graphdyn.layout import Array
@@ -41,9 +44,18 @@ def solved_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> A
     return ratio(largest(x - y), acceleration_scale(states.mass, y, 0 * states.tau, 0 * states.tau))
 
 
+class MatrixFunctions(TypedDict, total=False):
+    """What of it a user may give to be judged, as keywords of crosscheck.judge."""
+
+    mass_matrix: TestedFunction | None
+    mass_matrix_inverse: TestedFunction | None
+    coriolis_matrix: TestedFunction | None
+
+
 MATRICES = (
     Quantity(
         name="mass_matrix",
+        shows="inertia",
         ours=verb("mass_matrix"),
         pinocchio=lambda there, _: there.mass_matrix,
         against="crba",
@@ -55,6 +67,7 @@ MATRICES = (
     ),
     Quantity(
         name="mass_matrix_inverse",
+        shows="inverse of the inertia",
         ours=verb("mass_matrix_inverse"),
         pinocchio=NativeFunction("computeMinverse", ("q",), "symmetric", rooted=True),
         against="computeMinverse; inverted",
@@ -68,6 +81,7 @@ MATRICES = (
     ),
     Quantity(
         name="coriolis_matrix",
+        shows="velocity terms as a matrix",
         ours=verb("coriolis_matrix"),
         pinocchio=NativeFunction("computeCoriolisMatrix", ("q", "v"), "square", rooted=True),
         against="computeCoriolisMatrix; complex steps",

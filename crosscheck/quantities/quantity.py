@@ -122,6 +122,21 @@ DERIVED = (Form("", "projected"), Form(RECURSIVE, "recursive", _BY_RECURSION))
 DERIVED_LOADED = tuple(replace(form, loaded=True) for form in DERIVED)
 
 
+Shown = Literal[
+    "",
+    "torques",
+    "accelerations",
+    "torques per parameter",
+    "inertia",
+    "inverse of the inertia",
+    "inertia as a quadratic form",
+    "gravity",
+    "gravity and velocity terms",
+    "velocity terms as a matrix",
+]
+"""What of the equations of motion a function of users shows by its answers alone."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Quantity:
     """A row of the table: graphdyn's answer, those of the reference implementations, and how errors are measured.
@@ -138,6 +153,7 @@ class Quantity:
     of_frame: whether it belongs to one frame of the robot; from_file: to Pinocchio's reading of the file
     judged: whether functions of users are judged by it
     judged_errors, judged_scale: of these functions, where they are measured otherwise
+    shows: what of the equations of motion its answers show
     mujoco: name of its answer in MujocoModel.evaluate; None where it has none
     conventions: for each thing that codes do differently and rightly, the ways to do it; the usual one first
     as_chosen: the answer in the chosen conventions, from that in the usual ones; reference and order excepted
@@ -162,6 +178,7 @@ class Quantity:
     judged: bool = True
     judged_errors: Measure | None = None
     judged_scale: str = ""
+    shows: Shown = ""
     mujoco: str | None = None
     conventions: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     as_chosen: Callable[[Array, ScaledStates, Chosen], Array] | None = None

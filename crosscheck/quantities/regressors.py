@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TypedDict
 
 import numpy as np
 
-from crosscheck.quantities.energies import gravity, reach
-from crosscheck.quantities.measures import Chosen, columns_relative_to, constant
+from crosscheck.quantities.measures import Chosen, columns_relative_to
 from crosscheck.quantities.quantity import USUAL, USUAL_TWICE, Quantity, verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import PARAMETER_TYPES, acceleration_scale, by_parameter_type, largest, ratio
 from crosscheck.quantities.spans import span_errors
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
-from crosscheck.reference.pinocchio_model import NativeFunction, PinocchioAnswers
+from crosscheck.reference.pinocchio_model import PinocchioAnswers
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 BY_TYPE = "columns of m: compensated × lever; of m c: compensated; of I: turn"
@@ -48,9 +49,20 @@ def _solved_by_type(x: Array, y: Array, states: ScaledStates, chosen: Chosen) ->
     return found
 
 
+class RegressorFunctions(TypedDict, total=False):
+    """What of it a user may give to be judged, as keywords of crosscheck.judge."""
+
+    joint_torque_regressor: TestedFunction | None
+    base_regressor: TestedFunction | None
+    momentum_regressor: TestedFunction | None
+    forward_dynamics_parameter_derivatives: TestedFunction | None
+    body_regressor: TestedFunction | None
+
+
 REGRESSORS = (
     Quantity(
         name="joint_torque_regressor",
+        shows="torques per parameter",
         ours=verb("joint_torque_regressor"),
         pinocchio=_regressor,
         against="computeJointTorqueRegressor",
@@ -77,32 +89,6 @@ REGRESSORS = (
             lambda states: _rate(states) * states.sizes.arm, _rate, lambda states: states.sizes.omega
         ),
         scale="columns of m: rate × arm; of m c: rate; of I: ‖ω‖",
-    ),
-    Quantity(
-        name="kinetic_energy_regressor",
-        ours=verb("energy_regressor", "kinetic"),
-        pinocchio=NativeFunction("computeKineticEnergyRegressor", ("q", "v"), "parameters_of"),
-        errors=columns_relative_to(
-            lambda states: states.sizes.velocity**2,
-            lambda states: states.sizes.velocity * states.sizes.omega,
-            lambda states: states.sizes.omega**2,
-        ),
-        scale="columns of m: velocity²; of m c: velocity × ‖ω‖; of I: ‖ω‖²",
-    ),
-    Quantity(
-        name="potential_energy_regressor",
-        ours=replace(
-            verb("energy_regressor", "potential"),
-            arguments=("q",),
-            code="graphdyn.energy_regressor(model, q, 0 * q).potential",
-        ),
-        pinocchio=NativeFunction("computePotentialEnergyRegressor", ("q",), "parameters_of"),
-        errors=columns_relative_to(
-            lambda states: gravity(states) * reach(states),
-            lambda states: constant(gravity(states), states),
-            lambda states: constant(0, states),
-        ),
-        scale="columns of m: ‖g‖ × largest position; of m c: ‖g‖",
     ),
     Quantity(
         name="forward_dynamics_parameter_derivatives",

@@ -16,7 +16,7 @@ from crosscheck.commands.program.exits import AGREED, DISAGREED, PENDING
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.judged_functions import (
     FUNCTION_FORM,
-    FUNCTIONS_HELP,
+    FUNCTION_LIST,
     ConventionOptions,
     JointsOption,
     SettingOptions,
@@ -28,7 +28,8 @@ from crosscheck.commands.program.three_d import figure_at_rest
 
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.program import ProgramFunction
-    from crosscheck.judging.setting import Setting, TestedFunction
+    from crosscheck.judging.setting import Setting
+from crosscheck.quantities.tested_function import TestedFunction
 
 EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --forward-dynamics my_package.dynamics:aba --html verdict.html
@@ -38,7 +39,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --library inverse_dynamics=libarm.so:rnea
   graphdyn judge arm.urdf --answers answers.csv
 
-{FUNCTIONS_HELP}
+{FUNCTION_LIST}
 """
 
 

@@ -11,6 +11,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from crosscheck.commands.program.console import complain, out, say, trace, warn
 from crosscheck.commands.program.functions import place_in_user_code
+from crosscheck.commands.program.judged_functions import FUNCTION_LIST, function_list
 from crosscheck.commands.program.output_files import OutputFile, refuse_harm
 from crosscheck.report.plain_text import printable
 from graphdyn import GraphDynError
@@ -37,6 +38,12 @@ class Command(TyperCommand):
         for heading, records in groups.items():
             with formatter.section(heading):
                 formatter.write_dl(records)
+
+    def format_epilog(self, ctx: Any, formatter: Any) -> None:
+        """The examples, and where the command takes functions, a list of these."""
+        if self.epilog and FUNCTION_LIST in self.epilog:
+            self.epilog = self.epilog.replace(FUNCTION_LIST, function_list())
+        super().format_epilog(ctx, formatter)
 
     def invoke(self, ctx: Any) -> Any:
         refuse_harm(ctx)

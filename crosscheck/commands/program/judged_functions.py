@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
@@ -13,22 +14,24 @@ from crosscheck.commands.program.reading_options import ReadingOptions, pairs
 if TYPE_CHECKING:
     from crosscheck.judging.setting import Setting
 
-FUNCTIONS_HELP = """\b
-Functions, after their arguments:
-  q, v, a               inverse_dynamics power joint_wrenches multipliers frame_acceleration
-                        dtau_dq dtau_dv dwrenches_dq dwrenches_dv dwrenches_da
-                        dmultipliers_dq dmultipliers_dv dmultipliers_da
-                        joint_torque_regressor base_regressor body_regressor
-  q, v, tau             forward_dynamics da_dq da_dv forward_dynamics_parameter_derivatives
-  q, v                  bias_torque coriolis_matrix frame_velocity frame_jacobian_derivative
-                        center_of_mass_velocity momentum kinetic_energy
-                        momentum_regressor kinetic_energy_regressor
-  q                     gravity_torque mass_matrix mass_matrix_inverse frame_placement frame_jacobian
-                        center_of_mass center_of_mass_jacobian centroidal_map potential_energy
-                        potential_energy_regressor
-  q, external_wrenches  static_torque
-"""
-"""Shapes and units are in docs/judge.md. Written out, because the help must not import what computes."""
+FUNCTION_LIST = "FUNCTIONS AFTER THEIR ARGUMENTS"
+"""In the epilog of a command: where its help lists the functions."""
+
+
+def function_list() -> str:
+    """The functions that can be judged, after their arguments; shapes and units are in docs/judge.md."""
+    from crosscheck.quantities import FUNCTIONS  # a second, which only this help takes
+
+    names: dict[str, list[str]] = {}
+    for name, function in FUNCTIONS.items():
+        names.setdefault(", ".join(function.arguments), []).append(name)
+    width = max(map(len, names)) + 4
+    lines = ["\b", "Functions, after their arguments:"]
+    for arguments, functions in names.items():
+        first, *rest = wrap(" ".join(functions), 95 - width)
+        lines += [f"  {arguments:{width - 2}}{first}", *(f"{'':{width}}{line}" for line in rest)]
+    return "\n".join(lines)
+
 
 FUNCTION_FORM = "FILE.py:NAME"
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+import graphdyn
 from crosscheck.commands.show.description import (
     BodyPlacementDescription,
     FrameStateDescription,
@@ -22,16 +23,19 @@ from graphdyn import (
     frame_placement,
     frame_velocity,
     gravity_torque,
-    kinetic_energy,
     mass_matrix,
     maximal_state,
     momentum,
-    potential_energy,
 )
 from graphdyn.arguments import Reference
 from graphdyn.equations import closed, link_origins
 from graphdyn.layout import Array
+from graphdyn.recursions import ARRAY_SPECS
+from graphdyn.verbs import VERBS
 from urdf.document import rpy_from_rotation
+
+ENERGIES = tuple(name for name, array in ARRAY_SPECS.items() if array.unit == "J" and name in VERBS)
+"""Verbs that answer an energy, of q, or of q and v."""
 
 
 def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference: Reference) -> StateDescription:
@@ -46,8 +50,7 @@ def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference:
     return StateDescription(
         q=q.tolist(),
         v=v.tolist(),
-        kinetic_energy=float(kinetic_energy(model, q, v)),
-        potential_energy=float(potential_energy(model, q)),
+        **{name: float(getattr(graphdyn, name)(model, *(q, v)[: len(VERBS[name].inputs)])) for name in ENERGIES},
         motion=_motion(model, q, v) if any(body.mass for body in model.bodies) else None,
         gravity_torque=_at_motors(model, lambda: gravity_torque(model, q)),
         bias_torque=_at_motors(model, lambda: bias_torque(model, q, v)),

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from crosscheck.commands.show.describing_state import ENERGIES
 from crosscheck.commands.show.description import FrameStateDescription, MassMotionDescription, StateDescription
 from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, vector_text
 from crosscheck.report.report import Column, Facts, Group, Row, Section, Table
@@ -16,11 +17,17 @@ JACOBIAN_ROWS = ("v_x", "v_y", "v_z", "ω_x", "ω_y", "ω_z")
 """Rows of a frame Jacobian."""
 
 
+ZERO_ENERGY = {"potential_energy": ", zero at the height of the world's origin"}
+"""Where energies are zero that have no natural zero."""
+
+
 def state_section(state: StateDescription, model: RobotModel) -> Section:
     facts = Facts(
         (
-            ("kinetic energy", f"{state.kinetic_energy:.6g} J"),
-            ("potential energy", f"{state.potential_energy:.6g} J, zero at the height of the world's origin"),
+            *(
+                (name.replace("_", " "), f"{getattr(state, name):.6g} J{ZERO_ENERGY.get(name, '')}")
+                for name in ENERGIES
+            ),
             *([] if state.motion is None else _motion(state.motion)),
         )
     )

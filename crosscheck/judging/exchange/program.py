@@ -7,7 +7,7 @@ from types import TracebackType
 
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
 from crosscheck.judging.exchange.protocols import Protocol, Shape, UnreadableAnswer
-from crosscheck.judging.observing.function_under_test import Refusal
+from crosscheck.quantities.tested_function import Refusal
 from graphdyn.layout import Array
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.judging.exchange.line_process import shown
-from crosscheck.judging.observing.function_under_test import Refusal
+from crosscheck.quantities.tested_function import Refusal
 from graphdyn.layout import Array
 
 Shape = tuple[int | None, ...]

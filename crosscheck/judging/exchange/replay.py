@@ -9,7 +9,8 @@ import numpy as np
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.protocols import Shape, UnreadableAnswer, shaped
 from crosscheck.judging.exchange.questions import Question, once, question
-from crosscheck.judging.observing.function_under_test import FunctionFailure, Refusal
+from crosscheck.judging.observing.function_under_test import FunctionFailure
+from crosscheck.quantities.tested_function import Refusal
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 

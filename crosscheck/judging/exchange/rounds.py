@@ -14,9 +14,10 @@ from crosscheck.judging.exchange.replay import QUESTION_STAGES, AnswersPending, 
 from crosscheck.judging.judge import Progress, check_frame, judge_functions
 from crosscheck.judging.judgment import Judgment
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest, joint_order
-from crosscheck.judging.setting import Setting, TestedFunction
+from crosscheck.judging.setting import Setting
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
+from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.reference.subject import check_counts, refuse_chords, subject
 from graphdyn import RobotModel
 

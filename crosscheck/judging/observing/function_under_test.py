@@ -5,12 +5,12 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.quantities import Quantity
+from crosscheck.quantities.tested_function import BatchFunction, Refusal
 from graphdyn import GraphDynError, InvalidInput, RobotModel
 from graphdyn.layout import BODY_DOF, BODY_PARAMETERS, Array
 
@@ -23,23 +23,6 @@ def in_words(error: BaseException) -> str:
 
 class FunctionFailure(GraphDynError):
     """A function under test raised an exception or returned an array of the wrong shape."""
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """A stand-in for an answer, where user code says that it has none at a state."""
-
-    reason: str
-
-
-@runtime_checkable
-class BatchFunction(Protocol):
-    """User code that is given many states at once: a program, a file of answers."""
-
-    def answers(
-        self, function: str, states: Sequence[Mapping[str, Array]], shape: tuple[int | None, ...]
-    ) -> Sequence[Array | Refusal]:
-        """The answer (shape) at each state. function: its name; states: arguments by name"""
 
 
 @dataclass(frozen=True, eq=False)

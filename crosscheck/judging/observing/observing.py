@@ -19,14 +19,14 @@ def observe(tested: FunctionUnderTest, model: RobotModel, trial: TrialStates, to
     Raises numpy.linalg.LinAlgError where forward dynamics give a singular M⁻¹.
     """
     acceleration = usual_acceleration(model, trial)
-    if tested.name == "forward_dynamics":
+    shown = tested.known.shows
+    if shown == "accelerations":
         return _of_accelerations(tested, trial, torque, acceleration)
-    if tested.name == "joint_torque_regressor":
+    if shown == "torques per parameter":
         return split(lambda q, v, a: tested(q, v, a) @ model.inertial_parameters, trial, acceleration)
-    if tested.name == "inverse_dynamics":
+    if shown == "torques":
         return split(tested, trial, acceleration)
-    known = _PARTS.get(tested.name)
-    return None if known is None else known(tested, trial)
+    return _PARTS[shown](tested, trial) if shown else None
 
 
 def _of_accelerations(tested: FunctionUnderTest, trial: TrialStates, torque: Array, acceleration: float) -> Parts:
@@ -62,7 +62,7 @@ def _of_coriolis(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
     return Parts(velocity=once, doubled=twice)
 
 
-def _of_kinetic_energy(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
+def _of_quadratic_form(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
     """M_ij = T(e_i + e_j) - T(e_i) - T(e_j)."""
     size, n = trial.q.shape
     unit = np.eye(n)
@@ -73,10 +73,11 @@ def _of_kinetic_energy(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
 
 
 _PARTS: Mapping[str, Callable[[FunctionUnderTest, TrialStates], Parts]] = {
-    "mass_matrix": lambda tested, trial: Parts(inertia=np.swapaxes(tested(trial.q), -1, -2)),
-    "mass_matrix_inverse": lambda tested, trial: Parts(inertia=np.swapaxes(np.linalg.inv(tested(trial.q)), -1, -2)),
-    "gravity_torque": lambda tested, trial: Parts(gravity=tested(trial.q)),
-    "bias_torque": _of_bias,
-    "coriolis_matrix": _of_coriolis,
-    "kinetic_energy": _of_kinetic_energy,
+    "inertia": lambda tested, trial: Parts(inertia=np.swapaxes(tested(trial.q), -1, -2)),
+    "inverse of the inertia": lambda tested, trial: Parts(inertia=np.swapaxes(np.linalg.inv(tested(trial.q)), -1, -2)),
+    "gravity": lambda tested, trial: Parts(gravity=tested(trial.q)),
+    "gravity and velocity terms": _of_bias,
+    "velocity terms as a matrix": _of_coriolis,
+    "inertia as a quadratic form": _of_quadratic_form,
 }
+"""By what a function shows of the equations of motion (crosscheck.quantities.quantity.Shown)."""

@@ -16,7 +16,7 @@ import graphdyn
 import urdf
 from crosscheck.commands.application import app
 from crosscheck.commands.judge.report import judge_report
-from crosscheck.commands.program.judged_functions import FUNCTIONS_HELP
+from crosscheck.commands.program.judged_functions import function_list
 from crosscheck.judging import judge as judging
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.html import page as page_of
@@ -413,11 +413,11 @@ class TestOptions:
             crosscheck.judge("ur5", coriolis=lambda q, v: q)
 
     def test_the_help_lists_every_function_with_its_arguments(self):
-        lines = re.findall(r"^  (\S.*?)  +(\S.*)((?:\n {10,}.*)*)", FUNCTIONS_HELP, re.MULTILINE)
+        lines = re.findall(r"^  (\S.*?)  +(\S.*)((?:\n {10,}.*)*)", function_list(), re.MULTILINE)
         listed = {name: arguments for arguments, first, rest in lines for name in (first + rest).split()}
         assert listed == {name: ", ".join(known.arguments) for name, known in FUNCTIONS.items()}
         shown = CliRunner().invoke(app, ["judge", "--help"]).output
-        assert all(f"\n  {line}" in shown for line in FUNCTIONS_HELP.splitlines()[1:])  # not run together
+        assert all(f"\n  {line}" in shown for line in function_list().splitlines()[1:])  # not run together
 
 
 def test_the_guide_lists_every_function():

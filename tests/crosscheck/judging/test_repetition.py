@@ -13,9 +13,9 @@ import graphdyn
 import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
-from crosscheck.judging.observing.function_under_test import Refusal
 from crosscheck.judging.observing.regions import region, roundest
 from crosscheck.quantities import FUNCTIONS
+from crosscheck.quantities.tested_function import Refusal
 from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE
 from crosscheck.report.json import plain
 from crosscheck.report.text import as_text

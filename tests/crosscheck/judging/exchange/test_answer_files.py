@@ -18,9 +18,10 @@ from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer, re
 from crosscheck.judging.exchange.questions import SameId, once, question
 from crosscheck.judging.exchange.replay import AnswersPending, Replay
 from crosscheck.judging.exchange.rounds import answered_functions, first_round, judge_answers
-from crosscheck.judging.observing.function_under_test import FunctionFailure, Refusal
+from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.setting import Setting
 from crosscheck.quantities import FUNCTIONS
+from crosscheck.quantities.tested_function import Refusal
 from graphdyn import InvalidInput, UnknownFrame
 
 NAMES = "inverse_dynamics,mass_matrix,bias_torque"

@@ -16,7 +16,7 @@ from crosscheck.commands import app
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, PENDING
 from crosscheck.judging.exchange.library import library_function
 from crosscheck.judging.exchange.line_process import ProgramFailed
-from crosscheck.judging.observing.function_under_test import Refusal
+from crosscheck.quantities.tested_function import Refusal
 
 EXAMPLES = REPOSITORY / "docs/languages"
 COMPILER = shutil.which("cc") or shutil.which("gcc")

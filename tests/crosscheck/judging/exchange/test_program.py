@@ -16,7 +16,7 @@ from crosscheck.judging.exchange import line_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed, end_in_words
 from crosscheck.judging.exchange.program import ProgramFunction
 from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, UnreadableAnswer, number_text
-from crosscheck.judging.observing.function_under_test import Refusal
+from crosscheck.quantities.tested_function import Refusal
 
 SOON = 0.3
 """Time limit where an answer never comes [s]."""
