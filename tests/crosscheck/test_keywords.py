@@ -5,11 +5,11 @@ import inspect
 
 import numpy as np
 import pytest
-from crosscheck.judging.functions.table import FUNCTIONS
 
 import crosscheck
 import urdf
 from crosscheck.judging.setting import FunctionsUnderTest, Setting
+from crosscheck.quantities import FUNCTIONS
 from graphdyn import InvalidInput, kr500
 
 MISSPELLED = {
