@@ -9,11 +9,14 @@ from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
 from crosscheck.report.report import Column, RobotPicture, Row, Table
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf.reading import Chain
 
 
-def locked_text(locked: Mapping[str, float]) -> str:
-    """ ", locked: finger = 0.02", or nothing."""
-    return f", locked: {', '.join(f'{joint} = {value:g}' for joint, value in locked.items())}" if locked else ""
+def reading_text(locked: Mapping[str, float], chain: Chain = None) -> str:
+    """ " from base to hand, locked: finger = 0.02", or nothing."""
+    cut = f" from {chain[0]} to {chain[1]}" if chain else ""
+    held = ", ".join(f"{joint} = {value:g}" for joint, value in locked.items())
+    return f"{cut}, locked: {held}" if held else cut
 
 
 def robot_picture(model: RobotModel, name: str, q: Array | None = None) -> RobotPicture:

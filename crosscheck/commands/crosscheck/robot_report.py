@@ -24,7 +24,7 @@ from crosscheck.report.report import (
     Section,
     Table,
 )
-from crosscheck.report.robot_parts import joints_table, locked_text, robot_picture
+from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
 from crosscheck.report.snippets import worst_state
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
@@ -62,9 +62,8 @@ def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Sectio
 def _what(comparison: Comparison) -> str:
     """Size, states and routes in one line; the path of the file where the title has its name alone."""
     path = f"{comparison.robot}: " if comparison.robot != Path(comparison.robot).name else ""
-    chain = f" from {comparison.chain[0]} to {comparison.chain[1]}" if comparison.chain else ""
     return (
-        f"{path}{counted(comparison.n_bodies, 'joint')}{chain}{locked_text(comparison.locked)}; "
+        f"{path}{counted(comparison.n_bodies, 'joint')}{reading_text(comparison.locked, comparison.chain)}; "
         f"{comparison.samples} random states and the special ones, seed {comparison.seed}; "
         f"routes: {', '.join(comparison.routes)}"
     )

@@ -34,7 +34,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
-from crosscheck.report.robot_parts import locked_text, robot_picture
+from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import joint_torques
 from graphdyn.excitation import CHECK_RATE, LIMIT_KINDS, ExcitationPlan, FourierBasis, sample_times
 
@@ -151,8 +151,9 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
     if found.motions[0].seed is None:
         shape = "as given"
     seconds = " + ".join(f"{motion.course.duration:g}" for motion in found.motions)
+    size = counted(problem.torque_model.model.n_bodies, "joint")
     facts = [
-        ("robot", f"{found.robot}: {counted(problem.torque_model.model.n_bodies, 'joint')}{locked_text(found.locked)}"),
+        ("robot", f"{found.robot}: {size}{reading_text(found.locked, found.chain)}"),
         ("motion", f"{seconds} s, {shape}"),
         ("noise", f"{', '.join(f'{x:.3g}' for x in problem.noise)} N m or N: {found.noise_words}; {problem.rate:g} Hz"),
         ("minimized", found.criterion),

@@ -25,7 +25,7 @@ from crosscheck.report.report import (
     Section,
     Table,
 )
-from crosscheck.report.robot_parts import joints_table, locked_text, robot_picture
+from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
 from graphdyn.layout import Array
 
 MAX_LISTED_STATES = 20
@@ -188,7 +188,7 @@ def _to_be_known(judgment: Judgment) -> Notes:
 def _judged(judgment: Judgment) -> tuple[Block, ...]:
     model, names = judgment.model, judgment.joint_names
     facts = (
-        ("robot", f"{judgment.robot}: {counted(len(names), 'joint')}{locked_text(judgment.locked)}"),
+        ("robot", f"{judgment.robot}: {counted(len(names), 'joint')}{reading_text(judgment.locked, judgment.chain)}"),
         ("joint order", ", ".join(names)),
         ("states", f"{judgment.samples} random states and special ones, seed {judgment.seed}"),
         ("reference implementations", ", ".join(judgment.references)),

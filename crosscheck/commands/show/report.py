@@ -32,7 +32,7 @@ from crosscheck.report.report import (
     Section,
     Table,
 )
-from crosscheck.report.robot_parts import locked_text, robot_picture
+from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def _overview(robot: RobotDescription, model: RobotModel) -> tuple[Block, ...]:
         (
             "robot",
             f"{robot.robot}: {counted(len(robot.bodies), 'body', 'bodies')}, {counted(len(robot.joints), 'joint')}"
-            f"{locked_text(robot.locked)}",
+            f"{reading_text(robot.locked)}",
         ),
         ("total mass", f"{robot.total_mass:.6g} kg"),
         ("gravity", f"{vector_text(robot.gravity)} m/s², world axes"),

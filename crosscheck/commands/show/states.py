@@ -19,7 +19,7 @@ StateOption = Annotated[
     typer.Option(
         metavar="Q[,V]|FILE|random[:SEED]",
         help="A state: n joint positions, or n positions and n velocities, with commas ('Q;V' with a semicolon) "
-        "[rad or m, …/s]; a JSON file with q and v; or a random one. v is 0 if left out.",
+        "[rad or m, …/s]; a JSON file with q and v; or a random one. The default of v is 0.",
     ),
 ]
 

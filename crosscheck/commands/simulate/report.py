@@ -11,7 +11,7 @@ import numpy as np
 from crosscheck.commands.simulate.record import SimulatedRun, of_all_joints, record
 from crosscheck.report.plain_text import counted
 from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
-from crosscheck.report.robot_parts import locked_text, robot_picture
+from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel, Simulation
 from graphdyn.layout import Array
 
@@ -38,7 +38,7 @@ def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
     lasted = f"{motion.time[-1]:g} s, {counted(len(motion.time), 'row')}"
     steps = f"steps of {run.step:g} s" if run.step else "steps that adapt"
     facts = [
-        ("robot", f"{run.robot}: {counted(model.n_bodies, 'joint')}{locked_text(run.locked)}"),
+        ("robot", f"{run.robot}: {counted(model.n_bodies, 'joint')}{reading_text(run.locked, run.chain)}"),
         ("time", f"{lasted}; ended by: {motion.ended}" if motion.ended else lasted),
         ("method", f"{run.method}, {steps}"),
         ("torque", run.torque),

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from crosscheck.study.settings.settings import (
     Numbers,
     Settings,
     not_negative,
     number,
+    one_of,
     one_or_each,
     positive,
     texts,
     words,
 )
+from urdf import Reading
+from urdf.reading import Mimic
 
 
 @dataclass(frozen=True)
@@ -23,7 +26,8 @@ class RobotSettings:
     """The robot as it is, its controller, and the limits of its motions. One number for all joints, or one each.
 
     file: of the configuration, for messages
-    name: of the catalog, or path of a file; locked: joints that stand still at zero
+    name: of the catalog, or path of a file
+    locked: joints that stand still at zero; chain, gravity, mimic, repair: as in urdf.Reading
     viscous, coulomb, rotor_inertia: of the drives   [N m s/rad, N m, kg m²; sliding joints in N and kg]
     position_gain, velocity_gain: of the PD controller; without them from the inertia at q = 0   [N m/rad, N m s/rad]
     velocity_noise: of the velocities that the controller sees   [rad/s or m/s]
@@ -34,6 +38,10 @@ class RobotSettings:
     file: str
     name: str
     locked: tuple[str, ...] = ()
+    chain: tuple[str, ...] | None = None
+    gravity: tuple[float, ...] | None = None
+    mimic: Mimic = "coupled"
+    repair: tuple[str, ...] = ()
     viscous: Numbers = 0.0
     coulomb: Numbers = 0.0
     rotor_inertia: Numbers = 0.0
@@ -44,6 +52,13 @@ class RobotSettings:
     upper: Numbers | None = None
     velocity: Numbers = 2.0
     acceleration: Numbers = 10.0
+
+    @property
+    def reading(self) -> Reading:
+        chain = None if self.chain is None else (self.chain[0], self.chain[1])
+        return Reading(
+            lock=self.locked or None, chain=chain, gravity=self.gravity, mimic=self.mimic, repair=self.repair
+        )
 
 
 @dataclass(frozen=True)
@@ -69,6 +84,10 @@ def robot_settings(table: Settings, folder: Path) -> RobotSettings:
     readers: dict[str, Any] = {
         "name": lambda value: _path(folder, words(value)),
         "locked": texts("names of joints"),
+        "chain": _base_and_tip,
+        "gravity": _three,
+        "mimic": one_of(get_args(Mimic)),
+        "repair": texts("names of repairs"),
         "velocity_noise": not_negative,
         "position_gain": each,
         "velocity_gain": each,
@@ -103,6 +122,13 @@ def _given(kind: Any, table: Settings, readers: dict[str, Any]) -> dict[str, Any
     given = {name: table.take(name, None, readers[name]) for name in names}
     table.refuse_others()
     return {name: value for name, value in given.items() if name in table.values}
+
+
+def _base_and_tip(value: object) -> tuple[str, ...]:
+    names = texts("names of links")(value)
+    if len(names) != 2:
+        raise ValueError("give the names of two links: base and tip of an arm")
+    return names
 
 
 def _three(value: object) -> tuple[float, ...]:

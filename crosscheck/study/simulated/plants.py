@@ -67,7 +67,7 @@ class ControlledRobot:
 @lru_cache(maxsize=1)
 def plant_of(settings: RobotSettings) -> ControlledRobot:
     """Raises BadConfiguration for numbers that are not of this robot, and for loops; urdf's errors."""
-    model = urdf.load(settings.name, lock=settings.locked or None)
+    model = urdf.load(settings.name, reading=settings.reading)
     if model.chords or model.couplings:
         what = "loops" if model.chords else "joints that drive others"
         raise BadConfiguration(

@@ -22,6 +22,7 @@ from crosscheck.study.running import DATABASE, PROCESS_DIED, Remaining, run_stud
 from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
+from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.tables import RESULTS, SCENARIOS, TIMES
 from graphdyn import InvalidInput
 
@@ -246,6 +247,8 @@ BAD = {
     "[robot]\nviscous = 1\n": r"name in \[robot\] is missing; give a robot of `graphdyn robots`, or a file",
     "[robot]\nname = 'ur5'\nviscous = [1, 'x']\n": r"viscous in \[robot\] is \[1, 'x'\]; give a number from 0 on",
     "[robot]\nname = 'ur5'\nposition_gain = 9\n": r"position_gain in \[robot\] and velocity_gain belong together; give",
+    "[robot]\nname = 'ur5'\nchain = ['base']\n": r"chain in \[robot\] is \['base'\]; give the names of two links",
+    "[robot]\nname = 'ur5'\nmimic = 'no'\n": r"mimic in \[robot\] is 'no'; use one of coupled, independent, locked",
     "[errors]\npayload_center = [1, 2]\n": r"payload_center in \[errors\] is \[1, 2\]; give three numbers",
     "[grid]\nmotion = 'steps'\n": r"\[grid\] must be \[\[grid\]\], which can be given several times",
     "[scenario]\nmotion = 'slow'\n": r"motion in \[scenario\] is 'slow'; use one of random, excited, steps, paper",
@@ -268,6 +271,14 @@ def test_bad_configurations(text, folder):
     robot = "" if "[robot]" in text else "[robot]\nname = 'ur5'\n"
     with pytest.raises(BadConfiguration, match=BAD[text]):
         study_of(folder, text, robot)
+
+
+def test_how_the_robot_is_read(folder):
+    cut = "chain = ['panda_link0', 'panda_link6']"
+    held = "locked = ['panda_joint7', 'panda_finger_joint1', 'panda_finger_joint2']"
+    plant = plant_of(study_of(folder, f"[robot]\nname = 'panda'\n{cut}\n{held}\ngravity = [0, 0, -1.62]\n").robot)
+    assert plant.model.joint_names == tuple(f"panda_joint{k}" for k in range(1, 7))
+    assert plant.model.gravity.tolist() == [0, 0, -1.62]
 
 
 def test_what_only_the_robot_shows(folder):

@@ -5,6 +5,7 @@ from planting import SEED
 from shown.pages import COMMAND
 
 import graphdyn
+import urdf
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment, WorstCall
 from crosscheck.quantities import FUNCTIONS
@@ -39,7 +40,7 @@ def judged(model, name, factor=1.0, references_differ=0.0, order=None):
 
 def judgment(model, *functions, robot="some robot", file=None, diagnoses=(), order=None):
     return Judgment(
-        robot, file, model, order or model.joint_names, STATES, SEED, {}, ("graphdyn", "pinocchio"),
+        robot, file, model, order or model.joint_names, STATES, SEED, urdf.Reading(), ("graphdyn", "pinocchio"),
         {function.name: function for function in functions}, diagnoses, ("no MuJoCo",),
     )  # fmt: skip
 
