@@ -39,7 +39,7 @@ class Kr300:
         self.zero = np.deg2rad(self._figures["zero_of_measured_angles_deg"])
         links = self._figures["links"]
         ends = [_link_end(link) for link in links]
-        load_center = [0, 0, self._figures["payload"]["center_z"]]
+        load_center = [0, 0, self._figures["payload"]["centre_z"]]
         self.payload_center = ends[-1].rotation @ load_center + ends[-1].translation
         bodies = [_body(f"link_{k}", link, end) for k, (link, end) in enumerate(zip(links, ends, strict=True), start=1)]
         if payload:

@@ -3,6 +3,7 @@
 import dataclasses
 import pickle
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 from random_trees import random_tree
@@ -71,10 +72,11 @@ class Plant:
     def pinocchio_value(self, field: str, change: Callable[[float], float]) -> None:
         """Change the largest entry of one field of PinocchioAnswers, of the last state, where it is first asked for."""
         original, planted = getattr(PinocchioAnswers, field), []
+        answer = original.func if isinstance(original, cached_property) else original.fget
 
         def value(there):
             planted.append(there)
-            return _changed(original.fget(there), change) if there is planted[0] else original.fget(there)
+            return _changed(answer(there), change) if there is planted[0] else answer(there)
 
         self._in_the_pinocchio(PinocchioAnswers, field, property(value))
 

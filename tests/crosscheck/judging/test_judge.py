@@ -133,7 +133,7 @@ class TestVerdict:
         assert np.allclose(inverse_dynamics(ur5, *state).tau, worst.expected, rtol=0, atol=1e-12)
 
     def test_references_that_differ_decide_nothing(self, textbook, plant):
-        plant.reference_value("tau", lambda x: x * 1.01)
+        plant.pinocchio_value("tau", lambda x: x * 1.01)
         with pytest.raises(crosscheck.WrongDynamics, match="UNDECIDED") as caught:
             crosscheck.assert_correct("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
         judgment = caught.value.judgment

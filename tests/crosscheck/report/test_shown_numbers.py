@@ -232,7 +232,7 @@ class TestPictures:
 
     def test_ratio_bars(self, drawn):
         """Three times as long, quartiles 2.5 and 4: the bar is as long as the number beside it says."""
-        comparison = SpeedRatio("ours", "theirs", 1, Ratio(median=3.0, fastest=2.0, spread=(2.5, 4.0)))
+        comparison = SpeedRatio("ours", "theirs", 1, Ratio(median=3.0, fastest=2.0, quartiles=(2.5, 4.0)))
         (inner,) = drawn(ratio_bars, "ratio_bars", [comparison]).child_axes
         assert [bar.get_width() for bar in inner.patches] == [3.0]
         assert inner.lines[0].get_xdata().tolist() == [2.5, 4.0]

@@ -75,13 +75,13 @@ class TestTheTrialCanFail:
     def test_other_number(self, written, monkeypatch):
         model = urdf.load(written(changed('xyz="0 0 0.4"', 'xyz="0 0 0.400000001"')))
         monkeypatch.setattr(urdf, "load", lambda path: model)
-        self.expect(written(CLEAN), "without a finding: {'link_twist'")
+        self.expect(written(CLEAN), "without a finding: {'inverse_dynamics'")
 
     def test_other_number_beside_a_finding_that_explains_another(self, written, monkeypatch):
         model = urdf.load(written(changed('xyz="0 0 0.4"', 'xyz="0 0 0.400000001"')))
         monkeypatch.setattr(urdf, "load", lambda path: model)
         path = written(changed('value="2.5"', 'value="2.5 "'))
-        self.expect(path, "not explained by ('number-spacing',): {'link_twist'")
+        self.expect(path, "not explained by ('number-spacing',): {'inverse_dynamics'")
 
     def test_other_number_beside_lost_digits(self, written, monkeypatch):
         far = ('xyz="0.1 0.2 0.3"', 'xyz="1e8 0.2 0.3"')

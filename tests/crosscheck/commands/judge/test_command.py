@@ -35,7 +35,7 @@ class TestJudge:
         assert record["command"][:3] == ["graphdyn", "judge", "ur5"]
 
     def test_undecided(self, program, my_code, plant):
-        plant.reference_value("tau", lambda x: 1.01 * x)
+        plant.pinocchio_value("tau", lambda x: 1.01 * x)
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == DISAGREED
         assert "UNDECIDED" in done.out

@@ -111,7 +111,7 @@ class TestTolerances:
 
 class TestRefused:
     def test_a_reference_that_disagrees(self, program, small_arm, tmp_path, plant):
-        plant.reference_value("mass_matrix", lambda x: x * (1 + 1e-8))
+        plant.pinocchio_value("mass_matrix", lambda x: x * (1 + 1e-8))
         done = program("vectors", small_arm, "--samples", 1, "--out", tmp_path / "v")
         assert done.code == BAD_INPUT
         assert (
