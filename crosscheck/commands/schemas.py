@@ -6,25 +6,12 @@ A test compares them with the committed ones.
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from crosscheck.commands.bench import record as bench
-from crosscheck.commands.crosscheck import record as crosscheck
-from crosscheck.commands.errata import record as errata
-from crosscheck.commands.excite import record as excite
-from crosscheck.commands.export import record as export
-from crosscheck.commands.identify import record as identify
-from crosscheck.commands.inspect import record as inspect
-from crosscheck.commands.judge import record as judge
-from crosscheck.commands.paper import record as paper
-from crosscheck.commands.questions import record as questions
-from crosscheck.commands.robots import record as robots
-from crosscheck.commands.show import record as show
-from crosscheck.commands.simulate import record as simulate
-from crosscheck.commands.study import record as study
-from crosscheck.commands.vectors import record as vectors
+import crosscheck.commands
 from crosscheck.report.json import as_bytes
 from crosscheck.report.json_schema import schema_of
 from crosscheck.report.record import Record
@@ -33,24 +20,16 @@ from urdf.document import write_whole
 
 def schemas() -> dict[str, dict[str, Any]]:
     """The schemas of all formats by file name."""
-    formats = (
-        bench.BenchRecord,
-        crosscheck.CrosscheckRecord,
-        errata.ErrataRecord,
-        excite.ExciteRecord,
-        export.ExportRecord,
-        identify.IdentifyRecord,
-        inspect.InspectRecord,
-        judge.JudgeRecord,
-        paper.PaperRecord,
-        questions.QuestionsRecord,
-        robots.RobotsRecord,
-        show.ShowRecord,
-        simulate.SimulateRecord,
-        study.StudyRecord,
-        vectors.VectorsRecord,
-    )
-    return {f"{_name(record)}.schema.json": schema(record) for record in formats}
+    return {f"{_name(record)}.schema.json": schema(record) for record in formats()}
+
+
+def formats() -> Iterator[type[Record]]:
+    """The outermost record of every command that writes a JSON file."""
+    for path in sorted(Path(crosscheck.commands.__file__).parent.glob("*/record.py")):
+        module = import_module(f"crosscheck.commands.{path.parent.name}.record")
+        for thing in vars(module).values():
+            if isinstance(thing, type) and issubclass(thing, Record) and thing.format:
+                yield thing
 
 
 def schema(record: type[Record]) -> dict[str, Any]:

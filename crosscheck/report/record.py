@@ -27,6 +27,9 @@ from dataclasses import fields
 from inspect import get_annotations
 from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
+from crosscheck.report.record_fields import Command, Versions
+from crosscheck.report.versions import versions
+
 
 class Attribute(NamedTuple):
     """A field that is an attribute of the result, such as a property, or one of another name."""
@@ -75,11 +78,20 @@ class Record:
 
 
 def written(record: type[Record], result: object = None, **said: Any) -> dict[str, Any]:
-    """The fields of a record: those that are said, the others from a result."""
+    """The fields of a record: those that are said, versions, and the others from a result."""
     types = get_type_hints(record)
+    if "versions" in record.paths:
+        said["versions"] = versions()
     values = {name: said[name] if name in said else _found(result, path) for name, path in record.paths.items()}
     head = {"format": record.format} if record.format else {}
     return head | {name: _as_typed(value, types.get(name)) for name, value in values.items()}
+
+
+class CommandRecord(Record):
+    """The base of outermost records that say how their command was called."""
+
+    versions: Versions
+    command: Command
 
 
 def _found(result: object, path: str) -> Any:

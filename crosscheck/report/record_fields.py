@@ -18,6 +18,8 @@ class Keywords:
 Number = float | None
 """A number that may not exist or not be finite: NaN and ±∞ are written as null."""
 
+Numbers = Sequence[Number]
+
 Count = Annotated[int, Keywords(minimum=0)]
 
 Index = Annotated[int, Keywords(minimum=1)]

@@ -12,9 +12,8 @@ from crosscheck.bench.identification import IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.timing import Ratio, Times
 from crosscheck.bench.works import WORK_DESCRIPTIONS
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Keywords, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Keywords
 
 Quartiles = Annotated[Sequence[float], Keywords(minItems=2, maxItems=2)]
 Repeats = Annotated[Sequence[float], Keywords(minItems=1)]
@@ -144,11 +143,9 @@ class BenchIdentificationRecord(Record, of=Identifications):
     entries: Sequence[IdentificationRunRecord]
 
 
-class BenchRecord(Record, of=Benchmark, format="graphdyn bench 3", leave_out=("model", "effort", "floors")):
+class BenchRecord(CommandRecord, of=Benchmark, format="graphdyn bench 3", leave_out=("model", "effort", "floors")):
     """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
 
-    versions: Versions
-    command: Command
     n_bodies = attribute("model.n_bodies")
     repeats = attribute("effort.repeats")
     agrees = attribute()
@@ -165,7 +162,6 @@ def record(found: Benchmark, command: Sequence[str]) -> dict[str, Any]:
     return written(
         BenchRecord,
         found,
-        versions=versions(),
         command=command,
         works=[_work(measured, found.floors.get(measured.name)) for measured in found.works],
         identification=_identification(found.identification),

@@ -8,9 +8,8 @@ from typing import Annotated, Any, Literal
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.comparing.conditioning import Conditioning
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Count, Index, Keywords, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Count, Index, Keywords, Number
 
 Route = Literal["urdf", "model"]
 Pair = Annotated[Sequence[Number], Keywords(minItems=2, maxItems=2)]
@@ -86,7 +85,7 @@ class RobotRecord(Record, of=Comparison, leave_out=("model", "reading")):
     identification: CrosscheckIdentificationRecord | None
 
 
-class CrosscheckRecord(Record, format="graphdyn crosscheck 3"):
+class CrosscheckRecord(CommandRecord, format="graphdyn crosscheck 3"):
     """graphdyn against Pinocchio, robot by robot and quantity by quantity. Errors are relative and have no unit.
 
     agrees: every robot agrees, none failed to load, and none is unfinished
@@ -96,8 +95,6 @@ class CrosscheckRecord(Record, format="graphdyn crosscheck 3"):
         was cut short
     """
 
-    versions: Versions
-    command: Command
     agrees: bool
     robots: Sequence[RobotRecord]
     failures: Sequence[CrosscheckFailureRecord]
@@ -125,7 +122,6 @@ def sweep_record(
     """The same of records that are plain data already, also those of an earlier file."""
     return written(
         CrosscheckRecord,
-        versions=versions(),
         command=command,
         agrees=all(robot["agrees"] for robot in robots) and not failures and not unfinished,
         robots=robots,

@@ -8,7 +8,6 @@ from typing import Annotated, Any
 from crosscheck.paper.errata import Effect
 from crosscheck.report.record import Record, attribute, written
 from crosscheck.report.record_fields import Keywords, Number, Versions
-from crosscheck.report.versions import versions
 
 
 class EffectRecord(Record, of=Effect, leave_out=("errors", "corrected_errors", "cosine")):
@@ -33,4 +32,4 @@ class ErrataRecord(Record, format="graphdyn errata 1"):
 
 def record(effects: Sequence[Effect]) -> dict[str, Any]:
     """What was measured."""
-    return written(ErrataRecord, versions=versions(), effects=effects)
+    return written(ErrataRecord, effects=effects)

@@ -7,9 +7,8 @@ from typing import Any, Literal
 
 from crosscheck.exciting.excited import Excited, PlannedMotion
 from crosscheck.exciting.self_collision import Hit, SelfCollision
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Count, Index, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Count, Index, Number
 from graphdyn import RobotModel
 from graphdyn.excitation import CHECK_RATE, ExcitationPlan, FourierBasis, Trajectory, Usage
 
@@ -111,7 +110,7 @@ class PlanSummaryRecord(Record, of=ExcitationPlan, only=()):
 
 
 class ExciteRecord(
-    Record,
+    CommandRecord,
     of=Excited,
     only=("robot", "motions", "plan", "random", "best_random", "median_random", "recorded", "failures", "collisions"),
     format="graphdyn excite 1",
@@ -124,8 +123,6 @@ class ExciteRecord(
     out: files of the motions
     """
 
-    versions: Versions
-    command: Command
     locked = attribute()
     criterion: Literal["log-det", "sigma", "condition"]
     noise: Sequence[float] = attribute("problem.noise")
@@ -149,7 +146,6 @@ def excite_record(found: Excited, out: Sequence[str], command: Sequence[str]) ->
     return written(
         ExciteRecord,
         found,
-        versions=versions(),
         command=command,
         motions=[_motion(number, motion, model) for number, motion in enumerate(found.motions, start=1)],
         parameters=[_parameter(found, k) for k in range(len(found.plan.sigma))],

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 from crosscheck.report.record import Record, written
 from crosscheck.report.record_fields import Count, Index, Keywords, Versions
-from crosscheck.report.versions import versions
 from graphdyn import RobotModel
 
 
@@ -129,4 +128,4 @@ class ExportRecord(Record, of=ExportedModel, format="graphdyn export 1"):
 
 
 def record(model: ExportedModel) -> dict[str, Any]:
-    return written(ExportRecord, model, versions=versions())
+    return written(ExportRecord, model)

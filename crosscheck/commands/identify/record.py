@@ -20,15 +20,12 @@ from crosscheck.identifying.results.parameters import (
 from crosscheck.identifying.results.recommending import joint_errors, mean_error
 from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import RecordingFinding
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Keywords, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Keywords, Number, Numbers
 from graphdyn.identification import MethodComparison, MethodResult, ResidualSizes
 from graphdyn.identification.data_quality import Excitation, excitation
 from graphdyn.layout import Array
 from graphdyn.model import PARAMETER_NAMES
-
-Numbers = Sequence[Number]
 
 Inertial = Annotated[
     Mapping[str, float],
@@ -221,7 +218,11 @@ class ShownRecord(Record):
 
 
 class IdentifyRecord(
-    TorqueModelRecord, of=Identified, only=("exogeneity", "settings", "truth"), format="graphdyn identify 3"
+    TorqueModelRecord,
+    CommandRecord,
+    of=Identified,
+    only=("exogeneity", "settings", "truth"),
+    format="graphdyn identify 3",
 ):
     """Parameters of a robot from recordings by several methods, and which one to trust.
 
@@ -239,8 +240,6 @@ class IdentifyRecord(
     shown: the result in the tables
     """
 
-    versions: Versions
-    command: Command
     robot = attribute("subject.name")
     file = attribute("subject.file")
     file_sha256 = attribute("subject.file_sha256")
@@ -270,7 +269,6 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
     return written(
         IdentifyRecord,
         found,
-        versions=versions(),
         command=command,
         excitation=excitation(found.problem),
         recording=_recording(found),

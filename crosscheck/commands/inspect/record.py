@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Index, Keywords, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Index, Keywords
 from urdf import Finding, Inspection
 
 
@@ -38,7 +37,7 @@ class InspectFailureRecord(Record):
     message: str
 
 
-class InspectRecord(Record, format="graphdyn inspect 1"):
+class InspectRecord(CommandRecord, format="graphdyn inspect 1"):
     """What is odd or wrong about URDF files.
 
     usable: every file is good for dynamics, and no argument failed
@@ -47,8 +46,6 @@ class InspectRecord(Record, format="graphdyn inspect 1"):
     failures: arguments that are no file, no robot's name and no folder with URDF files
     """
 
-    versions: Versions
-    command: Command
     usable: bool
     files: Sequence[FileRecord]
     occurrences: Mapping[str, Index]
@@ -64,7 +61,6 @@ def record(
     """All files. failures: robot and message of each argument that stands for no file"""
     return written(
         InspectRecord,
-        versions=versions(),
         command=command,
         usable=all(report.usable for report in reports) and not failures,
         files=reports,

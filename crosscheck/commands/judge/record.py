@@ -8,9 +8,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from crosscheck.judging.judgment import Diagnosis, FittedNumber, JudgedFunction, Judgment, WorstCall
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Keywords, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Keywords, Number
 from graphdyn.layout import Array
 
 LEVELS = {
@@ -65,14 +64,12 @@ class DiagnosisRecord(Record, of=Diagnosis):
     numbers: Sequence[FittedNumberRecord]
 
 
-class JudgeRecord(Record, of=Judgment, leave_out=("file", "model", "reading"), format="graphdyn judge 2"):
+class JudgeRecord(CommandRecord, of=Judgment, leave_out=("file", "model", "reading"), format="graphdyn judge 2"):
     """Dynamics functions under test against graphdyn, Pinocchio and MuJoCo, and what is wrong with them.
 
     verdict: undecided: the references differ among themselves
     """
 
-    versions: Versions
-    command: Command
     verdict: Literal["agrees", "disagrees", "undecided"]
     agrees = attribute()
     decided = attribute()
@@ -88,7 +85,6 @@ def record(judgment: Judgment, command: Sequence[str]) -> dict[str, Any]:
     return written(
         JudgeRecord,
         judgment,
-        versions=versions(),
         command=command,
         verdict=judgment.verdict.lower(),
         functions={name: _function(function) for name, function in judgment.functions.items()},

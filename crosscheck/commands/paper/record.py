@@ -14,9 +14,8 @@ from crosscheck.paper.multipliers import WHY_PRINTED, Multiplier, printed_ratios
 from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
 from crosscheck.paper.reproduction import Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Count, Keywords, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Count, Keywords, Number
 from graphdyn.layout import Array
 
 SIX = Keywords(minItems=6, maxItems=6)
@@ -190,7 +189,7 @@ class PaperErrataRecord(Record):
     effects: Sequence[EffectRecord]
 
 
-class PaperRecord(Record, format="graphdyn paper 1"):
+class PaperRecord(CommandRecord, format="graphdyn paper 1"):
     """Every table and result of the paper beside the corrected model. Columns are bodies or joints 1 … 6.
 
     agrees: every check holds
@@ -203,8 +202,6 @@ class PaperRecord(Record, format="graphdyn paper 1"):
     errata: what the printed errors do, as in graphdyn errata --json
     """
 
-    versions: Versions
-    command: Command
     agrees: bool
     checks: Sequence[CheckRecord]
     table_2: Table2
@@ -220,7 +217,6 @@ def record(found: Reproduction, command: Sequence[str]) -> dict[str, Any]:
     return written(
         PaperRecord,
         found,
-        versions=versions(),
         command=command,
         table_2=written(Table2, why=WHY_TABLE_2, rows=_rows(found.geometry)),
         identification=_identification(found.identification),

@@ -9,7 +9,6 @@ from crosscheck.judging.exchange.questions import Question
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.record import Record, written
 from crosscheck.report.record_fields import Keywords, Versions
-from crosscheck.report.versions import versions
 
 Numbers = Sequence[float] | Sequence[Sequence[float]]
 
@@ -45,7 +44,6 @@ def record(robot: str, joint_names: Sequence[str], frame: str | None, questions:
     n = len(joint_names)
     return written(
         QuestionsRecord,
-        versions=versions(),
         robot=robot,
         joint_names=joint_names,
         frame=frame,

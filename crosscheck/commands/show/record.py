@@ -7,7 +7,6 @@ from typing import Any
 from crosscheck.commands.show.description import RobotDescription
 from crosscheck.report.record import Record, written
 from crosscheck.report.record_fields import Versions
-from crosscheck.report.versions import versions
 
 
 class ShowRecord(Record, of=RobotDescription, format="graphdyn show 1"):
@@ -17,4 +16,4 @@ class ShowRecord(Record, of=RobotDescription, format="graphdyn show 1"):
 
 
 def record(robot: RobotDescription) -> dict[str, Any]:
-    return written(ShowRecord, robot, versions=versions())
+    return written(ShowRecord, robot)

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from crosscheck.reference.subject import OfReading
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Count, Index, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Count, Index, Number
 from graphdyn import Simulation
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.simulation import Occurrence
@@ -101,7 +100,7 @@ class OccurrenceRecord(Record, of=Occurrence, only=("name", "time")):
     """An event."""
 
 
-class SimulateRecord(Record, of=SimulatedRun, leave_out=("motion", "reading"), format="graphdyn simulate 1"):
+class SimulateRecord(CommandRecord, of=SimulatedRun, leave_out=("motion", "reading"), format="graphdyn simulate 1"):
     """A motion in short; the motion itself is what --out writes.
 
     duration: that was simulated [s]
@@ -110,8 +109,6 @@ class SimulateRecord(Record, of=SimulatedRun, leave_out=("motion", "reading"), f
     closure_error: largest |φ| of joints [m, -] and loops [m, rad]
     """
 
-    versions: Versions
-    command: Command
     locked = attribute()
     duration: float
     rows: Count
@@ -126,7 +123,6 @@ def record(run: SimulatedRun, command: Sequence[str]) -> dict[str, Any]:
     return written(
         SimulateRecord,
         run,
-        versions=versions(),
         command=command,
         duration=run.motion.time[-1],
         rows=len(run.motion.time),

@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Count, Keywords, Number, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Count, Keywords, Number, Numbers
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method
 from crosscheck.study.statistics.ranking import Ranking
 from crosscheck.study.statistics.summary import MethodSummary, ScenarioSummary, StudySummary
-
-Numbers = Sequence[Number]
 
 
 class StudyRankRecord(Record):
@@ -97,7 +94,7 @@ class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
     rankings: Sequence[StudyRankingRecord]
 
 
-class StudyRecord(Record, format="graphdyn study 1"):
+class StudyRecord(CommandRecord, format="graphdyn study 1"):
     """A study of identification methods, summarized; every run is in results.parquet.
 
     confidence: of all intervals and tests
@@ -107,8 +104,6 @@ class StudyRecord(Record, format="graphdyn study 1"):
     scenarios: all of them
     """
 
-    versions: Versions
-    command: Command
     confidence: float
     facts: Mapping[str, str]
     methods: Sequence[Method]
@@ -119,7 +114,6 @@ class StudyRecord(Record, format="graphdyn study 1"):
 def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command: Sequence[str]) -> dict[str, Any]:
     return written(
         StudyRecord,
-        versions=versions(),
         command=command,
         confidence=CONFIDENCE_LEVEL,
         facts=dict(facts),

@@ -7,9 +7,8 @@ from hashlib import sha256
 from typing import Any
 
 from crosscheck.judging.exchange.vectors import VectorTable
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Command, Count, Index, Vector3, Versions
-from crosscheck.report.versions import versions
+from crosscheck.report.record import CommandRecord, Record, attribute, written
+from crosscheck.report.record_fields import Count, Index, Vector3
 from graphdyn import RobotModel
 
 
@@ -40,7 +39,7 @@ class VectorTableRecord(Record, of=VectorTable, only=("references",)):
     conventions: Mapping[str, str]
 
 
-class VectorsRecord(Record, format="graphdyn vectors 2"):
+class VectorsRecord(CommandRecord, format="graphdyn vectors 2"):
     """A folder of test vectors for one robot.
 
     sha256: of the hashes of all files, one after the other: names this set of vectors
@@ -56,8 +55,6 @@ class VectorsRecord(Record, format="graphdyn vectors 2"):
     tables: one per function
     """
 
-    versions: Versions
-    command: Command
     sha256: str
     files: Sequence[str]
     robot: str
@@ -86,7 +83,6 @@ def record(
     hashes = [sha256(model_file[1]).hexdigest(), *(row["sha256"] for row in rows)]
     return written(
         VectorsRecord,
-        versions=versions(),
         command=command,
         sha256=sha256("".join(hashes).encode()).hexdigest(),
         files=[model_file[0], *tables],
