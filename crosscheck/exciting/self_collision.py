@@ -55,7 +55,7 @@ class SelfCollision:
 
     pairs: of meshes, that are checked
     margins: by which the meshes of each pair stay apart: margin, or 0 where they are always nearer [m]
-    clearances: of the pairs that the search watches, by the name of the pair
+    clearances: of the pairs that the search checks, by the name of the pair
     disabled: names of the pairs that are left out because the SRDF file disables them
     touching: names of the pairs that are left out because they collide in all of many random poses
     missing: why the shapes of a link cannot be read, by link; it passes unchecked

@@ -33,7 +33,7 @@ _UFUNCS: dict[str, Callable[..., Any]] = {
 
 
 Run = Callable[[int, int], dict[Guard, float]]
-"""run(first, last) fills rows first … last - 1 of the outputs and returns what was watched."""
+"""run(first, last) fills rows first … last - 1 of the outputs and returns what the guards found."""
 
 
 class Interpreter:
@@ -88,7 +88,7 @@ class Interpreter:
 
 
 def merged(kind: Guard, values: list[float]) -> float:
-    """What several watches have seen together."""
+    """What several guards have found together."""
     return min(values, default=np.inf) if kind == "minimum" else sum(values, 0.0)
 
 

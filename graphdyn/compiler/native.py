@@ -79,7 +79,7 @@ class CompiledProgram:
         return run
 
     def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> RowCall:
-        """A call without arguments on arrays of as many rows as lanes, nothing watched: for one state after the other.
+        """A call without arguments on arrays of as many rows as lanes, no guards: for one state after the other.
 
         Not for several threads at once.
         """

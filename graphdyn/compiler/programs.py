@@ -1,4 +1,4 @@
-"""What has to be watched to know that all inputs are finite: few outputs instead of many inputs.
+"""What the guards have to check to know that all inputs are finite: few outputs instead of many inputs.
 
 What is not finite stays so in sums, products and numerators, and becomes NaN in sine and cosine; in a denominator only
 NaN survives, since 1 / ∞ is zero. An output that is finite therefore vouches for every input that reaches it so.

@@ -79,7 +79,7 @@ def run(
     outputs: Mapping[str, Array],
     threads: int | None = None,
 ) -> dict[Guard, float]:
-    """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what was watched.
+    """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what the guards found.
 
     The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first reduced by
     whole turns, so that no sample loses digits.

@@ -19,7 +19,7 @@ LIMIT_KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """Half-space normal · p ≥ distance for all watched points; in world axes, normalized here. [-, m]"""
+    """Half-space normal · p ≥ distance for all checked spheres; in world axes, normalized here. [-, m]"""
 
     normal: ArrayLike
     distance: float = 0.0

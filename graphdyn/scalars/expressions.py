@@ -97,7 +97,7 @@ class Recorder:
         return self.operation("constant", float(scalar)).number  # type: ignore[arg-type]
 
     def program(self, outputs: Mapping[str, Sequence[object]], guards: Mapping[Guard, Sequence[object]]) -> Program:
-        """What it takes to compute these outputs and watches, and nothing else."""
+        """What it takes to compute these outputs and guards, and nothing else."""
         wanted = {name: [self.number(scalar) for scalar in scalars] for name, scalars in outputs.items()}
         guarded = {kind: [self.number(scalar) for scalar in scalars] for kind, scalars in guards.items()}
         return program_of(self.operations, self._inputs, wanted, guarded)
@@ -231,7 +231,7 @@ def program_of(
     outputs: Mapping[str, Sequence[int]],
     guards: Mapping[Guard, Sequence[int]],
 ) -> Program:
-    """The program of the operations that it takes to compute these outputs and watches."""
+    """The program of the operations that it takes to compute these outputs and guards."""
     needed, pending = set(), [k for numbers in (*outputs.values(), *guards.values()) for k in numbers]
     while pending:
         number = pending.pop()

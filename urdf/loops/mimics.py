@@ -86,14 +86,12 @@ def resolve(
     for name in (name for name in movable if name in by_joint):
         at, relation = value(name, ()), by_joint[name]
         if at is None:
-            standing = {other: value(other, (name,)) for other in relation.ratios}
-            free = {other: ratio for other, ratio in relation.ratios.items() if standing[other] is None}
+            known = {other: value(other, (name,)) for other in relation.ratios}
+            free = {other: ratio for other, ratio in relation.ratios.items() if known[other] is None}
             if name in stated:
                 raise _cannot_lock(source, name, relation, list(free))
             held.pop(name, None)
-            offset = relation.offset + sum(
-                relation.ratios[other] * at for other, at in standing.items() if at is not None
-            )
+            offset = relation.offset + sum(relation.ratios[other] * at for other, at in known.items() if at is not None)
             couplings.append(Coupling(name, free, offset))
         else:
             if name in stated and locked[name] != at:

@@ -23,7 +23,7 @@ MAX_STEP_CHARACTERS = 40
 """Largest number of characters of the step shown beside a progress bar; of a long path, the end is shown."""
 
 PROGRESS_INTERVAL = 10.0
-"""Time from one line of progress to the next where nobody watches a bar [s]."""
+"""Time from one line of progress to the next where nobody looks at a bar [s]."""
 
 SYSTEM_ERROR_REMEDIES = {
     ENOENT: "check the name and the folder",

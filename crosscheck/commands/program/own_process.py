@@ -67,7 +67,7 @@ def enter(what: str) -> None:
 
 
 def _told(process: BaseProcess, ours: Connection) -> tuple[list[str], int | None]:
-    """The user code that ran, and the exit code, None where the process ended without telling it."""
+    """The user code that ran, and the exit code, None where the process ended without reporting it."""
     running: list[str] = []
     while True:
         wait([ours, process.sentinel])

@@ -45,7 +45,8 @@ IN_SETS = (AXIS, (1, 1, 1, -1), (-1, -1, -1, 1), (1, -1, -1, -1), (-1, 1, 1, 1))
 """What happens to several joints at once: codes that take axes as positive reverse the others in part."""
 
 OF_ALL = (AXIS, (-1, 1, 1, 1), (1, 1, -1, 1), (-1, -1, -1, 1), (1, -1, -1, -1))
-"""What happens to all joints at once; torques are even in the velocities of all, and their own sign is told apart."""
+"""What happens to all joints at once; torques are even in the velocities of all, and their own sign is
+distinguished."""
 
 
 def signs(model: RobotModel) -> Iterator[CodeFault]:

@@ -182,7 +182,7 @@ def _line(error: BaseException) -> str:
 
 
 def joint_order(model: RobotModel, names: Sequence[str] | None) -> NDArray[np.intp]:
-    """Number of our joint at each place of a foreign order. Raises InvalidInput unless it names every joint once."""
+    """Number of our joint at each place of another order. Raises InvalidInput unless it names every joint once."""
     if names is None:
         return np.arange(model.n_bodies)
     if isinstance(names, str) or sorted(names) != sorted(model.joint_names):

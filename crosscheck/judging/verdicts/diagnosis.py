@@ -12,7 +12,7 @@ from crosscheck.judging.observing.deviation import Deviation, evidence_of
 from crosscheck.judging.observing.observation import of_experiments
 from crosscheck.judging.observing.precision import precision_said
 from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
-from crosscheck.judging.searching.telling_apart import same_code, same_everywhere, what_tells_apart
+from crosscheck.judging.searching.distinguishing import same_code, same_everywhere, what_distinguishes
 from crosscheck.judging.searching.unexplained import MAX_ALTERNATIVES, unexplained, unknown
 from crosscheck.judging.states.experiments import deviations, scales, split, torques
 
@@ -65,7 +65,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     )
     status: DiagnosisStatus = "confirmed" if one else "candidate"
     also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MAX_ALTERNATIVES]
-    apart = what_tells_apart(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
+    apart = what_distinguishes(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
     return [
         Diagnosis(
             deviation.function,

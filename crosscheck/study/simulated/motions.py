@@ -58,8 +58,8 @@ def start_of(laws: Sequence[MotionLaw]) -> tuple[Array, Array]:
 def _random(
     plant: ControlledRobot, _: RobotSettings, rng: np.random.Generator, duration: float
 ) -> tuple[MotionLaw, ...]:
-    basis, balls = FourierBasis(min(duration, MOTION_PERIOD), HARMONICS), frame_origins(plant.model)
-    found = random_trajectory(plant.model, plant.limits, balls, basis, rng)
+    basis, spheres = FourierBasis(min(duration, MOTION_PERIOD), HARMONICS), frame_origins(plant.model)
+    found = random_trajectory(plant.model, plant.limits, spheres, basis, rng)
     if np.ptp(found.motion(np.linspace(0.0, basis.duration)).q, axis=0).max() < MIN_MOTION_RANGE:
         raise InvalidInput(
             f"no random motion found: robot '{plant.model.name}' cannot be held with the efforts that its file states; "

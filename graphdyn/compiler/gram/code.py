@@ -37,7 +37,7 @@ def products(groups: Sequence[int], lanes: int) -> list[tuple[int, int]]:
 
 
 def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
-    """Code of gram(first, last, scratch, inputs…, sums, watched) for a number of rows that is a multiple of the lanes.
+    """Code of gram(first, last, scratch, inputs…, sums, guards) for a number of rows that is a multiple of the lanes.
 
     scratch: COLUMN_STRIDE vectors for each column; sums: one vector for each of products, to which is added
     """
@@ -63,14 +63,14 @@ def emit_gram(program: Program, groups: Sequence[int], lanes: int) -> str:
 
     values = code.values(program, columns, store)
     seen = [
-        code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%watch.{kind}") for kind in GUARD_KINDS
+        code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%guard.{kind}") for kind in GUARD_KINDS
     ]
     inputs = [f"ptr noalias %in.{name}" for name in program.inputs]
     shared = ", ".join(["i64 %first", "i64 %last", "ptr noalias %scratch", *inputs])
     return "\n".join(
         [
             *code.declarations,
-            *loop_over_rows(code, f"define internal void @columns({shared}, ptr %watched)", seen),
+            *loop_over_rows(code, f"define internal void @columns({shared}, ptr %guards)", seen),
             *_sum_up(groups, lanes),
             *_drive(shared, [argument.replace("noalias ", "") for argument in inputs], lanes),
         ]
@@ -144,7 +144,7 @@ def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
     """gram: stretch after stretch."""
     passed = ", ".join(inputs)
     return [
-        f"define void @gram({shared}, ptr noalias %sums, ptr %watched) {{",
+        f"define void @gram({shared}, ptr noalias %sums, ptr %guards) {{",
         "entry:",
         "  br label %loop",
         "loop:",
@@ -153,7 +153,7 @@ def _drive(shared: str, inputs: Sequence[str], lanes: int) -> list[str]:
         "  %beyond = icmp sgt i64 %reach, %last",
         "  %to = select i1 %beyond, i64 %last, i64 %reach",
         # columns evaluates the stretch into scratch, sum_up reads it while it is in the cache
-        f"  call void @columns(i64 %from, i64 %to, ptr %scratch, {passed}, ptr %watched)",
+        f"  call void @columns(i64 %from, i64 %to, ptr %scratch, {passed}, ptr %guards)",
         "  %count = sub i64 %to, %from",
         f"  %blocks = sdiv i64 %count, {lanes}",
         "  call void @sum_up(i64 %blocks, ptr %scratch, ptr %sums)",

@@ -41,7 +41,7 @@ Seen = dict[Guard, float]
 
 class GramBackend(Protocol):
     def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
-        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), and what was watched."""
+        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), and what the guards found."""
         ...
 
     def matrices(self, sums: Array) -> list[Array]:
@@ -77,7 +77,8 @@ class TorqueGram:
         """Gram matrices (m_j, m_j), m_j = len(columns[j]) + n_extra + 1, of arrays (N, n); extra (N, n, n_extra).
 
         weights: of the equations (N, n), for a TorqueGram that is weighted
-        The second answer is what was watched: "finite" is NaN if any argument is not finite, and then so are the sums.
+        The second answer is what the guards found: "finite" is NaN if any argument is not finite, and then so are the
+        sums.
         """
         count = len(q)
         arrays = {

@@ -116,7 +116,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
 
     batch(first, last, bypass, table) for at least as many rows as lanes. bypass: whether the results are so large that
     they should not push everything else out of the caches. table: where the addresses of scratch, inputs, outputs and
-    watched stand. scratch: a copy of `scratch`, aligned to a vector. The last rows are done together with some before
+    guards stand. scratch: a copy of `scratch`, aligned to a vector. The last rows are done together with some before
     them, which are done twice, with the same result.
 
     single(table) for as many rows as lanes.
@@ -145,11 +145,11 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
             code.write_columns(block, width, changing)
             code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
     seen = [
-        code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%watch.{kind}") for kind in GUARD_KINDS
+        code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%guard.{kind}") for kind in GUARD_KINDS
     ]
     arrays = [f"in.{name}" for name in program.inputs] + [f"out.{name}" for name in program.outputs]
     parameters = ["i64 %first", "i64 %last", "i1 %bypass", *(f"ptr noalias %{name}" for name in ("scratch", *arrays))]
-    header = f"define internal void @rows({', '.join(parameters)}, ptr %watched)"
+    header = f"define internal void @rows({', '.join(parameters)}, ptr %guards)"
     return "\n".join(
         [
             *code.declarations,

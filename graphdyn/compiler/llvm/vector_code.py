@@ -44,7 +44,7 @@ COSINE_COEFFICIENTS = (
 
 
 GUARD_KINDS: tuple[Guard, ...] = ("finite", "squares", "minimum")
-"""Order in which code keeps what it watches: one vector each."""
+"""Order in which code keeps what its guards find: one vector each."""
 
 GUARD_STARTS = (0.0, 0.0, float("inf"))
 
@@ -311,18 +311,18 @@ class Carried:
 def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: Carried | None = None) -> list[str]:
     """A function whose body, the lines of the code, is done for %row from %first on, as many rows at a time as lanes.
 
-    It takes what was watched from %watched and leaves it there; seen: names of what the body saw, in order of
+    It takes what the guards found from %guards and leaves it there; seen: names of what the body saw, in order of
     GUARD_KINDS, or none if the lines do that themselves.
     """
     before, after = (carried.first[0].lines, carried.following[0].lines) if carried else ([], [])
     entry, phis, stores = [], [], []
     for place, (kind, value) in enumerate(zip(GUARD_KINDS if seen else (), seen, strict=True)):
-        # what was watched is in registers during the loop, loaded before it and stored behind it
+        # what the guards found is in registers during the loop, loaded before it and stored behind it
         entry += [
-            f"  %place.{kind} = getelementptr double, ptr %watched, i64 {place * code.lanes}",
+            f"  %place.{kind} = getelementptr double, ptr %guards, i64 {place * code.lanes}",
             f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align 8",
         ]
-        phis.append(f"  %watch.{kind} = phi {code.vector} [ %start.{kind}, %entry ], [ {value}, %loop ]")
+        phis.append(f"  %guard.{kind} = phi {code.vector} [ %start.{kind}, %entry ], [ {value}, %loop ]")
         stores.append(f"  store {code.vector} {value}, ptr %place.{kind}, align 8")
     if carried:
         for name, one, other in zip(carried.names, carried.first[1], carried.following[1], strict=True):

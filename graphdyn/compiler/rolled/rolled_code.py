@@ -48,7 +48,7 @@ class LongProgram:
 
     kinds: of every body; inside: number of its inside body, -1 for the ground; table: its constants (bodies, …)
     passes: whether outwards, and the step of each kind
-    inputs, outputs: widths of the robot's arrays; watches: kinds of what is watched; memory: vectors of each body
+    inputs, outputs: widths of the robot's arrays; guards: kinds of guards; memory: vectors of each body
     """
 
     kinds: tuple[Kind, ...]
@@ -81,8 +81,8 @@ def emit_long(program: LongProgram, lanes: int) -> str:
         for body in bodies if outwards else reversed(bodies):
             kind = program.kinds[body]
             places = ", ".join(f"ptr {place}" for place in _places(code, program, body, steps[kind].program, widths))
-            code.do(f"call void @{names[kind]}({places}, ptr %watched)")
-    pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *widths, "watched"))
+            code.do(f"call void @{names[kind]}({places}, ptr %guards)")
+    pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *widths, "guards"))
     header = f"define internal void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})"
     rows = loop_over_rows(code, header, [])
     return "\n".join([*code.declarations, *functions, *rows, *with_table(lanes, 2 + len(widths))])
@@ -147,12 +147,12 @@ def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, 
     for array in program.outputs:
         if array in outputs:
             code.write_columns(f"%{array}", widths[array], {k: values[x] for k, x in enumerate(outputs[array])})
-    # in memory, as every step of every body goes on watching
+    # in memory, as every step of every body goes on guarding
     for place, kind in enumerate(GUARD_KINDS):
         if kind in step.program.guards:
-            before = code.load(code.vector, "%watched", place * lanes)
+            before = code.load(code.vector, "%guards", place * lanes)
             seen = code.guard(kind, [values[k] for k in step.program.guards[kind]], before)
-            code.store(f"{code.vector} {seen}", "%watched", place * lanes)
-    pointers = [CONSTANTS, OWN, INSIDE, *_arrays(step.program, program), "watched"]
+            code.store(f"{code.vector} {seen}", "%guards", place * lanes)
+    pointers = [CONSTANTS, OWN, INSIDE, *_arrays(step.program, program), "guards"]
     arguments = ", ".join(f"ptr noalias %{pointer}" for pointer in pointers)
     return [f"define internal void @{name}({arguments}) {ALIGNED_STACK} {{", *code.lines, "  ret void", "}"]

@@ -34,7 +34,7 @@ from graphdyn.scalars.vectors import Scalars, scalars, zeros
 
 MAX_UNROLLED_BODIES = 24
 """Bodies up to which straight-line code is compiled. It leaves out what is zero for single bodies, and is up to twice
-as fast; but the multipliers of so many bodies take a second to compile, and body by body a tenth of that."""
+as fast; but the multipliers of so many bodies take a second to compile, and rolled a tenth of that."""
 
 _NUMBERS = {
     "rotation": (3, 3),
@@ -57,7 +57,7 @@ VECTORS_PER_BODY = _ENDS[-1]
 
 
 def is_long(model: RobotModel, request: Request) -> bool:
-    """Whether a request is recorded body by body: trees without couplings and chords, and recursions of PASSES."""
+    """Whether a request is traced as rolled code: trees without couplings and chords, and recursions of PASSES."""
     tree = not model.couplings and not model.chords
     return tree and model.n_bodies > MAX_UNROLLED_BODIES and request.recursion in RECURSION_PASSES
 

@@ -73,7 +73,7 @@ def adaptive(
     tau_at, end = _torque_from(torque, tick, equations, y, duration)
     while True:
         q, v = y[:n], y[n : 2 * n]
-        # which joints slide is decided here, and holds until a watch ends the stretch
+        # which joints slide is decided here, and holds until an event ends the stretch
         contact = equations.contact(t, q, v, tau_at(t, q, v), MAX_SLIDING_PASSES, loose)
         stretch = _Stretch(equations, tau_at, contact, progress)
         checked = stretch.checks() + (_limit_checks(equations) if stop_at_limits else [])

@@ -1,4 +1,4 @@
-"""A Collada file as an XML document: foreign, so nothing in it expands, and no other file is opened.
+"""A Collada file as an XML document: untrusted, so nothing in it expands, and no other file is opened.
 
 Collada files (.dae) as triangles: the geometry that their scene shows, with its diffuse colors.
 

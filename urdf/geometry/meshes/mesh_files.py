@@ -1,4 +1,4 @@
-"""Mesh files as triangles in meters. They are foreign, and read within limits."""
+"""Mesh files as triangles in meters. They are untrusted, and read within limits."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def same_everywhere(first: Explanation, second: Explanation, search: Search) -> 
     return not _differ(first.code, second.code, _far(search), search) and not _tilt(first, second, search)
 
 
-def what_tells_apart(first: Explanation, others: Sequence[Explanation], search: Search) -> str:
+def what_distinguishes(first: Explanation, others: Sequence[Explanation], search: Search) -> str:
     """An experiment in which the first differs from the others."""
     if all(same_code(first.code, x.code) for x in others):
         return "nothing: they are the same change of the numbers"
