@@ -27,7 +27,7 @@ from graphdyn.errors import (
     SingularMassMatrix,
     UnknownFrame,
 )
-from graphdyn.experiments.experiment import record
+from graphdyn.experiments.experiment import simulate_recording
 from graphdyn.experiments.kr500 import kr500, kr500_experiment
 from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.model.chord import Chord
@@ -127,7 +127,7 @@ __all__ = [
     "layout",
     "maximal_state",
     "motion_laws",
-    "record",
+    "simulate_recording",
 ]
 __all__ += _answers.__all__
 __all__ += _assembly.__all__

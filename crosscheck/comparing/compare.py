@@ -16,7 +16,7 @@ from crosscheck.comparing.compared_states import ComparedStates
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.comparing.conditioning import rank_errors
 from crosscheck.comparing.coupled import coupled_answers, coupled_case, coupled_errors
-from crosscheck.comparing.error_record import ErrorRecord
+from crosscheck.comparing.error_record import ErrorTable
 from crosscheck.comparing.looped import looped_case, looped_errors, why_not_closed
 from crosscheck.quantities import COMPARED, LOOPED, RECURSIVE, TabulatedQuantity
 from crosscheck.quantities.states import RANDOM, Case, cases, has_mass
@@ -67,7 +67,7 @@ def compare(
     model = coupled.uncoupled
     compared = replace(compared, model=model)
     pinocchio_models, notes = _pinocchio_models(compared)
-    record = ErrorRecord()
+    record = ErrorTable()
     reason = _why_not_forward(model)
     skipped = {name: reason for name, quantity in COMPARED.items() if quantity.solves and reason}
     compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
@@ -144,7 +144,7 @@ def _chunks(model: RobotModel, samples: int, seed: int) -> Iterator[Case]:
 
 
 def _compare_chunk(
-    record: ErrorRecord,
+    record: ErrorTable,
     chunk: Case,
     pinocchio_models: Mapping[str, PinocchioModel],
     *,

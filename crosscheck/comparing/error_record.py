@@ -16,7 +16,7 @@ from crosscheck.quantities.states import Case
 from graphdyn.layout import Array
 
 
-class ErrorRecord:
+class ErrorTable:
     """All errors so far, and the states of the largest ones."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from crosscheck.recordings import Provenance, Recording, recording_of, samples_of
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
-from graphdyn import record as virtual_experiment
+from graphdyn import simulate_recording as virtual_experiment
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array

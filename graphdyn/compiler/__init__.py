@@ -8,7 +8,7 @@ from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
 from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.compiler.native import MachineCode, host_lanes
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.programs import Request, trace
 from graphdyn.compiler.rolled.rolling import MAX_UNROLLED_BODIES, is_long
 from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted
 
@@ -26,6 +26,6 @@ __all__ = [
     "in_threads",
     "interpreted",
     "is_long",
-    "record",
     "torque_gram",
+    "trace",
 ]

@@ -112,7 +112,7 @@ def request_for(
     return Request(recursion, outputs, external, moving_base, frame)
 
 
-def record(model: RobotModel, request: Request) -> Program:
+def trace(model: RobotModel, request: Request) -> Program:
     """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
     sample, recursion = Sample(model, request), RECURSIONS[request.recursion]
     compute = recursion.coupled if model.couplings and recursion.coupled else recursion.compute

@@ -18,7 +18,7 @@ import numpy as np
 from graphdyn.compiler.interpreter import Interpreter, Run, merged
 from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.programs import Request, trace
 from graphdyn.compiler.rolled.rolled_code import LongProgram
 from graphdyn.compiler.rolled.rolling import is_long, record_long
 from graphdyn.errors import InvalidInput
@@ -68,7 +68,7 @@ def prepared(model: RobotModel, request: Request, one_row: bool = False) -> Prep
         programs = _prepared.setdefault(model, {})
         if key not in programs:
             long = key[1] == "llvm" and is_long(model, request)
-            programs[key] = Prepared((record_long if long else record)(model, request), *key[1:])
+            programs[key] = Prepared((record_long if long else trace)(model, request), *key[1:])
         return programs[key]
 
 

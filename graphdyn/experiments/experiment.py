@@ -26,7 +26,7 @@ from graphdyn.verbs.dynamics import inverse_dynamics
 BaseMotionLaw = Rail | Turntable
 
 
-def record(
+def simulate_recording(
     model: RobotModel,
     times: ArrayLike,
     joints: Mapping[str, MotionLaw] | Sequence[MotionLaw],

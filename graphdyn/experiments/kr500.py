@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.experiments.experiment import record
+from graphdyn.experiments.experiment import simulate_recording
 from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.model.parts import Body, Joint
 from graphdyn.model.robot_model import RobotModel
@@ -61,7 +61,7 @@ def kr500_experiment(times: ArrayLike | None = None) -> VirtualRecording:
 
     times: increasing; if left out, the paper's 0 … 2 s in 100 steps      (N,)  [s]
     """
-    return record(
+    return simulate_recording(
         kr500(),
         np.linspace(0.0, 2.0, 101) if times is None else times,
         {"O1": ConstantAcceleration(JOINT_ACCELERATION), "O2": ConstantAcceleration(-JOINT_ACCELERATION)},

@@ -66,7 +66,7 @@ def simulate(
         ComputedTorqueControl; or a function of t, q and v that answers (n,)  [N m or N]. Fixed steps run in compiled
         code, hundreds of times faster than with a function, which is Python and asked at every stage
     external_wrenches: force, moment on each body at O_j, in link axes: (n, 6), or a function of t, q and v  [N, N m]
-    base: motion of the moving base: rails and turntable, as in graphdyn.record
+    base: motion of the moving base: rails and turntable, as in graphdyn.simulate_recording
     method: "dop853" adapts its steps to rtol and atol; "rk8", "rk4" and "euler" take steps of equal width
     step: width of fixed steps, which must divide the duration; method "dop853" has none   [s]
     at: times of the result, increasing; those of fixed steps must be multiples of the step. None for all steps   [s]

@@ -116,7 +116,7 @@ class Simulation:
         return np.maximum(largest, np.abs(self.model.loops.gaps(self.q)).max(axis=-1)) if self.model.chords else largest
 
     def recording(self) -> VirtualRecording:
-        """All channels of graphdyn.record; tau is that of the actuators.
+        """All channels of graphdyn.simulate_recording; tau is that of the actuators.
 
         Raises InvalidInput for a robot with loops: the recording has no place for joint forces that are undetermined.
         """

@@ -4,11 +4,7 @@ import dataclasses
 
 import numpy as np
 
-from graphdyn import (
-    Body,
-    Joint,
-    Placement,
-)
+from graphdyn import Body, Joint, Placement
 
 POINT = Body("point", 2.0, np.zeros(3), np.zeros((3, 3)))
 SOLID = Body("solid", 2.0, np.zeros(3), np.eye(3))

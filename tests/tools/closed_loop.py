@@ -122,7 +122,7 @@ def identify(problem, method, found):
 def another_motion(problem):
     """The regressor of a motion that was not recorded (N n, r)."""
     plant = closed_loop_data.ur5(seed=7)
-    motion = graphdyn.record(plant.model, np.linspace(0, 10, 1001), plant.laws)
+    motion = graphdyn.simulate_recording(plant.model, np.linspace(0, 10, 1001), plant.laws)
     samples = Samples(motion.q, motion.v, motion.a, motion.tau)
     return problem.torque_model.rows(samples, problem.base.independent).reshape(-1, problem.base.rank)
 

@@ -24,7 +24,7 @@ from graphdyn.compiler import programs, running
 from graphdyn.compiler.gram.gram import torque_gram
 from graphdyn.compiler.llvm import emitter, vector_code
 from graphdyn.compiler.llvm.memory import aligned
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.programs import Request, trace
 from graphdyn.compiler.rolled import rolled_code as body_by_body_code
 from graphdyn.compiler.rolled import rolling as body_by_body
 from graphdyn.recursions import forward
@@ -70,7 +70,7 @@ def operations(model: graphdyn.RobotModel) -> None:
                 (forward, "is_short", lambda links, short=short: short),
             )
             with without(replaced):
-                counts = [arithmetic(record(model, REQUESTS[what])) for what in ("torques", "accelerations")]
+                counts = [arithmetic(trace(model, REQUESTS[what])) for what in ("torques", "accelerations")]
             print(f"  {name + (', short_chains' if short else ''):<26}{counts[0]:>6}{counts[1]:>6}")
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from crosscheck.bench.contender import AMORTIZED_SAMPLES, Contender
 from crosscheck.bench.states import States
 from graphdyn import GraphDynError
-from graphdyn.compiler import Request, record
+from graphdyn.compiler import Request, trace
 from graphdyn.layout import Array
 from graphdyn.scalars import Program
 
@@ -30,13 +30,13 @@ class CasadiRefuses(GraphDynError):
 
 
 def inverse(states: States, folder: Path) -> list[Contender]:
-    program = record(states.model, Request("inverse_dynamics", ("tau",)))
+    program = trace(states.model, Request("inverse_dynamics", ("tau",)))
     run = _compiled(program, "tau", {"q": states.q, "v": states.v, "a": states.a}, folder)
     return [Contender(CASADI_NAME, 1, run, states.torque_errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
 
 
 def forward(states: States, folder: Path) -> list[Contender]:
-    program = record(states.model, Request("forward_dynamics", ("a",)))
+    program = trace(states.model, Request("forward_dynamics", ("a",)))
     run = _compiled(program, "a", {"q": states.q, "v": states.v, "tau": states.tau}, folder)
     return [Contender(CASADI_NAME, 1, run, states.acceleration_errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
 

@@ -15,7 +15,7 @@ from crosscheck.quantities import QUANTITIES
 from crosscheck.reference.subject import tip
 from graphdyn import RobotModel
 from graphdyn.arguments import frame_choice
-from graphdyn.compiler import MachineCode, Request, VectorCode, aligned, chosen_backend, host_lanes, in_threads, record
+from graphdyn.compiler import MachineCode, Request, VectorCode, aligned, chosen_backend, host_lanes, in_threads, trace
 from graphdyn.recursions import RECURSIONS
 from graphdyn.verbs import VERBS
 
@@ -113,7 +113,7 @@ def floor(model: RobotModel, work: str, on: Machine) -> Floor | None:
     request = REQUESTS[work]
     if RECURSIONS[request.recursion].of_frame:
         request = replace(request, frame=frame_choice(model, tip(model), JACOBIAN_REFERENCE))
-    program = record(model, request)
+    program = trace(model, request)
     instructions, products = fused_instructions(program)
     size = 8 * (sum(program.inputs.values()) + sum(map(len, program.outputs.values())))
     seconds = max(_needed(instructions, products, size, on).values())

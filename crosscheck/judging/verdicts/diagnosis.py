@@ -11,8 +11,8 @@ from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.deviation import Deviation, evidence_of
 from crosscheck.judging.observing.observation import of_experiments
 from crosscheck.judging.observing.precision import precision_said
-from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
 from crosscheck.judging.searching.distinguishing import same_code, same_everywhere, what_distinguishes
+from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
 from crosscheck.judging.searching.unexplained import MAX_ALTERNATIVES, unexplained, unknown
 from crosscheck.judging.states.experiments import deviations, scales, split, torques
 

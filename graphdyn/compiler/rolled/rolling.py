@@ -73,7 +73,7 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
         steps = {}
         for kind, columns in known.items():
             numbers = [number for number, other in enumerate(kinds) if other == kind]
-            steps[kind] = StepInputs(model, request, bodies[numbers[0]], table[numbers], columns).record(each)
+            steps[kind] = StepInputs(model, request, bodies[numbers[0]], table[numbers], columns).trace(each)
         recorded.append((each.outwards, steps))
     n = model.n_bodies
     inputs = dict.fromkeys(RECURSIONS[request.recursion].inputs, n)
@@ -163,7 +163,7 @@ class StepInputs:
             places = range(VECTORS_PER_BODY)[_PLACES[name]]
             self._added.update(zip(places, np.ravel(np.array(values, dtype=object)), strict=True))
 
-    def record(self, one: Pass) -> BodyProgram:
+    def trace(self, one: Pass) -> BodyProgram:
         self._inwards = not one.outwards
         with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia
             answer = one.step(self)

@@ -16,7 +16,7 @@ from crosscheck.bench.states import SINGLE_STATE_SAMPLES, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, WORK_DESCRIPTIONS
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import kr500
-from graphdyn.compiler.programs import record
+from graphdyn.compiler.programs import trace
 
 needs_a_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler (cc)")
 
@@ -89,7 +89,7 @@ class TestForms:
     @needs_a_compiler
     def test_casadi_function(self, states):
         casadi = pytest.importorskip("casadi")
-        program = record(states.model, REQUESTS["inverse_dynamics"])
+        program = trace(states.model, REQUESTS["inverse_dynamics"])
         function = casadi_forms.casadi_function(casadi, program, "tau", "f")
         tau = np.array(function(states.q[0], states.v[0], states.a[0])).ravel()
         assert states.torque_errors(tau[None]).max() < PEERS

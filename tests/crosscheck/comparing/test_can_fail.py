@@ -15,7 +15,7 @@ from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.program.exits import DISAGREED
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.baseline import BaselineIdentification
-from crosscheck.comparing.error_record import ErrorRecord
+from crosscheck.comparing.error_record import ErrorTable
 from crosscheck.paper.errata import world_axis_rows
 from crosscheck.quantities import COMPARED, QUANTITIES
 from crosscheck.quantities.states import cases
@@ -245,7 +245,7 @@ class TestBaseParameters:
     @pytest.mark.parametrize("rank_there", [11, 13])
     def test_another_rank_alone(self, rank_there):
         """However well the estimates agree."""
-        record = ErrorRecord()
+        record = ErrorTable()
         record.add_identification(BaselineIdentification(12, rank_there, 5.0, 1e3, difference=0.0, error=0.0))
         (result,) = record.results().values()
         assert result.max_relative_error == math.inf

@@ -7,7 +7,7 @@ from random_trees import NAMED, random_state
 
 import graphdyn
 from graphdyn import InvalidInput
-from graphdyn.compiler.programs import Request, record, sufficient
+from graphdyn.compiler.programs import Request, sufficient, trace
 from graphdyn.scalars.expressions import Recorder
 
 
@@ -43,7 +43,7 @@ def test_outputs_vouch_for_inputs(outputs, expected):
 def test_every_argument_is_looked_at(back_end, value):
     """Each joint of each argument, in an arm whose torques two outputs vouch for."""
     model = NAMED["kr500"]
-    assert len(record(model, Request("inverse_dynamics", ("tau",))).guards["finite"]) == 2
+    assert len(trace(model, Request("inverse_dynamics", ("tau",))).guards["finite"]) == 2
     with on(back_end):
         for verb, third in ((graphdyn.joint_torques, "a"), (graphdyn.joint_accelerations, "tau")):
             for place, name in enumerate(("q", "v", third)):

@@ -23,7 +23,7 @@ from graphdyn.compiler.gram import gram
 from graphdyn.compiler.gram.gram import CompiledGram, InterpretedGram, torque_gram
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.native import CompiledProgram
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.programs import Request, trace
 from graphdyn.compiler.rolled import rolling as body_by_body
 from graphdyn.compiler.rolled.body_steps import Pass
 from graphdyn.compiler.rolled.rolled_code import LongProgram
@@ -179,8 +179,8 @@ def test_programs_go_with_their_robot():
 
 
 def test_a_program_is_prepared_once(monkeypatch):
-    prepared, original = [], running.record
-    monkeypatch.setattr(running, "record", lambda *a: prepared.append(a[1].recursion) or original(*a))
+    prepared, original = [], running.trace
+    monkeypatch.setattr(running, "trace", lambda *a: prepared.append(a[1].recursion) or original(*a))
     model = fresh()
     with on("host"):
         callers = [
@@ -226,10 +226,10 @@ STAR = random_tree(2, [0] * 60, ["revolute", "prismatic"] * 30)
 def test_programs_that_would_take_long_to_compile_are_interpreted():
     """Above LONGEST; the same chain in one array may still be short enough."""
     whole = Request("forward_dynamics", ("a", "body_accelerations", "multipliers", "joint_wrenches"))
-    long, short = record(CHAIN, whole), record(CHAIN, Request("bias_torque", ("bias_torque",)))
+    long, short = trace(CHAIN, whole), trace(CHAIN, Request("bias_torque", ("bias_torque",)))
     assert short.length < running.MAX_COMPILED_LENGTH < long.length
     assert isinstance(running._backend(long, "llvm"), Interpreter)
-    assert isinstance(running._backend(record(MODEL, whole), "llvm"), CompiledProgram)
+    assert isinstance(running._backend(trace(MODEL, whole), "llvm"), CompiledProgram)
     twenty = random_tree(4, list(range(20)), ["revolute"] * 20)
     assert isinstance(torque_gram(MODEL, range(10), 0)._backend, CompiledGram)
     assert isinstance(torque_gram(twenty, range(200), 0)._backend, InterpretedGram)

@@ -30,7 +30,7 @@ def tree():
 def shaken(tree):
     """Every joint but one and the moving base in motion."""
     names = tree.joint_names
-    return graphdyn.record(
+    return graphdyn.simulate_recording(
         tree,
         np.arange(400) * STEP,
         {
@@ -102,8 +102,8 @@ def test_actuators_and_carriage_supply_the_power(tree, shaken):
 
 def test_joints_without_a_law_are_locked_at_zero_and_a_list_has_the_order_of_the_model(tree):
     law = ConstantAcceleration(1.0)
-    named = graphdyn.record(tree, [0.0, 1.0], {tree.joint_names[2]: law})
-    listed = graphdyn.record(tree, [0.0, 1.0], [Locked(), Locked(), law, Locked(0.0)])
+    named = graphdyn.simulate_recording(tree, [0.0, 1.0], {tree.joint_names[2]: law})
+    listed = graphdyn.simulate_recording(tree, [0.0, 1.0], [Locked(), Locked(), law, Locked(0.0)])
     assert named.q.tolist() == [[0, 0, 0, 0], [0, 0, 0.5, 0]]
     assert np.array_equal(named.joint_moments, listed.joint_moments)
     assert named.prismatic == (False, True, False, False)
@@ -113,7 +113,7 @@ def test_any_function_of_time_is_a_law(tree):
     def law(times):
         return np.sin(times), np.cos(times), -np.sin(times)
 
-    recorded = graphdyn.record(tree, [0.0, 0.5], {tree.joint_names[0]: law}, base=Rail((0, 1, 0), law))
+    recorded = graphdyn.simulate_recording(tree, [0.0, 0.5], {tree.joint_names[0]: law}, base=Rail((0, 1, 0), law))
     assert recorded.v[:, 0] == pytest.approx(np.cos([0.0, 0.5]))
 
 
@@ -121,8 +121,8 @@ def test_a_turned_carriage_is_a_turned_robot():
     """Half a turn of the moving base about the vertical: the forces turn with it."""
     model = graphdyn.kr500().with_base(Placement(translation=np.array([0.3, 0.2, 0.1])))
     law = {"O2": ConstantAcceleration(0.5)}
-    straight = graphdyn.record(model, [1.0], law)
-    turned = graphdyn.record(model, [1.0], law, base=Turntable((0, 0, 1), Locked(np.pi)))
+    straight = graphdyn.simulate_recording(model, [1.0], law)
+    turned = graphdyn.simulate_recording(model, [1.0], law, base=Turntable((0, 0, 1), Locked(np.pi)))
     half_turn = np.diag([-1.0, -1.0, 1.0])
     largest = np.abs(straight.joint_forces).max()
     assert np.abs(turned.joint_forces - straight.joint_forces @ half_turn).max() < SAME * largest
@@ -204,15 +204,15 @@ SECONDS = [0.0, 1.0]
 )
 def test_refusals(joints, base, message):
     with pytest.raises(InvalidInput, match=message), np.errstate(all="ignore"):
-        graphdyn.record(graphdyn.kr500(), SECONDS, joints, base=base)
+        graphdyn.simulate_recording(graphdyn.kr500(), SECONDS, joints, base=base)
 
 
 @pytest.mark.parametrize("times", [[[0.0, 1.0]], [0.0, np.nan]])
 def test_times_are_refused_that_are_not_a_list_of_numbers(times):
     with pytest.raises(InvalidInput, match=r"times must be finite numbers of shape \(N,\); they have shape"):
-        graphdyn.record(graphdyn.kr500(), times, {})
+        graphdyn.simulate_recording(graphdyn.kr500(), times, {})
 
 
 def test_times_that_do_not_increase_are_refused():
     with pytest.raises(InvalidInput, match=r"time 0 s in row 1 does not increase"):
-        graphdyn.record(graphdyn.kr500(), [1.0, 0.0], {})
+        graphdyn.simulate_recording(graphdyn.kr500(), [1.0, 0.0], {})

@@ -224,7 +224,7 @@ def test_a_recording_has_all_joints_and_torques_of_the_free_ones():
         np.linspace(0, 1, 50),
         {"joint1": FourierSeries(1.0, [0.3], [0.1]), "joint5": FourierSeries(1.0, [0.2], [0.4])},
     )
-    recording = graphdyn.record(ROBOT, times, laws)
+    recording = graphdyn.simulate_recording(ROBOT, times, laws)
     free = list(ROBOT.degrees_of_freedom.independent)
     assert recording.joint_names == ROBOT.joint_names
     assert relative_error(recording.q, ROBOT.joint_positions(recording.q[:, free])) < ROUNDING
@@ -232,7 +232,7 @@ def test_a_recording_has_all_joints_and_torques_of_the_free_ones():
     assert relative_error(recording.tau[:, free], graphdyn.joint_torques(ROBOT, *given)) < ROUNDING
     assert not recording.tau[:, [1, 3]].any()
     with pytest.raises(InvalidInput, match="no joint 'joint2'; joints of robot 'tree6': joint1, joint3, joint5"):
-        graphdyn.record(ROBOT, times, {"joint2": laws["joint1"]})
+        graphdyn.simulate_recording(ROBOT, times, {"joint2": laws["joint1"]})
 
 
 def test_identified_from_the_free_joints():

@@ -47,9 +47,12 @@ TAKE_A_MODEL = {
 
 
 def test_they_are_found():
-    assert {"graphdyn.joint_torques", "graphdyn.record", "graphdyn.identification.TorqueModel", "urdf.save"} < set(
-        TAKE_A_MODEL
-    )
+    assert {
+        "graphdyn.joint_torques",
+        "graphdyn.simulate_recording",
+        "graphdyn.identification.TorqueModel",
+        "urdf.save",
+    } < set(TAKE_A_MODEL)
 
 
 @pytest.mark.parametrize(("given", "said"), [("ur5", "'ur5', of type str"), (None, "None, of type NoneType")])

@@ -15,7 +15,7 @@ from graphdyn import Placement
 from graphdyn.compiler import programs
 from graphdyn.compiler.batch import ground_columns
 from graphdyn.compiler.interpreter import Interpreter
-from graphdyn.compiler.programs import REDUCTIONS, Request, record
+from graphdyn.compiler.programs import REDUCTIONS, Request, trace
 from graphdyn.model.spatial import rotation_about
 
 SUM = 1e-13
@@ -27,7 +27,7 @@ ACCELERATIONS = Request("forward_dynamics", ("a",))
 
 
 def answer(model, request, inputs):
-    program = record(model, request)
+    program = trace(model, request)
     (columns,) = program.outputs.values()
     out = np.empty((len(inputs["q"]), len(columns)))
     Interpreter(program).bind(inputs, {request.outputs[0]: out})(0, len(out))
@@ -35,7 +35,7 @@ def answer(model, request, inputs):
 
 
 def operations(model, request):
-    return sum(kind in "+-*/" for kind, *_ in record(model, request).operations)
+    return sum(kind in "+-*/" for kind, *_ in trace(model, request).operations)
 
 
 @pytest.mark.parametrize("count", range(1, len(REDUCTIONS) + 1))

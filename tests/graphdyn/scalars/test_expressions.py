@@ -7,7 +7,7 @@ from random_trees import NAMED
 import urdf
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.native import CompiledProgram
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.programs import Request, trace
 from graphdyn.scalars.expressions import Expression, Recorder
 from graphdyn.scalars.vectors import scalars
 
@@ -183,8 +183,8 @@ def test_programs_hold_what_is_asked_for_and_nothing_else(sheet):
 def test_programs_of_one_array_are_shorter(sheet):
     everything = ("tau", "body_accelerations", "multipliers", "joint_wrenches")
     model = NAMED["branched"]
-    whole = record(model, Request("inverse_dynamics", everything))
-    parts = [record(model, Request("inverse_dynamics", (name,))) for name in everything]
+    whole = trace(model, Request("inverse_dynamics", everything))
+    parts = [trace(model, Request("inverse_dynamics", (name,))) for name in everything]
     assert all(part.arithmetic < whole.arithmetic for part in parts)
     assert whole.arithmetic < sum(part.arithmetic for part in parts)
     assert set(parts[0].outputs) == {"tau"}
@@ -207,4 +207,4 @@ MOST_OPERATIONS = {
 
 @pytest.mark.parametrize(("verb", "outputs"), MOST_OPERATIONS)
 def test_operations_of_a_six_axis_arm(verb, outputs):
-    assert record(urdf.load("ur5"), Request(verb, outputs)).arithmetic <= MOST_OPERATIONS[verb, outputs]
+    assert trace(urdf.load("ur5"), Request(verb, outputs)).arithmetic <= MOST_OPERATIONS[verb, outputs]

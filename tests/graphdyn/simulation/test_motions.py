@@ -83,7 +83,7 @@ def test_energy_over_many_steps():
 
 
 def test_prescribed_motion_from_its_torques():
-    """The torques that graphdyn.record finds on rails and a turntable give the motion back."""
+    """The torques that graphdyn.simulate_recording finds on rails and a turntable give the motion back."""
     model = NAMED["branched"]
     laws = [FourierSeries(0.5, [0.4, 0.1], [0.2, -0.1], 0.1 * j) for j in range(model.n_bodies)]
     base = [
@@ -92,11 +92,11 @@ def test_prescribed_motion_from_its_torques():
     ]
 
     def torque(t, q, v):
-        recorded = graphdyn.record(model, [t], laws, base=base)
+        recorded = graphdyn.simulate_recording(model, [t], laws, base=base)
         return recorded.tau[0]
 
     times = np.linspace(0.0, 0.3, 4)
-    wanted = graphdyn.record(model, times, laws, base=base)
+    wanted = graphdyn.simulate_recording(model, times, laws, base=base)
     motion = simulate(model, wanted.q[0], wanted.v[0], 0.3, torque=torque, base=base, at=times)
     assert np.abs(motion.q - wanted.q).max() < FOLLOWED
     assert np.abs(motion.v - wanted.v).max() < FOLLOWED

@@ -211,8 +211,8 @@ class TestCopies:
 
 
 def test_what_is_named_is_prepared_up_front(monkeypatch):
-    prepared, original = [], running.record
-    monkeypatch.setattr(running, "record", lambda *a: prepared.append(a[1].recursion) or original(*a))
+    prepared, original = [], running.trace
+    monkeypatch.setattr(running, "trace", lambda *a: prepared.append(a[1].recursion) or original(*a))
     with on("numpy"):
         compiled = graphdyn.compile(MODEL, "mass_matrix", "joint_torques")
         assert prepared == ["mass_matrix", "inverse_dynamics"]

@@ -6,7 +6,7 @@ import graphdyn
 from crosscheck.quantities import FUNCTIONS, LOADS
 from graphdyn.arguments.choices import frame_choice
 from graphdyn.compiler.interpreter import Interpreter
-from graphdyn.compiler.programs import Request, record
+from graphdyn.compiler.programs import Request, trace
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 
 RECURSION = {
@@ -34,7 +34,7 @@ def single_precision(model: graphdyn.RobotModel, name: str, frame: str | None = 
     known = FUNCTIONS[name]
     choice = frame_choice(model, frame, "local") if known.of_frame else None
     loaded = LOADS in known.arguments
-    run = Interpreter(record(model, Request(recursion, (output,), loaded, frame=choice)))
+    run = Interpreter(trace(model, Request(recursion, (output,), loaded, frame=choice)))
     shape = ARRAY_SPECS[output].shape_for(model)
 
     def function(*arguments):

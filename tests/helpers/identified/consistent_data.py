@@ -40,7 +40,7 @@ def exact(size, seed, reach=0.3):
     rng = np.random.default_rng(seed)
     a, b = rng.normal(size=(2, 6, 5)) * reach
     laws = [FourierSeries(frequency=0.1, a=a[j], b=b[j]) for j in range(6)]
-    motion = graphdyn.record(torque_data.robot(), np.linspace(0.0, 10.0, size), laws)
+    motion = graphdyn.simulate_recording(torque_data.robot(), np.linspace(0.0, 10.0, size), laws)
     samples = Samples(motion.q, motion.v, motion.a, motion.tau)
     return Samples(motion.q, motion.v, motion.a, torque_model().torque(samples, true_parameters()))
 

@@ -91,7 +91,7 @@ class Coverage:
 def coverage(case: Case, runs: int, methods=METHODS, seed: int = 0) -> Coverage:
     robot, rng = urdf.load("ur5"), np.random.default_rng(seed)
     laws = [FourierSeries(0.1, *0.3 * rng.normal(size=(2, 5))) for _ in robot.joints]
-    motion = graphdyn.record(robot, np.arange(0, case.seconds, 1 / RATE), laws)
+    motion = graphdyn.simulate_recording(robot, np.arange(0, case.seconds, 1 / RATE), laws)
     model = TorqueModel(robot, (RigidBodies(), Viscous(), Coulomb(), Offset()))
     truth = model.prior()
     truth[60:] = rng.uniform(1.0, 5.0, len(truth) - 60)

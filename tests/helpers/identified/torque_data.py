@@ -52,7 +52,7 @@ def exact_samples(size=600, seed=2):
     """An exciting motion, derivatives exact, torques without noise."""
     rng = np.random.default_rng(seed)
     laws = [FourierSeries(frequency=0.1, a=rng.normal(size=5) * 0.3, b=rng.normal(size=5) * 0.3) for _ in range(6)]
-    motion = graphdyn.record(robot(), np.linspace(0.0, 10.0, size), laws)
+    motion = graphdyn.simulate_recording(robot(), np.linspace(0.0, 10.0, size), laws)
     samples = Samples(motion.q, motion.v, motion.a, motion.tau)
     return Samples(motion.q, motion.v, motion.a, torque_model().torque(samples, true_parameters()))
 
@@ -85,7 +85,7 @@ def small_samples(size=120):
     """Exact torques of the small arm."""
     model, rng = small_arm(), np.random.default_rng(4)
     laws = [FourierSeries(frequency=0.2, a=rng.normal(size=4) * 0.3, b=rng.normal(size=4) * 0.3) for _ in range(2)]
-    motion = graphdyn.record(model.model, np.linspace(0.0, 5.0, size), laws)
+    motion = graphdyn.simulate_recording(model.model, np.linspace(0.0, 5.0, size), laws)
     samples = Samples(motion.q, motion.v, motion.a, motion.tau)
     return Samples(motion.q, motion.v, motion.a, model.torque(samples, small_parameters()))
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from graphdyn.experiments.experiment import record
+from graphdyn.experiments.experiment import simulate_recording
 from graphdyn.experiments.virtual_recording import VirtualRecording
 
 PAPER_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
@@ -12,7 +12,7 @@ PAPER_TIMES = (0.3, 0.6, 0.9, 1.2, 1.5)
 def recorded(model, q, v, a) -> VirtualRecording:
     """Exact data of any states (N, n): they need not follow each other."""
     laws = [lambda times, k=k: (q[:, k], v[:, k], a[:, k]) for k in range(model.n_bodies)]
-    return record(model, np.arange(float(len(q))), laws)
+    return simulate_recording(model, np.arange(float(len(q))), laws)
 
 
 def random_recording(model, seed, size):

@@ -190,7 +190,7 @@ def test_wrenches_of_a_virtual_experiment_are_those_of_inverse_dynamics():
     q, v = model.random_state(rng, 20)
     a = rng.uniform(-1, 1, q.shape)
     laws = [lambda times, k=k: (q[:, k], v[:, k], a[:, k]) for k in range(model.n_bodies)]
-    recording = recording_of(graphdyn.record(model, np.arange(20.0), laws))
+    recording = recording_of(graphdyn.simulate_recording(model, np.arange(20.0), laws))
     dynamics = graphdyn.inverse_dynamics(model, q, v, a)
     scale = np.abs(dynamics.joint_wrenches).max()
     np.testing.assert_allclose(recording.joint_wrenches, dynamics.joint_wrenches, rtol=0, atol=1e-12 * scale)

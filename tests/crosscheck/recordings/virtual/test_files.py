@@ -26,7 +26,7 @@ def recording():
     """Joints of each kind; three times."""
     tree = random_tree(7, [0, 1, 1], ["revolute", "prismatic", "continuous"])
     laws = [ConstantAcceleration(1.0), ConstantAcceleration(-0.3, 0.1), ConstantAcceleration(2.0)]
-    return graphdyn.record(tree, [0.0, 0.1, 1 / 3], laws, base=Rail((1, 1, 0), laws[0]))
+    return graphdyn.simulate_recording(tree, [0.0, 0.1, 1 / 3], laws, base=Rail((1, 1, 0), laws[0]))
 
 
 def assert_same(x, y):

@@ -91,7 +91,7 @@ def test_no_bias_and_standard_deviations():
     model = TorqueModel(graphdyn.RobotModel("pendulum", (body,), (joint,)), (RigidBodies(), Viscous()))
     truth, rng = np.append(model.model.inertial_parameters, 4.0), np.random.default_rng(2)
     a, b = 0.2 * rng.normal(size=(2, 8))
-    motion = graphdyn.record(model.model, np.linspace(0.0, 10.0, 1200), [FourierSeries(0.1, a, b)])
+    motion = graphdyn.simulate_recording(model.model, np.linspace(0.0, 10.0, 1200), [FourierSeries(0.1, a, b)])
     exact = Samples(motion.q, motion.v, motion.a, motion.tau)
     exact = replace(exact, tau=model.torque(exact, truth))
     errors = np.array([[[3e-5, 0, -3e-4], [0, 3e-3, 0], [-3e-4, 0, 0.03]]])
