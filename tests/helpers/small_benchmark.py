@@ -23,8 +23,8 @@ DERIVED = {
     "forward_dynamics_derivatives": ("da_dq", "da_dv", "da_dtau"),
     "mass_matrix_inverse": ("mass_matrix_inverse",),
     "coriolis_matrix": ("coriolis_matrix",),
-    "kinetic_energy": ("kinetic_energy",),
     "frame_jacobian": ("frame_jacobian",),
+    "kinetic_energy": ("kinetic_energy",),
 }
 
 WORKS = (
