@@ -28,13 +28,30 @@ class TimesRecord(Record, of=Times):
     quartiles = attribute()
 
 
-class ContenderRecord(Record, of=Entry, leave_out=("times",)):
-    """One contender."""
+class TimedRecord(Record):
+    """Somebody whose times were taken."""
 
     median = attribute("times.median")
     fastest = attribute("times.fastest")
     quartiles = attribute("times.quartiles")
     seconds: Repeats = attribute("times.seconds")
+
+
+class ContenderRecord(TimedRecord, of=Entry, leave_out=("times",)):
+    """One contender."""
+
+
+class RatioRecord(Record):
+    """How the times of two compare.
+
+    ratio: how many times as long one takes: median of the quotients of repeats that followed each other
+    fastest_ratio: quotient of the fastest repeats
+    quartiles: of the quotients of repeats that followed each other
+    """
+
+    ratio: float
+    fastest_ratio: float
+    quartiles: Quartiles
 
 
 class BenchRatioRecord(Record, of=SpeedRatio, only=("ours", "theirs", "threads")):
@@ -46,17 +63,10 @@ class BenchRatioRecord(Record, of=SpeedRatio, only=("ours", "theirs", "threads")
     trusted = attribute()
 
 
-class FloorRecord(Record, of=Floor):
-    """What a sample takes at least, in loops that never wait and took turns with the rest, and what ours takes.
-
-    ratio: how many times as long our first form takes: median of the quotients of repeats that followed each other
-    fastest_ratio: quotient of the fastest repeats
-    quartiles: of the quotients of repeats that followed each other
+class FloorRecord(RatioRecord, of=Floor):
+    """What a sample takes at least, in loops that never wait and took turns with the rest, and what ours takes: the
+    ratio of our first form to it.
     """
-
-    ratio: float
-    fastest_ratio: float
-    quartiles: Quartiles
 
 
 class WorkRecord(Record, of=MeasuredWork, leave_out=("limit",)):
@@ -73,21 +83,13 @@ class WorkRecord(Record, of=MeasuredWork, leave_out=("limit",)):
     entries: Sequence[ContenderRecord]
 
 
-class PointRecord(Record):
-    """One point.
+class PointRecord(TimesRecord, of=Times):
+    """One point; times are per sample or call.
 
     x: what is varied
-    median: of the repeats, per sample or call [s]
-    fastest: fastest repeat, per sample or call [s]
-    quartiles: lower and upper quartile of the repeats, per sample or call [s]
-    seconds: every repeat in its order, per sample or call [s]
     """
 
     x: int
-    median: float
-    fastest: float
-    quartiles: Quartiles
-    seconds: Repeats
 
 
 class LineRecord(Record, of=Line, only=("name", "threads")):
@@ -106,30 +108,19 @@ class CurveRecord(Record, of=ScalingCurve):
     lines: Sequence[LineRecord]
 
 
-class IdentificationRatioRecord(Record):
-    """One comparison.
+class IdentificationRatioRecord(RatioRecord):
+    """Ours against Pinocchio's loop with lstsq.
 
     threads: that may be used
-    ratio: how many times as long theirs takes: median of the quotients of repeats that followed each other
-    fastest_ratio: quotient of the fastest repeats
-    quartiles: of the quotients of repeats that followed each other
     trusted: the quartiles are close together
     """
 
     threads: int
-    ratio: float
-    fastest_ratio: float
-    quartiles: Quartiles
     trusted: bool
 
 
-class IdentificationRunRecord(Record, of=IdentificationRun, leave_out=("times",)):
+class IdentificationRunRecord(TimedRecord, of=IdentificationRun, leave_out=("times",)):
     """One way."""
-
-    median = attribute("times.median")
-    fastest = attribute("times.fastest")
-    quartiles = attribute("times.quartiles")
-    seconds: Repeats = attribute("times.seconds")
 
 
 class BenchIdentificationRecord(Record, of=Identifications):
@@ -184,7 +175,7 @@ def _curve(curve: ScalingCurve) -> dict[str, Any]:
 
 
 def _line(line: Line) -> dict[str, Any]:
-    points = [{"x": x, **written(TimesRecord, times)} for x, times in zip(line.x, line.times, strict=True)]
+    points = [written(PointRecord, times, x=x) for x, times in zip(line.x, line.times, strict=True)]
     return written(LineRecord, line, points=points)
 
 

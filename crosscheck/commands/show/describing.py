@@ -1,9 +1,4 @@
-"""What several parts of the record of `graphdyn show` are made of.
-
-The loops of a robot, as part of the record of `graphdyn show`.
-
-A robot that was loaded, as the record of `graphdyn show`.
-"""
+"""What `graphdyn show` says of a robot that was loaded, and of its loops."""
 
 from __future__ import annotations
 

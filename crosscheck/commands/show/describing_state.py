@@ -1,4 +1,4 @@
-"""One state of a robot, as part of the record of `graphdyn show`."""
+"""What `graphdyn show` says of one state of a robot."""
 
 from __future__ import annotations
 
