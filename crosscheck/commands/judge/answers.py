@@ -15,7 +15,7 @@ from crosscheck.commands.questions.command import content, ending_of
 from crosscheck.report.plain_text import counted
 
 if TYPE_CHECKING:
-    from crosscheck.judging.exchange.replay import AnswersPending
+    from crosscheck.judging.exchange.rounds import AnswersPending
     from crosscheck.judging.setting import Setting
 
 
@@ -67,6 +67,6 @@ def write_further(
 
 
 def warn_of_unused(ids: Sequence[int]) -> None:
-    from crosscheck.judging.exchange.replay import listed
+    from crosscheck.judging.exchange.rounds import listed
 
     warn(f"{len(ids)} answers belong to no question that was asked: ids {listed(ids)}")

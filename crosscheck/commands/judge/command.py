@@ -131,8 +131,7 @@ def run(options: JudgeOptions) -> None:
         functions = options.functions(programs)
         from crosscheck.commands.judge.report import judge_report
         from crosscheck.judging.exchange.answer_files import read_answers
-        from crosscheck.judging.exchange.replay import AnswersPending
-        from crosscheck.judging.exchange.rounds import judge_answers
+        from crosscheck.judging.exchange.rounds import AnswersPending, judge_answers
         from crosscheck.report.report import with_stage
 
         try:

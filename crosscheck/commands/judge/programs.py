@@ -60,8 +60,7 @@ def user_programs(options: ProgramOptions) -> Iterator[Mapping[str, ProgramFunct
 
     Raises typer.BadParameter, saying what is wrong.
     """
-    from crosscheck.judging.exchange.library import library_function
-    from crosscheck.judging.exchange.program import ProgramFunction
+    from crosscheck.judging.exchange.program import ProgramFunction, library_function
     from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
     from crosscheck.quantities import FUNCTIONS
 

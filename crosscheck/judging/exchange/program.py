@@ -1,12 +1,15 @@
-"""A program as a function under test: states as lines to it, its lines as answers."""
+"""A program, or a C function of a library, as a function under test: it reads states as lines and writes answers."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from types import TracebackType
 
+from crosscheck.judging.exchange import library_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
-from crosscheck.judging.exchange.protocols import Protocol, Shape, UnreadableAnswer
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, Protocol, Shape, UnreadableAnswer
 from crosscheck.quantities.tested_function import Refusal
 from graphdyn.layout import Array
 
@@ -69,3 +72,13 @@ class ProgramFunction:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def library_function(file: Path, symbol: str, time_limit: float) -> ProgramFunction:
+    """int symbol(int n, const double *q, const double *v, const double *a, double *tau), and so on: n joints, the
+    arguments in their order, room for the answer, a matrix row by row. It returns 0 where the answer is valid.
+
+    time_limit: of each answer [s]
+    """
+    command = [sys.executable, "-I", library_process.__file__, str(file.resolve()), symbol]
+    return ProgramFunction(command, f"the process that calls {file}:{symbol}", PROTOCOLS_BY_NAME["json"], time_limit)

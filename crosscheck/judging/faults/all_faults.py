@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from crosscheck.judging.faults.arguments import angles, arguments, orders
+from crosscheck.judging.faults.arguments import angles, arguments, orders, units
 from crosscheck.judging.faults.fault import CodeFault, Family
 from crosscheck.judging.faults.file_reading import file_reading
 from crosscheck.judging.faults.geometry import frames, geometry
-from crosscheck.judging.faults.inertials import inertials
-from crosscheck.judging.faults.joint_terms import joint_terms
-from crosscheck.judging.faults.parameters import parameters
+from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.signs import signs
-from crosscheck.judging.faults.terms import gravity, terms
-from crosscheck.judging.faults.units import units
+from crosscheck.judging.faults.terms import gravity, joint_terms, terms
 from graphdyn import RobotModel
 from urdf.reading import Misreadings
 

@@ -1,13 +1,20 @@
-"""A fault of a dynamics code, and a family of faults whose numbers are fitted."""
+"""A fault of a dynamics code, and a family of faults whose numbers are fitted.
+
+Faults are made of changed numbers of joints and bodies. A fitted number that is round is a step of a code, not a value.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from crosscheck.judging.faults.recursion import DynamicsCode
+import numpy as np
+
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers
 from crosscheck.judging.judgment import FittedNumber
+from graphdyn import RobotModel
 from graphdyn.layout import Array
+from graphdyn.model import rotation_about
 
 Change = Callable[[DynamicsCode], DynamicsCode]
 
@@ -60,3 +67,110 @@ class Family:
     change: Callable[[DynamicsCode, Array], DynamicsCode]
     say: Callable[[Array], list[FaultDescription]]
     starts: Array | None = None
+
+
+ROUND_NUMBER_TOLERANCE = 1e-6
+"""Relative distance from a round number within which a fitted factor is that number."""
+
+
+def rounded(x: float) -> float:
+    """The integer or power of ten next to x, or x."""
+    x = float(x)
+    if abs(x - round(x)) < ROUND_NUMBER_TOLERANCE * max(1.0, abs(x)):
+        return float(round(x))
+    power = np.log10(abs(x))
+    return float(np.sign(x) * 10.0 ** round(power)) if abs(power - round(power)) < ROUND_NUMBER_TOLERANCE else x
+
+
+def is_round(x: float) -> bool:
+    """0, ±1, ±2, powers of ten."""
+    return x in (0.0, 1.0, -1.0, 2.0) or (x != 0 and float(np.log10(abs(x))).is_integer())
+
+
+E1, E2, E3 = np.eye(3)
+
+Changed = Callable[[Numbers, int], Mapping[str, Array]]
+"""(numbers of a code, index of a joint or body) → its new entries by the name of the array."""
+
+
+def changed(code: DynamicsCode, change: Changed, members: Sequence[int]) -> DynamicsCode:
+    """The code with the entries of some joints or bodies changed."""
+    arrays: dict[str, Array] = {}
+    for k in members:
+        for name, entry in change(code.numbers, k).items():
+            arrays.setdefault(name, np.array(getattr(code.numbers, name)))[k] = entry
+    return code.but(**arrays)
+
+
+def of_joints(
+    model: RobotModel,
+    kind: str,
+    message: str,
+    remedy: str,
+    change: Changed,
+    size: int = 1,
+    joints: Sequence[int] | None = None,
+) -> Iterator[CodeFault]:
+    """The same fault at one joint, for each joint or some, and at every joint at once."""
+    names = [f"joint '{name}'" for name in model.joint_names]
+    which = range(len(names)) if joints is None else joints
+    yield from _of_members(names, which, "joint", kind, message, remedy, change, size)
+
+
+def of_bodies(
+    model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
+) -> Iterator[CodeFault]:
+    """The same fault at one body, for each body, and at every body at once."""
+    names = [f"body '{name}'" for name in model.body_names]
+    yield from _of_members(names, range(len(names)), "body", kind, message, remedy, change, size)
+
+
+def _of_members(
+    names: Sequence[str],
+    which: Sequence[int],
+    what: str,
+    kind: str,
+    message: str,
+    remedy: str,
+    change: Changed,
+    size: int,
+) -> Iterator[CodeFault]:
+    sets = {names[k]: [k] for k in which}
+    if len(names) > 1:
+        sets[f"every {what}"] = list(range(len(names)))
+    for who, members in sets.items():
+        yield CodeFault.of(
+            kind,
+            message.format(who=who),
+            remedy,
+            lambda code, members=members: changed(code, change, members),  # type: ignore[misc]
+            size + len(members) - 1,
+        )
+
+
+def rotation_from(rpy: Array) -> Array:
+    """R_z(yaw) R_y(pitch) R_x(roll)."""
+    roll, pitch, yaw = rpy
+    return rotation_about(E3, yaw) @ rotation_about(E2, pitch) @ rotation_about(E1, roll)
+
+
+def joints_said(model: RobotModel, joints: Sequence[int]) -> str:
+    """every joint; joints 'a', 'b'"""
+    every = len(joints) == model.n_bodies > 1
+    return "every joint" if every else named("joint", [model.joint_names[k] for k in joints])
+
+
+def named(what: str, names: Sequence[str]) -> str:
+    """joint 'a'; joints 'a', 'b'"""
+    return f"{what}{'s' if len(names) > 1 else ''} {', '.join(repr(name) for name in names)}"
+
+
+def factor_said(name: str, factor: float) -> str:
+    """What a factor on a term says, rounded to what it is within the accuracy of a fit."""
+    several = name.split(" at ")[0].split(" of ")[0].split(" ω ")[0].split(" v")[0].split(" in ")[0].endswith("s")
+    have, are = ("have", "are") if several else ("has", "is")
+    if factor == 0:
+        return f"{name} {are} left out"
+    if factor == -1:
+        return f"{name} {have} the opposite sign"
+    return f"{name} {are} multiplied by {factor:.6g}"

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crosscheck.judging.faults.changes import named, rotation_from
-from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.fault import CodeFault, named, rotation_from
 from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from crosscheck.judging.faults.fault import CodeFault, FaultDescription
-from crosscheck.judging.faults.joint_terms import RIGID_BODY_REMEDY
+from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array

@@ -7,8 +7,18 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from crosscheck.judging.faults.changes import E1, E2, E3, Changed, is_round, of_joints, rounded
-from crosscheck.judging.faults.fault import CodeFault, Family, FaultDescription
+from crosscheck.judging.faults.fault import (
+    E1,
+    E2,
+    E3,
+    Changed,
+    CodeFault,
+    Family,
+    FaultDescription,
+    is_round,
+    of_joints,
+    rounded,
+)
 from crosscheck.judging.faults.recursion import DynamicsCode, turned_about
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel

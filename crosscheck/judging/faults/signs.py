@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crosscheck.judging.faults.changes import joints_said, of_bodies
-from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.fault import CodeFault, joints_said, of_bodies
 from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn import RobotModel
 

@@ -1,12 +1,13 @@
-"""Faults that only one function of the table can have."""
+"""Faults that only one function of the table can have, such as columns of a regressor in another order, or scaled."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
-from crosscheck.judging.observing.columns import column_fault
+from crosscheck.judging.faults.fault import ROUND_NUMBER_TOLERANCE, FaultDescription
 from crosscheck.judging.searching.answer_faults import FoundFault
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities.scales import largest
@@ -14,6 +15,83 @@ from crosscheck.quantities.spans import column_space, outside_of
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES
+
+MAX_COLUMN_REMAINDER = 1e-6
+"""Part of a column that may remain after subtracting a multiple of another one to count as that multiple."""
+
+
+def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[FaultDescription, float] | None:
+    """The fault that columns are ours in another order or scale, and what it leaves; None if they are not.
+
+    answer, ours: (N, n, 10n)
+    """
+    remedy = f"use {', '.join(PARAMETER_NAMES)} about the link origin, body after body"
+    here = _by_body(ours)
+    by_type = np.moveaxis(answer.reshape(*answer.shape[:2], BODY_PARAMETERS, -1), (2, 3), (1, 0))
+    grouped = by_type.reshape(model.n_bodies, BODY_PARAMETERS, -1)
+    layouts = (
+        ("", _by_body(answer)),
+        ("the columns are grouped by type (m of every body, then mc_x of every body, …)", grouped),
+    )
+    for layout, there in layouts:
+        if (bodies := _bodies(there, here)) is None:
+            continue
+        arranged = here[bodies]
+        if (matched := _types(there, arranged)) is None:
+            continue
+        places, factors, left = matched
+        said = [layout] if layout else []
+        if list(bodies) != list(range(model.n_bodies)):
+            said.append(f"the columns are in the order of the bodies {', '.join(model.body_names[k] for k in bodies)}")
+        if places != list(range(BODY_PARAMETERS)):
+            said.append(
+                f"the ten columns of each body are in the order {', '.join(PARAMETER_NAMES[k] for k in places)}"
+            )
+        wrong = [
+            f"{PARAMETER_NAMES[place]} × {factor:.4g}"
+            for place, factor in zip(places, factors, strict=True)
+            if abs(factor - 1) > ROUND_NUMBER_TOLERANCE
+        ]
+        if wrong:
+            said.append(f"{'' if said else 'columns are '}scaled: {', '.join(wrong)}")
+        if said:
+            return FaultDescription("parameter_order", ", ".join(said), remedy), left
+    return None
+
+
+def _by_body(regressor: Array) -> Array:
+    """All entries of the ten columns of each body: (N, n, 10n) → (n, 10, N n)."""
+    size, n = regressor.shape[:2]
+    return np.moveaxis(regressor.reshape(size, n, -1, BODY_PARAMETERS), (2, 3), (0, 1)).reshape(n, BODY_PARAMETERS, -1)
+
+
+def _bodies(there: Array, here: Array) -> NDArray[np.intp] | None:
+    """Our body of each of their blocks of ten columns; None if they are not ours in another order."""
+    n = len(here)
+    if _types(there, here) is not None:
+        return np.arange(n)
+    size = np.array([[np.abs(x - y).max() for y in here] for x in there])
+    bodies = size.argmin(axis=1)
+    exact = size[np.arange(n), bodies] <= MAX_COLUMN_REMAINDER * np.abs(here).max()
+    return bodies if exact.all() and sorted(bodies) == list(range(n)) else None
+
+
+def _types(there: Array, here: Array) -> tuple[list[int], list[float], float] | None:
+    """Our parameter and the factor of each of their ten columns, the same for all bodies, and what is left."""
+    theirs, ours = (np.moveaxis(x, 1, 0).reshape(BODY_PARAMETERS, -1) for x in (there, here))
+    places, factors, left = [], [], 0.0
+    sizes = (ours**2).sum(axis=1)
+    for column in theirs:
+        factor = np.divide(ours @ column, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+        rest = np.abs(column - factor[:, None] * ours).max(axis=1) / (np.abs(column).max() or 1.0)
+        best = int(rest.argmin())
+        if not rest[best] <= MAX_COLUMN_REMAINDER:
+            return None
+        places.append(best)
+        factors.append(float(factor[best]))
+        left = max(left, float(rest[best]))
+    return (places, factors, left) if sorted(places) == list(range(BODY_PARAMETERS)) else None
+
 
 MAX_LISTED_COLUMNS = 6
 """Columns that a message lists at most."""

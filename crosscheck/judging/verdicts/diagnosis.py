@@ -1,20 +1,157 @@
-"""Diagnoses from observations: which faults, put into graphdyn, give the numbers of a function under test."""
+"""From observations to diagnoses: which faults, put into graphdyn, give the numbers of a function under test.
+
+Where several do, it says what would tell them apart; where none does, which parts are explained, and where the rest is.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
-from crosscheck.judging.observing.deviation import Deviation, evidence_of
+from crosscheck.judging.observing.deviation import Deviation, evidence_of, precision_said
 from crosscheck.judging.observing.observation import of_experiments
-from crosscheck.judging.observing.precision import precision_said
-from crosscheck.judging.searching.distinguishing import same_code, same_everywhere, what_distinguishes
 from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
-from crosscheck.judging.searching.unexplained import MAX_ALTERNATIVES, unexplained, unknown
-from crosscheck.judging.states.experiments import deviations, scales, split, torques
+from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, deviations, scales, split, torques
+from graphdyn.layout import Array
+
+COMPARED_STATES = 20
+
+TILTED_GRAVITIES = np.array([[9.81, 0.0, 0.0], [0.0, 9.81, 0.0], [3.0, 4.0, -5.0]])
+"""Further gravity vectors [m/s²]."""
+
+
+EQUAL_NUMBER_TOLERANCE = 1e-9
+"""Relative difference of two numbers that are the same."""
+
+
+def same_code(first: DynamicsCode, second: DynamicsCode) -> bool:
+    """Whether both have the same numbers and treat arguments and answers alike: one fault in two ways to say it."""
+    pairs = zip(dataclasses.astuple(first.numbers), dataclasses.astuple(second.numbers), strict=True)
+    alike = all(
+        np.allclose(x, y, rtol=EQUAL_NUMBER_TOLERANCE, atol=EQUAL_NUMBER_TOLERANCE * float(np.abs(x).max()))
+        for x, y in pairs
+    )
+    return alike and (first.arguments, first.answers) == (second.arguments, second.answers)
+
+
+def same_everywhere(first: Explanation, second: Explanation, search: Search) -> bool:
+    """Whether both are one code for this robot: the same torques at any state and with any gravity."""
+    return not _differ(first.code, second.code, _far(search), search) and not _tilt(first, second, search)
+
+
+def what_distinguishes(first: Explanation, others: Sequence[Explanation], search: Search) -> str:
+    """An experiment in which the first differs from the others."""
+    if all(same_code(first.code, x.code) for x in others):
+        return "nothing: they are the same change of the numbers"
+    state = _far(search)
+    if all(_differ(first.code, x.code, state, search) for x in others):
+        return "states beyond the limits of the joints"
+    if all(_tilt(first, x, search) or _differ(first.code, x.code, state, search) for x in others):
+        return "states beyond the limits of the joints, or gravity in another direction (a tilted base)"
+    return "nothing: these faults give identical torques; check each place in the code"
+
+
+def _far(search: Search) -> State:
+    rng = np.random.default_rng(1)
+    shape = COMPARED_STATES, search.model.n_bodies
+    return tuple(width * rng.uniform(-1, 1, shape) for width in (3 * np.pi, 10.0, 30.0))  # type: ignore[return-value]
+
+
+def _tilt(first: Explanation, second: Explanation, search: Search) -> bool:
+    """Whether another gravity makes them differ; not where one of them is a fault of gravity."""
+    own = search.own.numbers.gravity
+    if not all(np.array_equal(x.code.numbers.gravity, own) for x in (first, second)):
+        return False
+    state = _far(search)
+    return any(_differ(first.code.but(gravity=g), second.code.but(gravity=g), state, search) for g in TILTED_GRAVITIES)
+
+
+def _differ(first: DynamicsCode, second: DynamicsCode, state: State, search: Search) -> bool:
+    one: Array
+    one, other = torques_of([first], state)[0], torques_of([second], state)[0]
+    size = np.abs(one).max(axis=1, keepdims=True)
+    return bool((np.abs(one - other) > 10 * search.bound * np.where(size > 0, size, 1.0)).any())
+
+
+MAX_ALTERNATIVES = 4
+
+
+def unknown(deviation: Deviation, message: str, evidence: str, left: float) -> Diagnosis:
+    remedy = "look at the worst state; the fault is in terms that the parts that agree do not use"
+    return Diagnosis(deviation.function, "unknown", message, evidence, remedy, left, "unknown")
+
+
+def unexplained(
+    deviation: Deviation, search: Search, nothing: Explanation, found: Sequence[Explanation], evidence: str
+) -> list[Diagnosis]:
+    """The place of the deviation, and the explanation of a part of it."""
+    before = nothing.by_part
+    wrong = [part for part, size in before.items() if size > deviation.bound]
+    diagnoses, explained = [], set()
+    for part in wrong:
+        mending = [x for x in found if x.by_part[part] <= deviation.bound and _no_worse(x, nothing, deviation.bound)]
+        if not mending:
+            continue
+        explained.add(part)
+        explanation, *others = sorted(mending, key=preference)
+        also = [said.message for x in others if x.size == explanation.size for said in x.said]
+        left = float(np.abs(search.all_rows.residuals([explanation.code])).max())
+        diagnoses += [
+            Diagnosis(
+                deviation.function,
+                said.kind,
+                said.message,
+                f"explains {EXPERIMENT_PARTS[part]}; {evidence}",
+                said.remedy,
+                left,
+                "part",
+                tuple(also[:MAX_ALTERNATIVES]),
+                numbers=said.numbers,
+            )
+            for said in explanation.said
+        ]
+    rest = [part for part in wrong if part not in explained]
+    if rest:
+        message = (
+            f"no fault of the catalog explains the deviation {' and '.join(EXPERIMENT_PARTS[part] for part in rest)}"
+        )
+    elif wrong:
+        message = "what the parts leave together has no explanation"
+    else:
+        message = (
+            "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
+        )
+    where = _where(deviation, search)
+    return [*diagnoses, unknown(deviation, message + where, evidence, float(nothing.worst.max()))]
+
+
+def _no_worse(explanation: Explanation, nothing: Explanation, bound: float) -> bool:
+    after, before = explanation.by_part, nothing.by_part
+    return all(after[part] <= max(bound, before[part] * (1 + 1e-9)) for part in after)
+
+
+def _where(deviation: Deviation, search: Search) -> str:
+    """The joints whose torques deviate, or the direction in which all deviate."""
+    (residual,) = search.all_rows.residuals([search.own])
+    torque = residual * search.all_rows.scale
+    size = np.abs(residual).max(axis=0)
+    names = [name for name, x in zip(deviation.model.joint_names, size, strict=True) if x > deviation.bound]
+    _, values, ways = np.linalg.svd(torque, full_matrices=False)
+    if len(names) > 1 and values[1] <= deviation.bound * values[0]:
+        way = ways[0] / ways[0][np.abs(ways[0]).argmax()]
+        shown = ", ".join(
+            f"{name} {x:.4g}" for name, x in zip(deviation.model.joint_names, way, strict=True) if abs(x) > 1e-6
+        )
+        return f"; all deviations have one direction ({shown}), as from a constraint or a transmission"
+    if 0 < len(names) < deviation.model.n_bodies:
+        return f"; only torques of {', '.join(names)} deviate"
+    return ""
+
 
 EQUIVALENT_FACTOR = 1.5
 """Factor on the least that an explanation leaves: those that leave no more are as good."""

@@ -1,18 +1,125 @@
-"""The verdict on one function under test: its answers beside those of the reference implementations."""
+"""The verdict on a function under test: its answers beside those of the references, and its own if asked again."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import chain, combinations
 
-from crosscheck.judging.judgment import FailedState, JudgedFunction, WorstCall, largest_errors
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.judging.judgment import Diagnosis, FailedState, JudgedFunction, WorstCall, largest_errors
 from crosscheck.judging.observing.conventions import FoundConventions, found_conventions, relative_errors
-from crosscheck.judging.observing.function_under_test import Answers, FunctionUnderTest
+from crosscheck.judging.observing.function_under_test import Answers, FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.references import BACKWARD_SCALE, References, backward_errors
+from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.states.judged_states import JudgedStates
-from crosscheck.judging.verdicts.repetition import repeated
-from crosscheck.quantities import Quantity
+from crosscheck.quantities import LOADS, Quantity, argument_at
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
+
+N_REPEATS = 3
+"""Number of times that one question is asked in a row."""
+
+PURE_FUNCTION_REMEDY = "compute every answer from the arguments alone; clear what is kept between calls"
+
+
+def repeated(function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen) -> Array:
+    """Relative difference of the second answer to each question from the first; all are asked in the reverse order.
+
+    first: the answers, states: all that were asked. One number per answered state (M,); infinite for one that has no
+    answer the second time.
+    """
+    arguments = function.known.arguments_at(states)
+    differences = np.full(len(states.q), np.inf)
+    try:
+        again = function.ask(*(x[::-1] for x in arguments))
+    except FunctionFailure:
+        return differences[first.answered]
+    both = first.answered & again.answered[::-1]
+    here, there = (x.values[both[x.answered]] for x in (first, _reversed(again)))
+    alike = np.array([np.array_equal(x, y, equal_nan=True) for x, y in zip(here, there, strict=True)], dtype=bool)
+    numbers = np.array([bool(np.isfinite([x, y]).all()) for x, y in zip(here, there, strict=True)], dtype=bool)
+    found = np.where(alike, 0.0, np.inf)
+    differ = numbers & ~alike
+    if differ.any():
+        some = states.rows(both).rows(differ)
+        found[differ] = relative_errors(function.known, there[differ], here[differ], some, chosen)
+    differences[both] = found
+    return differences[first.answered]
+
+
+def _reversed(answers: Answers) -> Answers:
+    return replace(answers, values=answers.values[::-1], answered=answers.answered[::-1])
+
+
+def kept_between_calls(
+    function: FunctionUnderTest,
+    first: Answers,
+    states: JudgedStates,
+    chosen: Chosen,
+    differences: Array,
+    tolerance: float,
+) -> Diagnosis:
+    """What a function keeps whose answers differ the second time.
+
+    first: its answers at all states, differences: what `repeated` found there
+    """
+    differing = int((differences > tolerance).sum())
+    evidence = f"asked again in the reverse order, {differing} of {len(differences)} answers differ, " + (
+        f"by a relative {differences.max():.1e}" if np.isfinite(differences.max()) else "or fail"
+    )
+    name = function.name
+
+    def diagnosis(kind: str, message: str, left: float = np.inf) -> Diagnosis:
+        return Diagnosis(name, kind, message, evidence, PURE_FUNCTION_REMEDY, left)
+
+    worst = np.flatnonzero(first.answered)[int(differences.argmax())]
+    rows = [np.repeat(x[worst : worst + 1], N_REPEATS, axis=0) for x in function.known.arguments_at(states)]
+    try:
+        same = function.ask(*rows).values
+    except FunctionFailure:
+        return diagnosis("kept_state", "an answer depends on the calls before it")
+    if not all(np.array_equal(same[-1], x, equal_nan=True) for x in same[1:]):
+        return diagnosis("not_repeatable", "the same question, asked several times in a row, has different answers")
+    if found := earlier_arguments(function, first, states, chosen, tolerance):
+        return diagnosis(found.kind, found.message, found.left)
+    return diagnosis("kept_state", "an answer depends on the calls before it")
+
+
+def earlier_arguments(
+    function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen, tolerance: float
+) -> FoundFault | None:
+    """The fault that some arguments are those of an earlier call: all answers but the first show it."""
+    rest = first.answered & (np.arange(len(first.answered)) > 0)
+    if not rest.any():
+        return None
+    few = rest & (np.arange(len(rest)) <= FIRST_TRIAL_STATES)
+    for message, stale in _stale(function, states):
+
+        def left(rows: NDArray[np.bool_], stale: JudgedStates = stale) -> float:
+            answer, expected = first.values[rows[first.answered]], function.known.of_graphdyn(stale.rows(rows), chosen)
+            errors = relative_errors(function.known, answer, expected, states.rows(rows), chosen)
+            return float(errors.max(initial=0.0))
+
+        if left(few) <= tolerance and (whole := left(rest)) <= tolerance:
+            return FoundFault("kept_state", message, PURE_FUNCTION_REMEDY, whole, chosen)
+    return None
+
+
+def _stale(function: FunctionUnderTest, states: JudgedStates) -> Iterator[tuple[str, JudgedStates]]:
+    """States some of whose arguments are those of the call before, or of the first call."""
+    names = function.arguments
+    subsets = chain.from_iterable(combinations(names, size) for size in range(len(names), 0, -1))
+    for subset in subsets:
+        what = f"{' and '.join(subset)} {'is that' if len(subset) == 1 else 'are those'} of"
+        yield f"{what} the call before", _with(states, subset, lambda x: np.concatenate([x[:1], x[:-1]]))
+        yield f"{what} the first call", _with(states, subset, lambda x: np.broadcast_to(x[:1], x.shape))
+
+
+def _with(states: JudgedStates, names: tuple[str, ...], change: Callable[[Array], Array]) -> JudgedStates:
+    return states.but(**{"loads" if name == LOADS else name: change(argument_at(states, name)) for name in names})
 
 
 @dataclass(frozen=True, eq=False)

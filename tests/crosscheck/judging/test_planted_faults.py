@@ -10,7 +10,7 @@ from long_check import few
 from urdf_text import inertial
 
 import urdf
-from crosscheck.judging.faults.velocity_terms import velocity_terms
+from crosscheck.judging.faults.terms import velocity_terms
 from crosscheck.judging.judge import judge
 from graphdyn import joint_torque_regressor
 

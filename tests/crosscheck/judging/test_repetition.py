@@ -13,7 +13,7 @@ import graphdyn
 import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
-from crosscheck.judging.observing.regions import region, roundest
+from crosscheck.judging.verdicts.explaining import region, roundest
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.tested_function import Refusal
 from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE

@@ -16,8 +16,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, PEND
 from crosscheck.judging.exchange import questions as question_ids
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer, read_answers
 from crosscheck.judging.exchange.questions import SameId, once, question
-from crosscheck.judging.exchange.replay import AnswersPending, Replay
-from crosscheck.judging.exchange.rounds import answered_functions, first_round, judge_answers
+from crosscheck.judging.exchange.rounds import AnswersPending, Replay, answered_functions, first_round, judge_answers
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.setting import Setting
 from crosscheck.quantities import FUNCTIONS

@@ -14,8 +14,8 @@ from typer.testing import CliRunner
 
 from crosscheck.commands import app
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, PENDING
-from crosscheck.judging.exchange.library import library_function
 from crosscheck.judging.exchange.line_process import ProgramFailed
+from crosscheck.judging.exchange.program import library_function
 from crosscheck.quantities.tested_function import Refusal
 
 EXAMPLES = REPOSITORY / "docs/languages"
