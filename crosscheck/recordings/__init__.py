@@ -12,9 +12,14 @@ from crosscheck.recordings.loading import inspect_recording, load_recording
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping, mapping_of
 from crosscheck.recordings.parts.partitioned import PartitionedRecording
 from crosscheck.recordings.parts.streaming import StreamedRecording
-from crosscheck.recordings.preparation.derivatives import chosen_cutoff, derivative, differentiated
+from crosscheck.recordings.preparation.derivatives import (
+    ResidualAnalysis,
+    chosen_cutoff,
+    derivative,
+    differentiated,
+    residual_analysis,
+)
 from crosscheck.recordings.preparation.filtering import decimated_columns, lowpass
-from crosscheck.recordings.preparation.noise_floor import ResidualAnalysis, residual_analysis
 from crosscheck.recordings.preparation.resampling import resampled, sampling_rate
 from crosscheck.recordings.preparation.row_filters import samples_of
 from crosscheck.recordings.preparation.splits import (
@@ -26,7 +31,7 @@ from crosscheck.recordings.preparation.splits import (
     time_folds,
 )
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
-from crosscheck.recordings.virtual.files import load_virtual_recording, save_virtual_recording
+from crosscheck.recordings.virtual import load_virtual_recording, save_virtual_recording
 
 __all__ = [
     "DROPPABLE",

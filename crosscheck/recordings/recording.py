@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.mapping.mapping import ColumnMapping
-from crosscheck.recordings.virtual.columns import JOINT_UNITS
+from crosscheck.recordings.virtual import JOINT_UNITS
 from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.layout import Array
 

@@ -13,7 +13,7 @@ from crosscheck.recordings.errors import AmbiguousColumns, BadRecordingFile, Rec
 from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable, in_words
-from crosscheck.recordings.virtual.files import RecordedMotion
+from crosscheck.recordings.virtual import RecordedMotion
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = ("position", "velocity", "effort")

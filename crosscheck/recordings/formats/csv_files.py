@@ -14,8 +14,7 @@ import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
 from crosscheck.recordings.formats.csv_layout import HEAD_BYTES, Layout, cells_of_line, layout_of
-from crosscheck.recordings.formats.files import content_of
-from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.formats.format import Format, content_of
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import (
     LONG_INTEGER_PATTERN,
@@ -25,7 +24,7 @@ from crosscheck.recordings.table import (
     cells_of_column,
     in_words,
 )
-from crosscheck.recordings.virtual.files import virtual_recording_document
+from crosscheck.recordings.virtual import virtual_recording_document
 
 
 def read_text(path: Path, mapping: ColumnMapping | None, _joints: tuple[str, ...] | None) -> RecordedTable:

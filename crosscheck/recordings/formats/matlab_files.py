@@ -12,9 +12,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.columns import table_of
-from crosscheck.recordings.formats.files import MAX_EXPANDED_BYTES, check_expanded
-from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.formats.format import MAX_EXPANDED_BYTES, Format, check_expanded, table_of
 from crosscheck.recordings.table import RecordedTable
 
 HEADER_BYTES, COMPRESSED_TYPE = 128, 15

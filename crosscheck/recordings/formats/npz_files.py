@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.columns import table_of
-from crosscheck.recordings.formats.files import check_expanded
-from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.formats.format import Format, check_expanded, table_of
 from crosscheck.recordings.table import RecordedTable
-from crosscheck.recordings.virtual.files import RecordedMotion
+from crosscheck.recordings.virtual import RecordedMotion
 
 
 def read_npz(path: Path) -> RecordedTable:

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.columns import table_of_columns
-from crosscheck.recordings.formats.files import check_expanded
-from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.formats.format import Format, check_expanded, table_of_columns
 from crosscheck.recordings.table import RecordedTable
-from crosscheck.recordings.virtual.files import virtual_recording_document
+from crosscheck.recordings.virtual import virtual_recording_document
 
 
 def read_parquet(path: Path) -> RecordedTable:

@@ -11,11 +11,10 @@ from importlib import import_module
 from pathlib import Path
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.columns import table_of_columns
-from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.formats.format import Format, table_of_columns
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable
-from crosscheck.recordings.virtual.files import RecordedMotion
+from crosscheck.recordings.virtual import RecordedMotion
 from graphdyn import InvalidInput
 
 BAG = ".bag"

@@ -9,13 +9,18 @@ from collections.abc import Sequence
 import numpy as np
 
 from crosscheck.recordings.errors import AmbiguousColumns, BadMapping, RecordingFinding, noted
-from crosscheck.recordings.mapping.column_families import Family, Named, candidates, known_unit_of, listed, only
 from crosscheck.recordings.mapping.column_names import (
     CURRENT_COLUMNS,
     NANOSECONDS_PART,
     RECEIVED_TIME_COLUMN,
     SECONDS_PART,
+    Family,
+    Named,
+    candidates,
+    known_unit_of,
+    listed,
     meaning,
+    only,
 )
 from crosscheck.recordings.mapping.mapping import MAPPED_QUANTITIES, SI_UNITS, Channel, ColumnMapping, TimeColumn
 from crosscheck.recordings.table import RecordedTable, in_words

@@ -13,8 +13,7 @@ from typing import Any, TypeVar, cast
 from crosscheck.distributing import Lost, NoWorkers, Workers
 from crosscheck.recordings.loading import check_rate
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
-from crosscheck.recordings.parts.logs import log_of
-from crosscheck.recordings.parts.partitions import Partition, ReadableLog, partitions
+from crosscheck.recordings.parts.partitions import Partition, ReadableLog, log_of, partitions
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
 

@@ -21,7 +21,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.formats import files
+from crosscheck.recordings.formats import format as files
 from graphdyn import InvalidInput
 
 T = np.arange(20) / 10
@@ -103,8 +103,8 @@ def test_what_expands_too_far(tmp_path, small_bound, name):
 
 def test_a_bomb_is_not_expanded_further_than_the_bound(tmp_path, monkeypatch):
     """16 MB of zeros: no more is read than the bound."""
-    monkeypatch.setattr("crosscheck.recordings.formats.files.MAX_EXPANDED_BYTES", 1 << 20)
-    monkeypatch.setattr("crosscheck.recordings.formats.files.MAX_EXPANDED_BYTES", 1 << 20)
+    monkeypatch.setattr("crosscheck.recordings.formats.format.MAX_EXPANDED_BYTES", 1 << 20)
+    monkeypatch.setattr("crosscheck.recordings.formats.format.MAX_EXPANDED_BYTES", 1 << 20)
     read = []
     original = gzip.GzipFile.read
 

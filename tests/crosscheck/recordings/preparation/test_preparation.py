@@ -21,8 +21,8 @@ from crosscheck.recordings import (
     samples_of,
     sampling_rate,
 )
+from crosscheck.recordings.preparation.derivatives import white_noise
 from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING_ROWS, border, rows_needed
-from crosscheck.recordings.preparation.noise_floor import white_noise
 from graphdyn import InvalidInput
 
 RATE = 500.0
