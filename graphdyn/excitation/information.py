@@ -32,8 +32,7 @@ from graphdyn.compiler.programs import record_regressor_gradient
 from graphdyn.compiler.running import Prepared, chosen_backend
 from graphdyn.excitation.trajectory import JointMotion
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.problem.structure import random_samples, structure
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.torque_model import TorqueModel, random_samples, structure
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import Array
 from graphdyn.verbs.matrices import joint_torque_regressor

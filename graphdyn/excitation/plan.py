@@ -11,8 +11,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.excitation.information import covariance
 from graphdyn.identification.algebra.base_parameters import BaseParameters
 from graphdyn.identification.problem.prior import model_prior
-from graphdyn.identification.problem.structure import STATES_PER_PARAMETER, random_samples, structure
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.torque_model import STATES_PER_PARAMETER, TorqueModel, random_samples, structure
 from graphdyn.layout import Array
 
 DRIVE_SHARE = 0.1

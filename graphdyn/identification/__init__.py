@@ -15,13 +15,15 @@ from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.data.partitions import Partitioned
 from graphdyn.identification.data.samples import RowFilter, Samples
 from graphdyn.identification.estimation.comparison import (
+    CHECKED_POSES,
     MIN_CORRELATION_TIMES,
     MethodComparison,
     MethodResult,
+    Plausibility,
     compare_methods,
+    plausibility,
 )
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
-from graphdyn.identification.estimation.plausibility import CHECKED_POSES, Plausibility, plausibility
 from graphdyn.identification.estimators import *  # noqa: F403
 from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.estimators.weighted import joint_noise, weighted_solution
@@ -29,8 +31,7 @@ from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
 from graphdyn.identification.online.recursive import RecursiveLeastSquares
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.problem import Problem, own_rows
-from graphdyn.identification.problem.structure import structure
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.identification.statistics.residual_statistics import (
     MIN_MOVING_SPEED,
     ResidualSizes,
@@ -38,7 +39,6 @@ from graphdyn.identification.statistics.residual_statistics import (
     residual_statistics,
 )
 from graphdyn.identification.wrenches.body_wrenches import WrenchData, body_wrenches, link_wrenches
-from graphdyn.identification.wrenches.identified_bodies import IdentifiedBodies
 from graphdyn.identification.wrenches.inertial_parameters import (
     IdentifiedInertia,
     identified_inertia,
@@ -54,6 +54,7 @@ from graphdyn.identification.wrenches.principal_parameters import (
     moment_rows,
     principal_regressor,
 )
+from graphdyn.identification.wrenches.wrench_equations import IdentifiedBodies
 
 __all__ = [
     "CHECKED_POSES",

@@ -23,8 +23,14 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.accumulator import Accumulator
-from graphdyn.identification.algebra.compressed import CompressedEquations, merged
-from graphdyn.identification.algebra.solution import EPS, leverages, residual_deviations, solve
+from graphdyn.identification.algebra.compressed import (
+    EPS,
+    CompressedEquations,
+    leverages,
+    merged,
+    residual_deviations,
+    solve,
+)
 from graphdyn.identification.data.rows import Rows
 from graphdyn.identification.data.samples import Samples, TorqueFreeSamples, joined_samples
 from graphdyn.identification.problem.problem import Problem

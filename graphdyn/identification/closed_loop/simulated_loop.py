@@ -1,22 +1,185 @@
 """Simulated motions of a recording with estimated parameters: motions without noise.
 
 The loop makes the robot follow its reference with almost any parameters. Simulated and measured motions therefore stay
-close, and the simulated one contains none of the measured noise.
+close, and the simulated one contains none of the measured noise. Each uninterrupted stretch is simulated with its
+controller from the first measured state on.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed
-from graphdyn.identification.closed_loop.loop import ClosedLoop, DrivenRobot
-from graphdyn.identification.closed_loop.stretch import Segment
-from graphdyn.identification.data.samples import Samples
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.closed_loop.loop import ClosedLoop, DrivenRobot, held_torque
+from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
+from graphdyn.motion_laws import Course, MotionLaw
+from graphdyn.simulation import ComputedTorqueControl, PDControl, Rollout, rollout
+
+PERIOD_TOLERANCE = 1e-3
+"""Largest relative deviation of a time step from the mean one: clocks of recordings are rounded to microseconds."""
+
+QUOTIENT_TOLERANCE = 1e-9
+"""Tolerance by which a quotient may exceed a whole number and still counts as one: rounding."""
+
+CLOCK_TOLERANCE = 1e-3
+"""Tolerance of the quotient from a whole number if a step divides a time: sampling rates have five or six digits."""
+
+
+Runs = tuple[Array, Array, Array, Array]
+"""q, v, a and actuator torques of R robots (R, N, n) each."""
+
+
+class Segment:
+    """Uninterrupted pieces of a recording."""
+
+    def __init__(self, problem: Problem, loop: ClosedLoop, pieces: Sequence[Samples]) -> None:
+        self._model, self._loop, self._pieces = problem.torque_model.model, loop, pieces
+        first = pieces[0]
+        if any(piece.time is None for piece in pieces):
+            raise EstimationFailed("needs the time of every sample (Samples.time), to know where the reference is")
+        if any(piece.base is not None for piece in pieces):
+            raise EstimationFailed("the base of the recording moves; a simulated loop knows a base at rest only")
+        time = np.concatenate([np.asarray(piece.time, dtype=float) for piece in pieces])
+        if len(time) < 2:
+            raise EstimationFailed("a stretch of the recording has one sample; two are needed to simulate it")
+        self._start, self._period = float(time[0]), float(time[-1] - time[0]) / (len(time) - 1)
+        if np.abs(np.diff(time) - self._period).max() > PERIOD_TOLERANCE * self._period:
+            raise EstimationFailed("the samples are not evenly spaced in time; resample the recording")
+        self._q, self._v = np.array(first.q[0], dtype=float), np.array(first.v[0], dtype=float)
+        self._temperature = joined_samples(pieces, slice(None)).temperature
+
+    def samples(self, robots: DrivenRobot) -> list[Samples]:
+        """The exact motion of each robot. Raises EstimationFailed if it diverges."""
+        runs = self._in_python(robots) if self._loop.is_function else self._compiled(robots)
+        if not all(np.all(np.isfinite(array)) for array in runs):
+            raise EstimationFailed("the simulated loop does not hold the robot with these parameters: it runs away")
+        row_filter, hold = self._pieces[0].row_filter, self._loop.torque_hold
+        time = np.asarray(self._start + np.arange(self._rows) * self._period, dtype=float)
+        return [
+            Samples(
+                q,
+                v,
+                a,
+                held_torque(tau, self._period, hold),
+                row_filter=row_filter,
+                time=time,
+                temperature=self._temperature,
+            )
+            for q, v, a, tau in zip(*runs, strict=True)
+        ]
+
+    def positions(self) -> Array:
+        """Measured positions (N, n), in the rows that the filter keeps."""
+        q = np.concatenate([np.asarray(piece.q, dtype=float) for piece in self._pieces])
+        row_filter = self._pieces[0].row_filter
+        return q if row_filter is None else q[:: row_filter.factor]
+
+    def as_measured(self, exact: Samples) -> Iterator[Samples]:
+        """An exact motion with q, v and a computed as from measurements, in the pieces of the recording."""
+        seen, first = self._loop.seen(exact), 0
+        for piece in self._pieces:
+            yield replace(seen[first : first + len(piece)], continues=piece.continues)
+            first += len(piece)
+
+    @property
+    def _rows(self) -> int:
+        return sum(map(len, self._pieces))
+
+    @cached_property
+    def _every(self) -> int:
+        """Steps per sample, which divide the shortest of sample, control period and longest step."""
+        period = self._loop.control_period or self._period
+        shortest = min(period, self._period)
+        step = shortest / np.ceil(shortest / self._loop.step - QUOTIENT_TOLERANCE)
+        every = round(float(self._period / step))
+        if any(abs(span / step - round(float(span / step))) > CLOCK_TOLERANCE for span in (self._period, period)):
+            raise InvalidInput(
+                f"the period of the controller, {period:g} s, and that of the recording, {self._period:g} s, are no "
+                "multiples of each other; resample the recording"
+            )
+        return every
+
+    @property
+    def _step(self) -> float:
+        return self._period / self._every
+
+    @cached_property
+    def _controller(self) -> PDControl | ComputedTorqueControl:
+        """The controller with its target over the time since the start, and its period in whole steps."""
+        controller: Any = self._loop.controller
+        period, target = controller.period, controller.target
+        if isinstance(target, Sequence) and any(callable(law) for law in target):
+            target = [_Later(law, self._start) if callable(law) else law for law in target]
+        held = None if period is None else round(period / self._step) * self._step
+        known: PDControl | ComputedTorqueControl = replace(controller, target=target, period=held)
+        return known
+
+    def _compiled(self, robots: DrivenRobot) -> Runs:
+        found = self._rollout(
+            robots,
+            np.broadcast_to(self._q, robots.rotors.shape),
+            self._v,
+            self._controller,
+            duration=(self._rows - 1) * self._period,
+            every=self._every,
+        )
+        return found.q, found.v, found.a, found.tau
+
+    def _in_python(self, robots: DrivenRobot) -> Runs:
+        """The motions with a controller that is a function, called once per period, for one robot after the other."""
+        law: Any = self._loop.controller
+        held = max(1, round((self._loop.period or 0.0) / self._step))
+        steps = (self._rows - 1) * self._every
+        q, v = (np.broadcast_to(start, robots.rotors.shape) for start in (self._q, self._v))
+        rows: list[tuple[Array, ...]] = []
+        for first in range(0, steps + 1, held):
+            t = self._start + first * self._step
+            tau = np.array([as_floats("what the controller answers", law(t, q[k], v[k])) for k in range(len(q))])
+            found = self._rollout(robots, q, v, tau[:, None], period=held * self._step)
+            for step in range(min(held, steps + 1 - first)):
+                if (first + step) % self._every == 0:
+                    rows.append(tuple(array[:, step] for array in (found.q, found.v, found.a, found.tau)))
+            q, v = found.q[:, -1], found.v[:, -1]
+        q, v, a, tau = (np.stack(columns, axis=1) for columns in zip(*rows, strict=True))
+        return q, v, a, tau
+
+    def _rollout(self, robots: DrivenRobot, q: Array, v: Array, controls: Any, **span: Any) -> Rollout:
+        return rollout(
+            self._model,
+            q,
+            v,
+            controls,
+            step=self._step,
+            parameters=robots.bodies,
+            friction=robots.friction,
+            rotor_inertia=robots.rotors,
+            **span,
+        )
+
+
+class _Later:
+    """A motion law over the time since a start; it caches its last course, because every iteration asks for the same
+    times.
+    """
+
+    def __init__(self, law: MotionLaw, start: float) -> None:
+        self._law, self._start = law, start
+        self._times = np.zeros(0)
+        self._course: Course | None = None
+
+    def __call__(self, times: Array, /) -> Course:
+        if self._course is None or not np.array_equal(times, self._times):
+            self._times, self._course = np.array(times), self._law(times + self._start)
+        return self._course
+
 
 NEEDS_CONTROLLER = (
     "needs the controller of the loop in which the recording was made, with its reference (loop=ClosedLoop(…))"

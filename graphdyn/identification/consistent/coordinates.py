@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
-from graphdyn.identification.algebra.solution import solve_triangle
+from graphdyn.identification.algebra.compressed import solve_triangle
 from graphdyn.identification.consistent.manifold import upper_factor
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import parameters_from_pseudo_inertia

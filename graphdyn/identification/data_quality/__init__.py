@@ -1,12 +1,16 @@
 """Data quality of a recording before the identification: its faults, and faults that it cannot reveal."""
 
+from graphdyn.identification.data_quality.bounded_fit import contradictions
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels
-from graphdyn.identification.data_quality.excited_parameters import Excitation, excitation
 from graphdyn.identification.data_quality.gain import Gains
-from graphdyn.identification.data_quality.halves import contradictions
 from graphdyn.identification.data_quality.lag import Lag
-from graphdyn.identification.data_quality.recording_quality import RecordingQuality, assess_recording
+from graphdyn.identification.data_quality.recording_quality import (
+    Excitation,
+    RecordingQuality,
+    assess_recording,
+    excitation,
+)
 from graphdyn.identification.data_quality.searching import MAX_RATE_GAIN_ERROR, DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 

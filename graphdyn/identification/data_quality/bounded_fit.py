@@ -189,3 +189,27 @@ def _solution(factors: list[Array], weights: Array) -> Array:
 def _errors(factors: list[Array], x: Array) -> Array:
     sizes = [np.linalg.norm(factor[:, :-1] @ x - factor[:, -1]) for factor in factors]
     return np.maximum(sizes, MIN_RESIDUAL)
+
+
+MIN_CONTRADICTION, MIN_WORTH = 2.0, 0.2
+"""Residual of the common fit from which the halves of a recording contradict each other: as a multiple of that of their
+separate fits, and as a fraction of the torque."""
+
+
+def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Array:
+    """Errors of the common and of the separate fit, of the first and of the second half (2, 2, n)."""
+    x, middle = fit.parameters(samples.tau), len(samples) // 2
+    errors = []
+    for rows in (slice(None, middle), slice(middle, None)):
+        half = samples[rows]
+        own = BoundedFit.of(torque_model, half, fit.kept[rows])
+        size = np.linalg.norm(np.where(own.kept, half.tau, 0.0), axis=0)
+        common = np.linalg.norm(np.nan_to_num(own.residual(half.tau, x)), axis=0) / np.where(size > 0, size, 1.0)
+        errors.append([common, own.errors(half.tau)])
+    return np.array(errors)
+
+
+def contradictions(halves: Array) -> NDArray[np.bool_]:
+    """Halves and joints where a recording contradicts its other half (2, n). halves: of RecordingQuality."""
+    common, own = halves[:, 0], halves[:, 1]
+    return np.asarray(common > np.maximum(MIN_CONTRADICTION * own, MIN_WORTH))

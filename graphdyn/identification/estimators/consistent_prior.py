@@ -22,11 +22,9 @@ from typing import ClassVar
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.compressed import CompressedEquations
-from graphdyn.identification.consistent.bodies import unknown_bodies
+from graphdyn.identification.consistent.bodies import PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
-from graphdyn.identification.consistent.explaining import consistent_estimate
-from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
-from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
+from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem, consistent_estimate
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate

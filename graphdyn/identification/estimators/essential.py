@@ -14,8 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.algebra.compressed import CompressedEquations
-from graphdyn.identification.algebra.solution import Solution, solve
+from graphdyn.identification.algebra.compressed import CompressedEquations, Solution, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem

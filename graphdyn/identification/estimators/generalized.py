@@ -16,8 +16,7 @@ import numpy as np
 
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.accumulator import Accumulator
-from graphdyn.identification.algebra.compressed import CompressedEquations, merged
-from graphdyn.identification.algebra.solution import EPS, leverages, solve
+from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, leverages, merged, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.algebra.solution import residual_deviations
+from graphdyn.identification.algebra.compressed import residual_deviations
 from graphdyn.identification.closed_loop.equations import Crossed, CrossedEquations, beside
 from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop

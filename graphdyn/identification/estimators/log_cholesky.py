@@ -19,12 +19,15 @@ from typing import ClassVar
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
+from graphdyn.identification.consistent.bodies import Bodies, PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
-from graphdyn.identification.consistent.explaining import consistent_estimate, constraint_remark
-from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
-from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
-from graphdyn.identification.consistent.log_cholesky_fit import PRIOR_STRENGTH, log_cholesky_fit
+from graphdyn.identification.consistent.fit import (
+    PRIOR_MARGIN,
+    ConsistentProblem,
+    consistent_estimate,
+    constraint_remark,
+)
+from graphdyn.identification.consistent.log_cholesky import PRIOR_STRENGTH, log_cholesky_fit
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior

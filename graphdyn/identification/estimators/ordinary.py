@@ -12,8 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.algebra.compressed import CompressedEquations
-from graphdyn.identification.algebra.solution import Solution, leverages, residual_deviations, solve
+from graphdyn.identification.algebra.compressed import (
+    CompressedEquations,
+    Solution,
+    leverages,
+    residual_deviations,
+    solve,
+)
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.correlation import jackknife_covariance

@@ -15,8 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
-from graphdyn.identification.algebra.compressed import CompressedEquations
-from graphdyn.identification.algebra.solution import EPS
+from graphdyn.identification.algebra.compressed import EPS, CompressedEquations
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise

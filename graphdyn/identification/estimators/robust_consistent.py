@@ -20,16 +20,20 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
-from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
+from graphdyn.identification.consistent.bodies import Bodies, Inequalities, PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
-from graphdyn.identification.consistent.explaining import consistent_estimate
-from graphdyn.identification.consistent.fit import PRIOR_MARGIN, WEAK_STRENGTH, ConsistentFit, ConsistentProblem
-from graphdyn.identification.consistent.limits import Inequalities, PhysicalLimits, inequalities
+from graphdyn.identification.consistent.fit import (
+    PRIOR_MARGIN,
+    WEAK_STRENGTH,
+    ConsistentFit,
+    ConsistentProblem,
+    consistent_estimate,
+)
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.consistent_prior import PRIOR_STRENGTHS
-from graphdyn.identification.estimators.robust_weights import (
+from graphdyn.identification.estimators.reweighted import (
     HUBER_THRESHOLD,
     Norm,
     huber,

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.algebra.solution import EPS
+from graphdyn.identification.algebra.compressed import EPS
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import model_prior

@@ -13,8 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphdyn.identification.algebra.base_parameters import MIN_COLUMN_SHARE, RANK_TOLERANCE
-from graphdyn.identification.algebra.compressed import CompressedEquations
-from graphdyn.identification.algebra.solution import Solution, residual_deviations, solve
+from graphdyn.identification.algebra.compressed import CompressedEquations, Solution, residual_deviations, solve
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.correlation import jackknife_covariance

@@ -29,8 +29,7 @@ from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.least_squares import square_triangle
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.prior import model_prior
-from graphdyn.identification.problem.structure import structure
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.identification.terms import Drift
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array

@@ -15,12 +15,11 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.compressed import Solution, solve_triangle
 from graphdyn.identification.algebra.least_squares import square_triangle
-from graphdyn.identification.algebra.solution import Solution, solve_triangle
 from graphdyn.identification.data.samples import Samples, TorqueFreeSamples
 from graphdyn.identification.problem.prior import model_prior
-from graphdyn.identification.problem.structure import structure
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.layout import Array
 
 

@@ -22,13 +22,11 @@ from graphdyn.identification.algebra.accumulator import Accumulator, Compression
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.identification.algebra.least_squares import one_thread
-from graphdyn.identification.data.filtering import filtered
 from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
-from graphdyn.identification.data.rows import Rows, Run, counted, runs
+from graphdyn.identification.data.rows import Rows, Run, counted, filtered, runs
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.prior import expected_equations, without_effect
-from graphdyn.identification.problem.structure import DirectSums, ParameterStructure, structure
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.torque_model import DirectSums, ParameterStructure, TorqueModel, structure
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 

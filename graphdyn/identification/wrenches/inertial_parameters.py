@@ -16,8 +16,7 @@ from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.equations.kinematics import link_origins, maximal_state
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.wrenches.body_wrenches import WrenchData, fitting_data, link_wrenches
-from graphdyn.identification.wrenches.identified_bodies import IdentifiedBodies
-from graphdyn.identification.wrenches.wrench_equations import WrenchEquations
+from graphdyn.identification.wrenches.wrench_equations import IdentifiedBodies, WrenchEquations
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, LINEAR, Array
 from graphdyn.model.inertia import PARAMETER_NAMES
 from graphdyn.model.robot_model import RobotModel, check_model

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.identification.wrenches.body_wrenches import WrenchData, body_wrenches, fitting_data
-from graphdyn.identification.wrenches.identified_bodies import IdentifiedBodies
-from graphdyn.identification.wrenches.wrench_equations import WrenchEquations
+from graphdyn.identification.wrenches.wrench_equations import IdentifiedBodies, WrenchEquations
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
 

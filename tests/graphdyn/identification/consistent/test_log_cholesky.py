@@ -8,7 +8,7 @@ from identified import consistent_data as data
 
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import LogCholesky
-from graphdyn.identification.consistent import log_cholesky_fit as fitting
+from graphdyn.identification.consistent import log_cholesky as fitting
 from graphdyn.identification.consistent.fit import ConsistentProblem
 from graphdyn.identification.consistent.log_cholesky import (
     Residuals,

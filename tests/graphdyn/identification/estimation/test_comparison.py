@@ -19,7 +19,7 @@ from graphdyn.identification import (
     plausibility,
     residual_statistics,
 )
-from graphdyn.identification.estimation.plausibility import mass_matrices
+from graphdyn.identification.estimation.comparison import mass_matrices
 from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
 from graphdyn.identification.terms import KnownBodies, KnownPayload, RigidBodies, RotorInertia
 

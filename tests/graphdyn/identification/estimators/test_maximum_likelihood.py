@@ -10,7 +10,7 @@ from scipy.optimize import least_squares
 import graphdyn
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import MaximumLikelihood, Problem, Samples, TorqueModel, WeightedLeastSquares
-from graphdyn.identification.statistics.errors_in_variables import joined, torque_slopes
+from graphdyn.identification.estimators.maximum_likelihood import joined, torque_slopes
 from graphdyn.identification.terms import Drift, MaxwellSlip, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 

@@ -7,7 +7,7 @@ from identified import torque_data
 import graphdyn
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import ExtendedKalmanFilter, Samples, TorqueModel
-from graphdyn.identification.problem.structure import structure
+from graphdyn.identification.problem.torque_model import structure
 from graphdyn.identification.terms import Drift, KnownBodies, MaxwellSlip, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 

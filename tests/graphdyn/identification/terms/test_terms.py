@@ -10,7 +10,7 @@ import graphdyn
 from graphdyn import BaseMotion, Body, Coupling, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.data.samples import TorqueFreeSamples
-from graphdyn.identification.problem.structure import structure
+from graphdyn.identification.problem.torque_model import structure
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,
     AsymmetricViscous,

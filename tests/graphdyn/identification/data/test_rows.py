@@ -63,7 +63,7 @@ class TestRowFilter:
     @pytest.mark.parametrize("borders", [(300,), (1, 2, 100, 350, 599), tuple(range(7, 600, 7))])
     def test_pieces_and_windows_that_continue_each_other(self, samples, borders, monkeypatch):
         whole, _ = self.rows(self.filtered(samples))
-        monkeypatch.setattr("graphdyn.identification.data.filtering.MIN_FILTERED_ROWS", 20)
+        monkeypatch.setattr("graphdyn.identification.data.rows.MIN_FILTERED_ROWS", 20)
         edges = [0, *borders, len(samples)]
         pieces = [self.filtered(samples[a:b], continues=a > 0) for a, b in itertools.pairwise(edges)]
         cut, parts = self.rows(*pieces)
