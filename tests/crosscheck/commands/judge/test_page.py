@@ -24,7 +24,7 @@ class TestJudgment:
         [
             (1.0, 0.0, "agrees", "same numbers as every reference implementation (graphdyn, pinocchio)"),
             (1.5, 0.0, "DISAGREES", "inverse_dynamics disagrees with "),
-            (1.5, 1e-3, "UNDECIDED", "The reference implementations (graphdyn, pinocchio) disagree on inverse_dynamics"),
+            (1.5, 1e-3, "UNDECIDED", "The reference implementations (graphdyn, pinocchio) disagree on inverse_"),
         ],
     )
     def test_three_verdicts(self, tree, factor, between, title, sentence):
