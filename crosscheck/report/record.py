@@ -1,4 +1,7 @@
-"""What the JSON file of a command holds: the fields of the result's class, and what differs from them.
+"""What a JSON file holds: the fields of a command's result, and what differs from them.
+
+Of a dataclass all fields are written; their annotations and the lines of its docstring describe them. A record says
+what differs from that in the file:
 
     class ContenderRecord(Record, of=Entry, leave_out=("times",)):
         '''One contender.
@@ -11,13 +14,14 @@
 
     written(ContenderRecord, entry, rank=1)
 
-Types and descriptions of the fields of Entry are those of Entry: its annotations, and the lines of its docstring. Only
+It leaves out fields, or has `only` some, and adds
 
-- `name = attribute("path")`, a property, an attribute of another name or of an attribute, and
-- `name: type`, a value that `written` is given, or a field of the result whose type is narrower in the file,
+- `name = attribute("path")`: a property, an attribute of another name, or an attribute of an attribute
+- `name: type`: a value that `written` is given, or a field of the result, which is then written as this type. A type
+  that is a record says how the objects inside are written
 
-stand in the record, with a line of its docstring where the result's class has none. A type that is a record says how
-objects are written; of objects without a record all fields are. No record is ever made: `written` gives a dictionary.
+A line in the docstring of the record goes before that of the result's class. No record is ever made: `written` gives a
+dictionary.
 """
 
 from __future__ import annotations
