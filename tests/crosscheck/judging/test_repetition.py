@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from faults.single_precision import single_precision
 from faults.textbook_faults import WRIST_LOCKED
-from long_check import LONG
+from long_check import few
 
 import crosscheck
 import graphdyn
@@ -215,31 +215,35 @@ class TestSingleStates:
             )
 
 
+REGIONS = {
+    "q of joint 'elbow_joint' > 2 rad": lambda m, q, v, a: q[ELBOW] > 2,
+    "q of joint 'elbow_joint' < -1.5 rad": lambda m, q, v, a: q[ELBOW] < -1.5,
+    "∣v∣ of joint 'shoulder_lift_joint' > 2.52 rad/s (80 % of its limit)": (
+        lambda m, q, v, a: abs(v[LIFT]) > 0.8 * m.joints[LIFT].limits.velocity
+    ),
+    "q of joint 'shoulder_pan_joint' > 0 rad and a of joint 'shoulder_lift_joint' > 3 rad/s²": (
+        lambda m, q, v, a: q[0] > 0 and a[LIFT] > 3
+    ),
+}
+"""What is said of a region, and which states lie in it."""
+
+
 class TestRegions:
     @pytest.fixture(scope="class")
     @classmethod
     def arm(cls):
         return urdf.load("ur5", lock=WRIST_LOCKED)
 
-    @pytest.mark.parametrize(
-        ("within", "where"),
-        [
-            pytest.param(lambda m, q, v, a: q[ELBOW] > 2, "q of joint 'elbow_joint' > 2 rad", marks=LONG),
-            pytest.param(lambda m, q, v, a: q[ELBOW] < -1.5, "q of joint 'elbow_joint' < -1.5 rad", marks=LONG),
-            pytest.param(
-                lambda m, q, v, a: abs(v[LIFT]) > 0.8 * m.joints[LIFT].limits.velocity,
-                "∣v∣ of joint 'shoulder_lift_joint' > 2.52 rad/s (80 % of its limit)",
-                marks=LONG,
-            ),
-            (
-                lambda m, q, v, a: q[0] > 0 and a[LIFT] > 3,
-                "q of joint 'shoulder_pan_joint' > 0 rad and a of joint 'shoulder_lift_joint' > 3 rad/s²",
-            ),
-        ],
-    )
-    def test_found(self, arm, within, where):
+    @pytest.mark.parametrize("where", REGIONS)
+    def test_said(self, arm, where):
+        states = crosscheck.judging.states.judged_states.JudgedStates.draw(arm, 100, 0, needs_tau=False)
+        chosen = [bool(REGIONS[where](arm, *state)) for state in zip(states.q, states.v, states.a, strict=True)]
+        assert region(np.array(chosen), states, ("q", "v", "a")) == where
+
+    @pytest.mark.parametrize("where", few(REGIONS, list(REGIONS)[-1]))
+    def test_found(self, arm, where):
         def tested(q, v, a):
-            return tau_of(arm)(q, v, a) + 0.3 * bool(within(arm, q, v, a))
+            return tau_of(arm)(q, v, a) + 0.3 * bool(REGIONS[where](arm, q, v, a))
 
         diagnosis = only(judged(tested, samples=100, lock=WRIST_LOCKED))
         assert (diagnosis.kind, diagnosis.message) == ("region", f"the answers deviate only where {where}")
