@@ -41,7 +41,7 @@ def arm():
     return virtual_robot("ur5", friction_terms(["viscous", "coulomb"], width=0.05), seconds=10.0, lock=LOCKED)
 
 
-def health_of(recording):
+def quality_of(recording):
     return data_quality(arm().torque_model, [recording], identified_arm.CUTOFF)
 
 
@@ -80,7 +80,7 @@ def file(tmp_path_factory):
 @pytest.fixture(scope="module")
 def right(file):
     """What is said of the file as the right mapping reads it."""
-    return health_of(loaded(file, RIGHT))
+    return quality_of(loaded(file, RIGHT))
 
 
 def loaded(file, tables):
@@ -110,7 +110,7 @@ MISTAKES = {
 
 @functools.cache
 def found_of(file, mistake):
-    return health_of(loaded(file, MISTAKES[mistake]))
+    return quality_of(loaded(file, MISTAKES[mistake]))
 
 
 class TestRemedies:
@@ -124,7 +124,7 @@ class TestRemedies:
         assert (finding.code, finding.severity) == (code, "fault")
         pasted = tomllib.loads("\n".join(finding.lines))
         mended = {name: table | pasted.get(name, {}) for name, table in MISTAKES[code].items()}
-        again = health_of(loaded(file, mended))
+        again = quality_of(loaded(file, mended))
         assert again.findings == ()
         np.testing.assert_allclose(again.measures.errors, right.measures.errors, rtol=0.1)
 
@@ -149,7 +149,7 @@ class TestWords:
         recording = arm().fitted
         tau = np.array(recording.tau)
         tau[:, 2], tau[:, 3] = tau[:, 1], 0.0
-        found = health_of(replace(recording, tau=tau))
+        found = quality_of(replace(recording, tau=tau))
         assert [finding.text for finding in found.faults] == [
             "the torques of shoulder_lift_joint and elbow_joint are the same signal; name the right column for each "
             "[duplicated]",
@@ -157,7 +157,7 @@ class TestWords:
         ]
 
     def test_of_units(self):
-        (finding,) = health_of(replace(arm().fitted, tau=1000 * arm().fitted.tau)).findings
+        (finding,) = quality_of(replace(arm().fitted, tau=1000 * arm().fitted.tau)).findings
         assert (finding.code, finding.severity) == ("torque-unit", "fault")
         assert finding.lines[0] == "[tau]"
         assert float(finding.lines[1].split()[2]) == pytest.approx(1e-3, rel=0.3)
@@ -177,35 +177,35 @@ class TestWords:
         gains = np.array(gain + [np.nan] * 2)
         found = replace(right.measures, gains=Gains(gains, 0.1 * gains, np.ones(6), gains))
         monkeypatch.setattr("crosscheck.identifying.data_quality.data_quality.assess_recording", lambda *_, **__: found)
-        said = health_of(arm().fitted).findings
+        said = quality_of(arm().fitted).findings
         assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
         if severity == "fault":
             assert float(said[0].lines[1].split()[2]) == pytest.approx(1 / gain[0], rel=0.1)
             assert said[0].remedy.endswith("if the unit is right, the masses of the robot's file are not")
 
     def test_of_noise(self):
-        found = health_of(spoilt_recordings.noise(arm().fitted))
+        found = quality_of(spoilt_recordings.noise(arm().fitted))
         assert {finding.code for finding in found.faults} == {"unrelated"}
         assert {joint for finding in found.faults for joint in finding.joints} >= set(NAMES[1:])
 
     def test_of_halves(self):
-        found = health_of(spoilt_recordings.half_reversed(1)(arm().fitted))
+        found = quality_of(spoilt_recordings.half_reversed(1)(arm().fitted))
         assert any("contradict each other at shoulder_lift_joint" in finding.message for finding in found.faults)
 
     def test_of_what_cannot_be_seen(self):
-        said = " ".join(health_of(arm().fitted).unseen)
+        said = " ".join(quality_of(arm().fitted).unseen)
         assert "zero of shoulder_pan_joint" in said
         assert "the URDF of a similar robot" in said
 
     def test_expected_values_of_terms_that_it_leaves_out(self):
-        """Health asks rows one by one; friction with memory is no part of it."""
+        """The data quality asks rows one by one; friction with memory is no part of it."""
         robot = identified_arm.virtual()
         model = replace(robot.torque_model, terms=(RigidBodies(), MaxwellSlip()), expected={"FM_1": (1.0, 1.0)})
         found = data_quality(model, [robot.fitted.take(slice(0, 500))], identified_arm.CUTOFF)
         assert found.measures.joint_names == robot.torque_model.model.joint_names
 
     def test_too_short(self):
-        assert health_of(arm().fitted.take(slice(0, 30))) is None
+        assert quality_of(arm().fitted.take(slice(0, 30))) is None
 
 
 class TestDelay:
@@ -348,7 +348,7 @@ def test_no_urdf_of_a_doubted_model(file, tmp_path, monkeypatch):
     assert (tmp_path / "better.urdf").exists()
 
 
-def test_health_of_known_bodies_alone():
+def test_data_quality_of_known_bodies_alone():
     """Drives and payload are identified, the links are those of CAD."""
     from graphdyn.identification.terms import KnownBodies
 

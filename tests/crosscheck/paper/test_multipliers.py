@@ -11,7 +11,7 @@ from graphdyn import inverse_dynamics, kr500
 SIX_DIGITS = 1e-6
 """The paper prints seven digits of numbers that it rounded before."""
 
-REFEREE = 1e-12
+AGAINST_PINOCCHIO = 1e-12
 """Of the multipliers against rnea; measured 7e-16."""
 
 PRINTED_FORCES = (-1.136554e5, -5.086735e4, -2.393758e4, -1.230526e4, -9.277012e3, -6.489101e3)
@@ -71,7 +71,7 @@ class TestAsPrinted:
 
 class TestCorrected:
     def test_against_rnea(self, corrected):
-        assert corrected.difference <= REFEREE
+        assert corrected.difference <= AGAINST_PINOCCHIO
         assert np.isfinite(corrected.multipliers).all()
 
     def test_forces(self, corrected):
@@ -87,7 +87,7 @@ class TestCorrected:
 
     def test_other_instants(self):
         for time in (0.0, 0.6, 2.0):
-            assert corrected_multipliers(time).difference <= REFEREE
+            assert corrected_multipliers(time).difference <= AGAINST_PINOCCHIO
 
 
 def test_the_instant():

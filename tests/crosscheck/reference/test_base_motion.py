@@ -16,18 +16,18 @@ ACCELERATION = 1e-13
 """Relative, times the condition number of M; measured 2e-15 altogether."""
 
 ROBOTS = {
-    "kr500": kr500(),
-    "ur5": urdf.load("ur5"),
-    "kinova": urdf.load("kinova"),
-    "mixed": mixed_tree(),
-    "star": random_tree(3, [0, 0, 1, 2, 2], ["revolute", "prismatic", "revolute", "continuous", "revolute"]),
+    "kr500": kr500,
+    "ur5": lambda: urdf.load("ur5"),
+    "kinova": lambda: urdf.load("kinova"),
+    "mixed": mixed_tree,
+    "star": lambda: random_tree(3, [0, 0, 1, 2, 2], ["revolute", "prismatic", "revolute", "continuous", "revolute"]),
 }
 SAMPLES = 20
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_carried_robot(name):
-    model, rng = ROBOTS[name], np.random.default_rng(0)
+    model, rng = ROBOTS[name](), np.random.default_rng(0)
     q, v = model.random_state(rng, SAMPLES)
     a, tau = rng.normal(size=q.shape), 100 * rng.normal(size=q.shape)
     motion = BaseMotion(
@@ -47,7 +47,7 @@ def test_carried_robot(name):
 
 
 def test_one_motion_for_all_states():
-    model = ROBOTS["ur5"]
+    model = ROBOTS["ur5"]()
     q = model.random_state(np.random.default_rng(1), 3)[0]
     motion = BaseMotion(acceleration=[2.0, 0, 0, 0, 0, 0])
     there = PinocchioModel.from_model(model).carried(q, 0 * q, 0 * q, 0 * q, motion)
