@@ -5,6 +5,7 @@ Faults are made of changed numbers of joints and bodies. A fitted number that is
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -165,10 +166,13 @@ def named(what: str, names: Sequence[str]) -> str:
     return f"{what}{'s' if len(names) > 1 else ''} {', '.join(repr(name) for name in names)}"
 
 
+_NOUN_ENDS = re.compile(r" (?=(?:at|in|of|on) |v\b|v_|ω|\d)")
+"""Where the noun of a term's name ends, and its formula or place begins."""
+
+
 def factor_said(name: str, factor: float) -> str:
     """What a factor on a term says, rounded to what it is within the accuracy of a fit."""
-    several = name.split(" at ")[0].split(" of ")[0].split(" ω ")[0].split(" v")[0].split(" in ")[0].endswith("s")
-    have, are = ("have", "are") if several else ("has", "is")
+    have, are = ("have", "are") if _NOUN_ENDS.split(name)[0].endswith("s") else ("has", "is")
     if factor == 0:
         return f"{name} {are} left out"
     if factor == -1:

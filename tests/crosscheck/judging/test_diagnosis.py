@@ -19,6 +19,7 @@ from shared_data import existing
 import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
+from crosscheck.judging.faults.fault import factor_said
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.judge import judge
 from crosscheck.report.json import plain
@@ -176,3 +177,17 @@ def test_a_pair_is_verified_together(ur5):
         "gravity on body 'forearm_link' is left out": "confirmed",
         "the axis of joint 'elbow_joint' points the other way": "confirmed",
     }
+
+
+@pytest.mark.parametrize(
+    ("term", "has"),
+    [
+        ("all velocity terms", "have"),
+        ("the squares v_j²", "have"),
+        ("the Coriolis accelerations 2 ω × ṡ of sliding joints", "have"),
+        ("the term Ṁ v", "has"),
+        ("the angular velocity of the inside body, at joint 'elbow',", "has"),
+    ],
+)
+def test_a_term_and_its_verb_agree_in_number(term, has):
+    assert factor_said(term, -1) == f"{term} {has} the opposite sign"
