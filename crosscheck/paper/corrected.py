@@ -24,7 +24,7 @@ class CorrectedMultipliers:
     tau: actuator torques                                                       (6,)    [N m]
     forces: of the inside body on body j, world axes                            (6, 3)  [N]
     moments: the same about O_j, actuator included, world axes                  (6, 3)  [N m]
-    reading: one sentence per joint about the forces and moments it carries
+    reading: one sentence per joint about the forces and moments it carries     (6,)
     """
 
     multipliers: Array

@@ -24,8 +24,6 @@ Count = Annotated[int, Keywords(minimum=0)]
 
 Index = Annotated[int, Keywords(minimum=1)]
 
-Vector3 = Annotated[Sequence[float], Keywords(minItems=3, maxItems=3)]
-
 Versions = Annotated[
     Mapping[str, str],
     Keywords(

@@ -8,7 +8,7 @@ from typing import Any
 
 from crosscheck.judging.exchange.vectors import VectorTable
 from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Count, Index, Vector3
+from crosscheck.report.record_fields import Count, Index
 from graphdyn import RobotModel
 
 
@@ -47,7 +47,7 @@ class VectorsRecord(CommandRecord, format="graphdyn vectors 2"):
     robot: as given
     model: file of the rigid-body model, `graphdyn export 1`
     joint_names: the order of the joints
-    gravity: in world axes (3) [m/s²]
+    gravity: in world axes (3,) [m/s²]
     frame: that functions of one frame belong to; null where none was named
     seed: of the random states
     states: rows of each file
@@ -60,7 +60,7 @@ class VectorsRecord(CommandRecord, format="graphdyn vectors 2"):
     robot: str
     model: str
     joint_names: Sequence[str]
-    gravity: Vector3
+    gravity: Sequence[float]
     frame: str | None
     seed: Count
     states: Index
