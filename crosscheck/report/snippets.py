@@ -12,6 +12,7 @@ import urdf
 from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgment
 from crosscheck.quantities import COUPLED, LOADS, LOOPED, ComparedQuantity, TabulatedQuantity
+from crosscheck.quantities.quantity import DERIVED
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf import Reading
@@ -24,7 +25,7 @@ _RANKS = {
     "constraint_rank": (f"{_SYSTEM}.constraint_rank()", "5 * model.n_bodies"),
     "kkt_rank": (f"{_SYSTEM}.rank()", "11 * model.n_bodies"),
 }
-_REFERENCE = "{'reference': reference}"
+_REFERENCE = "dict(reference=reference)"
 _SHOWN = "print(ours, theirs, np.abs(ours - theirs).max(), sep='\\n')"
 
 
@@ -32,13 +33,15 @@ def _calls(quantity: ComparedQuantity) -> tuple[str, str] | None:
     """What graphdyn computes, and what it must be equal to; None for what belongs to all states together."""
     if not isinstance(quantity, TabulatedQuantity):
         return _RANKS.get(quantity.name)
-    row, method = quantity.row, quantity.form.method
-    code = row.ours.code if method == "auto" else row.ours.code.replace(")", f", method={method!r})", 1)
+    row, form = quantity.row, quantity.form
+    usual = form.method == "auto" or form in DERIVED  # which one state is computed by in any case
+    code = row.ours.code if form.loaded else row.ours.code.replace(f", {LOADS}", "")
+    code = code if usual and not form.suffix else code.replace(")", f", method={form.method!r})", 1)
     theirs = (
         f"QUANTITIES[{row.name!r}].pinocchio(there, {'{}' if row.from_file or not row.of_frame else _REFERENCE})[0]"
     )
     if not row.of_frame:
-        return code, f"{theirs}  # {row.function}"
+        return code, theirs
     filled = {"{reference!r}": "reference", "{classical}": "True", "{frame!r}": "name"}
     for place, name in filled.items():
         code = code.replace(place, name)
@@ -47,7 +50,7 @@ def _calls(quantity: ComparedQuantity) -> tuple[str, str] | None:
     references = "for reference in FRAME_REFERENCES]"
     return (
         f"np.array([[{code} for name in compared_frames(model)] {references})",
-        f"np.array([{theirs} {references})  # {row.function}",
+        f"np.array([{theirs} {references})",
     )
 
 
@@ -78,11 +81,9 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     ]
     lines += [f"reference = PinocchioModel.{_pinocchio(comparison, worst.route)}"] if pinocchio else []
     lines += _surroundings(worst, comparison.model, pinocchio)
-    lines += _numbers(worst, quantity.solves, loaded)
-    given = "*(np.array([x]) for x in (q, v, a, tau))"
-    lines += [
-        f"there = PinocchioAnswers(reference, model, {given}{', np.array([external_wrenches])' * loaded})"
-    ] * pinocchio
+    lines += _numbers(worst, quantity.solves, loaded, text)
+    given = f"q, v, a{', tau' * quantity.solves}{f', loads={LOADS}' * loaded}"
+    lines += [f"there = PinocchioAnswers.at(reference, model, {given})"] * pinocchio
     ours, theirs = calls
     return "\n".join([*lines, "", f"ours = {ours}", f"theirs = {theirs}", _SHOWN]) + "\n"
 
@@ -173,12 +174,15 @@ def _surroundings(worst: WorstState, model: RobotModel, pinocchio: bool) -> list
     ]
 
 
-def _numbers(worst: WorstState, solves: bool, loaded: bool) -> list[str]:
-    """q, v, a, torques and external wrenches; no torques where their values do not matter."""
+def _numbers(worst: WorstState, solves: bool, loaded: bool, text: str) -> list[str]:
+    """q, v, a; torques and external wrenches where the text needs them, zeros where their values do not matter."""
     lines = [f"{name} = {_array(getattr(worst, name))}" for name in ("q", "v", "a")]
     given = _array(worst.tau) if worst.tau is not None else "graphdyn.inverse_dynamics(model, q, v, a).tau"
-    lines.append(f"tau = {given if solves else 'np.zeros_like(q)'}")
-    return [*lines, f"{LOADS} = {f'np.array({_rows(worst.external_wrenches)})' if loaded else None}"]
+    if solves or re.search(r"\btau\)", text):
+        lines.append(f"tau = {given if solves else '0 * q'}")
+    if loaded:
+        lines.append(f"{LOADS} = np.array({_rows(worst.external_wrenches)})")
+    return lines
 
 
 def _array(values: Sequence[float] | Array) -> str:

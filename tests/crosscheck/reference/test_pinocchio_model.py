@@ -218,7 +218,7 @@ class TestInput:
             done[case] = done.get(case, 0) + states
 
         comparison = crosscheck.compare(small_arm, SAMPLES, progress=progress)
-        assert set(done) == set(comparison.quantities["torque"].by_case)
+        assert set(done) == set(comparison.quantities["inverse_dynamics"].by_case)
         assert done["random"] == SAMPLES
 
     def test_chunks_leave_nothing_out(self, monkeypatch, tree):

@@ -29,16 +29,21 @@ def complaints(text):
     return [error.message for error in parser.error_log if error.type_name not in known]
 
 
-def first_cells(text, within=""):
-    """First cells of the rows of a terminal's tables that hold some text; long cells go on in the next line."""
+def text_rows(text):
+    """Cells of the rows of a terminal's tables; a long name goes on in the next line."""
     rows = []
     for line in (line for line in text.splitlines() if line.startswith("│")):
         first, *others = (cell.strip() for cell in line.split("│")[1:-1])
-        if rows and not any(others):
+        if rows and not any(others[:2]):
             rows[-1][0] += first
         else:
             rows.append([first, *others])
-    return [row[0] for row in rows if any(within in cell for cell in row)]
+    return rows
+
+
+def first_cells(text, within=""):
+    """First cells of the rows that hold some text."""
+    return [row[0] for row in text_rows(text) if any(within in cell for cell in row)]
 
 
 def table(text, caption):
