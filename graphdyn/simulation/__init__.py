@@ -3,13 +3,13 @@
 Public are the names in `__all__` here, which graphdyn exports too. Other modules may change without notice.
 """
 
-from graphdyn.simulation.controllers import ComputedTorqueControl, PDControl
-from graphdyn.simulation.drives import Friction, JointStops
 from graphdyn.simulation.integration.events import Event, Occurrence
 from graphdyn.simulation.many_robots import Rollout, rollout
 from graphdyn.simulation.one_robot import simulate
+from graphdyn.simulation.plant import Friction, JointStops
 from graphdyn.simulation.result import EnergyBalance, Simulation
 from graphdyn.simulation.runs import MeasurementNoise
+from graphdyn.simulation.torques import ComputedTorqueControl, PDControl
 
 __all__ = [
     "ComputedTorqueControl",

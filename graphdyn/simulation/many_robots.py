@@ -16,13 +16,11 @@ from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.simulation.controllers import Controller
-from graphdyn.simulation.drives import Friction, JointStops, finite, refuse_loops
 from graphdyn.simulation.integration.compiled import can_compile
 from graphdyn.simulation.integration.steps import FIXED_STEPS
-from graphdyn.simulation.plant import make_plant
+from graphdyn.simulation.plant import Friction, JointStops, finite, make_plant, refuse_loops
 from graphdyn.simulation.runs import MeasurementNoise, Runs
-from graphdyn.simulation.torques import CONSTANT_TORQUE_STEPS, GAIN_NAMES, check_controller, whole_steps
+from graphdyn.simulation.torques import CONSTANT_TORQUE_STEPS, GAIN_NAMES, Controller, check_controller, whole_steps
 
 
 @dataclass(frozen=True, eq=False)

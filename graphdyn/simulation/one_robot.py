@@ -16,8 +16,6 @@ from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.simulation.controllers import Controller
-from graphdyn.simulation.drives import Friction, JointStops, position_limits, refuse_loops
 from graphdyn.simulation.equations import LoopEquations, equations_of, refuse_dry_friction
 from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
 from graphdyn.simulation.integration.events import Event, SimulatedCourse
@@ -25,9 +23,17 @@ from graphdyn.simulation.integration.fixed import fixed
 from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
 from graphdyn.simulation.integration.maximal import Stabilization, maximal
 from graphdyn.simulation.integration.steps import FIXED_STEPS
-from graphdyn.simulation.plant import PlantConstants, Wrenches, make_plant
+from graphdyn.simulation.plant import (
+    Friction,
+    JointStops,
+    PlantConstants,
+    Wrenches,
+    make_plant,
+    position_limits,
+    refuse_loops,
+)
 from graphdyn.simulation.result import Simulation
-from graphdyn.simulation.torques import QUOTIENT_TOLERANCE, TorqueFunction, Torques, torques
+from graphdyn.simulation.torques import QUOTIENT_TOLERANCE, Controller, TorqueFunction, Torques, torques
 from graphdyn.verbs.matrices import mass_matrix
 
 Method = Literal["dop853", "rk8", "rk4", "euler"]

@@ -14,9 +14,8 @@ from graphdyn.experiments.experiment import base_motion, observed
 from graphdyn.experiments.virtual_recording import VirtualRecording
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.simulation.drives import refuse_loops
 from graphdyn.simulation.integration.events import Occurrence
-from graphdyn.simulation.plant import PlantConstants
+from graphdyn.simulation.plant import PlantConstants, refuse_loops
 from graphdyn.verbs.answers import InverseDynamics
 from graphdyn.verbs.dynamics import forward_dynamics, inverse_dynamics
 from graphdyn.verbs.energies import kinetic_energy, potential_energy

@@ -11,8 +11,6 @@ from numpy.typing import ArrayLike
 from graphdyn.compiler.native import host_lanes
 from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
 from graphdyn.layout import Array
-from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
-from graphdyn.simulation.drives import finite, per_joint
 from graphdyn.simulation.equations import Equations
 from graphdyn.simulation.integration.compiled import (
     compiled_steps,
@@ -24,8 +22,8 @@ from graphdyn.simulation.integration.compiled import (
 )
 from graphdyn.simulation.integration.events import COURSE_COLUMNS
 from graphdyn.simulation.integration.steps import python_steps, tableau
-from graphdyn.simulation.plant import PlantConstants
-from graphdyn.simulation.torques import GAIN_NAMES, Torques
+from graphdyn.simulation.plant import PlantConstants, finite, per_joint
+from graphdyn.simulation.torques import GAIN_NAMES, ComputedTorqueControl, Controller, Torques
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,10 +17,10 @@ import numpy as np
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.simulation.drives import position_limits
 from graphdyn.simulation.equations import Contact, Equations
 from graphdyn.simulation.integration.events import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
 from graphdyn.simulation.integration.steps import Torque
+from graphdyn.simulation.plant import position_limits
 
 MAX_SLIDING_PASSES = 20
 """How often it is decided again which joints slide: more than ever needed, since each joint changes once or twice."""

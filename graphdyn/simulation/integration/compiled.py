@@ -19,9 +19,9 @@ from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import Program
-from graphdyn.simulation.controllers import ComputedTorqueControl, Controller
 from graphdyn.simulation.integration.steps import Tableau, tableau
 from graphdyn.simulation.plant import PlantConstants
+from graphdyn.simulation.torques import ComputedTorqueControl, Controller
 
 BLOCK_BYTES = 1 << 26
 """Bytes of torques, noise and records of the blocks that a thread has in hand at once, roughly."""

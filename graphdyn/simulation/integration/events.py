@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.simulation.drives import position_limits
 from graphdyn.simulation.equations import LoopEquations, equations_of
-from graphdyn.simulation.plant import PlantConstants
+from graphdyn.simulation.plant import PlantConstants, position_limits
 from graphdyn.simulation.torques import Torques
 
 COURSE_COLUMNS = ("q", "v", "work", "loss", "tau", "a", "passive")

@@ -22,8 +22,7 @@ from graphdyn.simulation.integration.compiled import (
     state_blocks,
 )
 from graphdyn.simulation.integration.events import COURSE_COLUMNS, Event, Scan, SimulatedCourse
-from graphdyn.simulation.integration.loop_steps import LoopSteps
-from graphdyn.simulation.integration.steps import python_steps, tableau
+from graphdyn.simulation.integration.steps import LoopSteps, python_steps, tableau
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import (
     CONSTANT_TORQUE_STEPS,

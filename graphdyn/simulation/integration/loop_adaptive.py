@@ -23,8 +23,7 @@ from graphdyn.simulation.integration.events import (
     changes,
     limit_events,
 )
-from graphdyn.simulation.integration.loop_steps import LoopSteps, Stepped
-from graphdyn.simulation.integration.steps import Torque, tableau
+from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
 """Constants of the choice of the next width, as in scipy.integrate."""
