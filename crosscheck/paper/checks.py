@@ -11,13 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.paper.as_printed import PrintedMultipliers
-from crosscheck.paper.corrected import CorrectedMultipliers
+from crosscheck.paper.corrected import CorrectedMultipliers, OverTime
 from crosscheck.paper.errata import Effect
-from crosscheck.paper.identification import PaperIdentification
-from crosscheck.paper.multipliers import MIN_REPRODUCED_DIGITS, Multiplier, printed_ratios
-from crosscheck.paper.over_time import OverTime
-from crosscheck.paper.tables import GeometryTable
+from crosscheck.paper.multipliers import MIN_REPRODUCED_DIGITS, Multiplier, PrintedMultipliers, printed_ratios
+from crosscheck.paper.tables import GeometryTable, PaperIdentification
 
 EXPERIMENT_NOTE = (
     "From rest the carriage accelerates at 2 m/s² along world x, joint 1 at +30°/s² about the vertical, joint 2 at "

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from crosscheck.paper.as_printed import PrintedMultipliers, printed_multipliers
 from crosscheck.paper.checks import Check, checks
-from crosscheck.paper.corrected import CorrectedMultipliers, corrected_multipliers
+from crosscheck.paper.corrected import CorrectedMultipliers, OverTime, corrected_multipliers, over_time
 from crosscheck.paper.errata import Effect, measure
-from crosscheck.paper.identification import PaperIdentification, identify
-from crosscheck.paper.multipliers import Multiplier, multipliers
-from crosscheck.paper.over_time import OverTime, over_time
-from crosscheck.paper.tables import GeometryTable, geometry_table
+from crosscheck.paper.multipliers import Multiplier, PrintedMultipliers, multipliers, printed_multipliers
+from crosscheck.paper.tables import GeometryTable, PaperIdentification, geometry_table, identify
 
 PROGRESS_STEPS = (
     "Table 2",

@@ -14,12 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.distributing import Lost, Workers
-from crosscheck.study.database import Database, opened
-from crosscheck.study.methods import taking_part
 from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.simulated.plants import plant_of
-from crosscheck.study.tables import write_tables
-from crosscheck.study.tasks import StudyOutcome, StudyTask, compute, failed
+from crosscheck.study.tables import Database, opened, write_tables
+from crosscheck.study.tasks import StudyOutcome, StudyTask, compute, failed, taking_part
 from graphdyn import InvalidInput
 from urdf.document import write_whole
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from crosscheck.commands.errata.pictures import distributions, missing_rank, towards_lock
-from crosscheck.commands.errata.report import MEANINGS, effects_table
+from crosscheck.commands.errata.report import MEANINGS, distributions, effects_table, missing_rank, towards_lock
 from crosscheck.commands.paper.arm_poses import arm_pose
 from crosscheck.commands.paper.identification_report import identification_section
-from crosscheck.commands.paper.multipliers_report import corrected_section, printed_section
-from crosscheck.commands.paper.over_time_report import over_time_section
+from crosscheck.commands.paper.multipliers_report import corrected_section, over_time_section, printed_section
 from crosscheck.commands.paper.record import record
 from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS
 from crosscheck.paper.checks import EXPERIMENT_NOTE, WHY_ERRATA, Check

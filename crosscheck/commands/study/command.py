@@ -139,7 +139,7 @@ def _in_words(seconds: float) -> str:
 
 def _show(study: Configuration, only: str) -> None:
     """The results of one run. Raises typer.BadParameter for one that the study does not have."""
-    from crosscheck.commands.study.run_report import study_run_report
+    from crosscheck.commands.study.report import study_run_report
     from crosscheck.study.running import tasks_of
     from crosscheck.study.tasks import compute
 

@@ -1,21 +1,185 @@
-"""Errors against noise, as pictures and numbers."""
+"""Errors against noise, as numbers and as pictures: one small panel per method, all on the same axes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from markupsafe import Markup
 
-from crosscheck.commands.study.error_pictures import ErrorLine, study_errors
 from crosscheck.commands.study.scenarios_report import ShownRuns
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
+from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
+from crosscheck.report.pictures.svg import picture
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, View
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
 from crosscheck.study.statistics.outcomes import ERRORS, Measures
 from crosscheck.study.statistics.summary import StudySummary
+from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+WIDTH, PANEL_HEIGHT, TITLE_HEIGHT, LEFT_MARGIN = 7.6, 1.25, 0.26, 0.5
+"""Sizes of the picture, height of a panel, of what is above it, room for the numbers on the left [inches]."""
+
+ERROR_PANELS_PER_ROW = 5
+"""Panels beside each other."""
+
+KEY_HEIGHT, SPACE_BELOW = 0.3, 0.55
+"""Room above for the key, and below for the axis [inches]."""
+
+BEST_DASHES = (0, (3, 2))
+"""Dashes of the smallest median."""
+
+RUN_SPREAD = 0.6
+"""Part of the distance of two places over which the runs at one are spread."""
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorLine:
+    """Scenarios that differ in their place along the axis alone.
+
+    places: numbers of those that it has, from 0                                   (P,)
+    errors: [%] of every place, runs by methods; infinite for failures      P times (R, M)
+    middle, low, high: medians and the ends of their intervals [%]              (P, M)
+    links: of every place and run, to the page; "" without
+    joined: whether the medians are joined by a line
+    """
+
+    name: str
+    places: Sequence[int]
+    errors: Sequence[Array]
+    middle: Array
+    low: Array
+    high: Array
+    links: Sequence[Sequence[str]]
+    joined: bool
+
+
+def study_errors(
+    key: str,
+    label: str,
+    methods: Sequence[str],
+    places: Sequence[str],
+    title: str,
+    lines: Sequence[ErrorLine],
+    hovers: Mapping[str, str],
+) -> Markup:
+    """methods: of the columns; places: of the axis in words, title: of the axis; hovers: of the links."""
+    rows = -(-len(methods) // ERROR_PANELS_PER_ROW)
+    height = KEY_HEIGHT + rows * (PANEL_HEIGHT + TITLE_HEIGHT) + SPACE_BELOW
+    return picture(key, label, (WIDTH, height), lambda axes: _draw(axes, methods, places, title, lines, height), hovers)
+
+
+def _draw(
+    axes: Axes, methods: Sequence[str], places: Sequence[str], title: str, lines: Sequence[ErrorLine], height: float
+) -> None:
+    axes.set_axis_off()
+    across = min(ERROR_PANELS_PER_ROW, len(methods))
+    width = (WIDTH - LEFT_MARGIN) / ERROR_PANELS_PER_ROW
+    there = np.concatenate([part.ravel() for line in lines for part in line.errors])
+    there = there[np.isfinite(there) & (there > 0)]
+    reach = (there.min() / 1.5, there.max() * 1.5) if there.size else (0.1, 1.0)
+    for k, name in enumerate(methods):
+        row, column = divmod(k, ERROR_PANELS_PER_ROW)
+        bottom = height - KEY_HEIGHT - row * (PANEL_HEIGHT + TITLE_HEIGHT) - TITLE_HEIGHT - PANEL_HEIGHT
+        place = ((LEFT_MARGIN + column * width) / WIDTH, bottom / height, 0.93 * width / WIDTH, PANEL_HEIGHT / height)
+        panel = axes.inset_axes(place)
+        lowest = k + ERROR_PANELS_PER_ROW >= len(methods)
+        _frame(panel, name, places, reach, numbers=column == 0, named=lowest)
+        for color, line in enumerate(lines):
+            _draw_line(panel, line, k, (color - (len(lines) - 1) / 2) / max(1, len(lines)), color, reach[1])
+    bottom = 0.08 / height
+    axes.text(
+        (LEFT_MARGIN + across * width / 2) / WIDTH, bottom, title, fontsize=8.5, color=INK, ha="center", va="bottom"
+    )
+    _draw_key(axes, lines)
+
+
+def _frame(
+    panel: Axes, name: str, places: Sequence[str], reach: tuple[float, float], *, numbers: bool, named: bool
+) -> None:
+    panel.set_facecolor("none")
+    panel.spines[["top", "right"]].set_visible(False)
+    panel.spines[["left", "bottom"]].set_color(MIDDLE_COLOR)
+    panel.set(yscale="log", xlim=(-0.6, len(places) - 0.4), ylim=(reach[0], reach[1] * 1.6))
+    panel.set_title(name, fontsize=8.5, color=INK, loc="left", pad=3)
+    panel.grid(axis="y", color=FAINT_COLOR, linewidth=0.5)
+    panel.set_axisbelow(True)
+    panel.set_xticks(range(len(places)), places if named else [""] * len(places))
+    panel.tick_params(axis="x", labelsize=6.5, length=2, color=MIDDLE_COLOR, rotation=30 if _long(places) else 0, pad=1)
+    panel.tick_params(axis="y", which="both", labelsize=7, length=0, labelleft=numbers)
+    panel.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    panel.yaxis.set_minor_formatter(lambda _, __: "")
+    if numbers:
+        panel.set_ylabel("%", fontsize=7.5, color=INK, labelpad=1, rotation=0)
+
+
+def _long(places: Sequence[str]) -> bool:
+    return sum(map(len, places)) > 22
+
+
+def _draw_line(panel: Axes, line: ErrorLine, method: int, aside: float, color: int, top: float) -> None:
+    """aside: of the middle of the places, so that lines do not cover each other."""
+    shade = CURVES[color % len(CURVES)]
+    x = np.array(line.places) + RUN_SPREAD * aside
+    best = np.where(np.isfinite(line.middle), line.middle, np.inf).min(axis=1)
+    _draw_medians(panel, x, best, line.joined, color=MIDDLE_COLOR, linewidth=0.7, linestyle=BEST_DASHES)
+    low, middle, high = (part[:, method] for part in (line.low, line.middle, line.high))
+    _draw_medians(panel, x, middle, line.joined, color=shade, linewidth=1.2)
+    panel.vlines(x, low, np.minimum(high, 10 * top), color=shade, linewidth=3, alpha=0.3)
+    for at, errors, links in zip(x, line.errors, line.links, strict=True):
+        _draw_runs(panel, at, errors[:, method], links, shade, top)
+
+
+def _draw_medians(panel: Axes, x: Array, y: Array, joined: bool, **style: Any) -> None:
+    y = np.where(np.isfinite(y), y, np.nan)
+    if joined:
+        panel.plot(x, y, **style)
+    else:
+        panel.hlines(y, x - RUN_SPREAD / 2, x + RUN_SPREAD / 2, **style)
+
+
+def _draw_runs(panel: Axes, at: float, errors: Array, links: Sequence[str], color: str, top: float) -> None:
+    """Dots, crosses at the top for what is infinite; each leads to its run."""
+    count = len(errors)
+    x = at + RUN_SPREAD * 0.5 * (np.arange(count) - (count - 1) / 2) / max(1, count)
+    for which, marker, size, shade in (
+        (np.isfinite(errors), "o", 5, color),
+        (~np.isfinite(errors), "x", 9, INK),
+    ):
+        if which.any():
+            y = np.where(np.isfinite(errors), errors, top * 1.3)[which]
+            style = {"linewidths": 0} if marker == "o" else {"linewidths": 0.9}
+            dots = panel.scatter(x[which], y, s=size, marker=marker, color=shade, clip_on=False, zorder=3, **style)
+            if any(links):
+                dots.set_urls([links[k] for k in np.flatnonzero(which).tolist()])
+
+
+def _draw_key(axes: Axes, lines: Sequence[ErrorLine]) -> None:
+    named = [line for line in lines if line.name]
+    handles = [
+        axes.plot([], [], color=CURVES[k % len(CURVES)], linewidth=1.4, marker="o", markersize=3, label=line.name)[0]
+        for k, line in enumerate(lines)
+        if line.name
+    ]
+    handles += [
+        axes.plot(
+            [], [], color=MIDDLE_COLOR, linewidth=0.7, linestyle=(0, (3, 2)), label="smallest median of all methods"
+        )[0],
+        axes.plot([], [], color=INK, linestyle="", marker="x", markersize=4, label="failed, or not finite")[0],
+    ]
+    axes.legend(
+        handles=handles, loc="upper left", bbox_to_anchor=(0.02, 1.0), ncols=min(6, 2 + len(named)), fontsize=8,
+        frameon=False, borderpad=0, borderaxespad=0, handletextpad=0.5, columnspacing=1.4,
+    )  # fmt: skip
+
 
 MAX_LINES_PER_PICTURE = 4
 """Lines of one picture; more make a picture each."""

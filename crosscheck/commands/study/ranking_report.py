@@ -1,19 +1,180 @@
-"""Ranks of methods, and their accuracy against their time, as parts of the report of a study."""
+"""Ranks of methods, and their accuracy against their time, as parts of the report of a study.
+
+Mean ranks are drawn with their intervals, and with the groups within which no method is better than another: the
+diagram of Demšar, Journal of Machine Learning Research 7, 2006, upright, so that names stand beside their ranks. Of
+accuracy against time, methods than which no other is both faster and more accurate are joined by a line.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from markupsafe import Markup
 
-from crosscheck.commands.study.pareto_picture import Trade, study_pareto
-from crosscheck.commands.study.rank_picture import study_ranks
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, interval_text
+from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
+from crosscheck.report.pictures.svg import picture
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Table
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median
 from crosscheck.study.statistics.ranking import Ranking
 from crosscheck.study.statistics.summary import StudySummary
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+WIDTH, ROW, AXIS = 4.1, 0.175, 0.75
+"""Sizes of the picture, of one row, of axis and distance [inches]."""
+
+GROUP_DISTANCE = 0.07
+"""Distance of the bars of two groups [inches]."""
+
+
+def study_ranks(key: str, ranking: Ranking, what: str) -> Markup:
+    """what: by which error."""
+    label = f"Mean ranks by {what}: " + ", ".join(
+        f"{name} {mean:.2f}" for name, mean in zip(ranking.methods, ranking.mean, strict=True)
+    )
+    height = AXIS + ROW * len(ranking.methods)
+    return picture(key, label, (WIDTH, height), lambda axes: _draw_ranks(axes, ranking, height))
+
+
+def _draw_ranks(axes: Axes, ranking: Ranking, height: float) -> None:
+    count = len(ranking.methods)
+    columns = bar_columns(ranking.alike)
+    right = 0.12 + GROUP_DISTANCE * (1 + max(columns, default=0))
+    axes.set_position((0.34, 0.36 / height, 1 - 0.34 - right / WIDTH, ROW * count / height))
+    axes.set_facecolor("none")
+    axes.spines[["top", "right", "left"]].set_visible(False)
+    axes.set(xlim=(0.5, count + 0.5), ylim=(count, 0))
+    y = np.arange(count) + 0.5
+    axes.set_yticks(y, ranking.methods, fontsize=8, color=INK)
+    axes.tick_params(axis="y", length=0)
+    axes.tick_params(axis="x", labelsize=7.5, length=2, color=INK)
+    axes.hlines(y, 0.5, count + 0.5, color=FAINT_COLOR, linewidth=0.5, zorder=0)
+    axes.hlines(y, ranking.low, ranking.high, color=BAR, linewidth=3.5)
+    colors = [CURVES[0] if name in ranking.leaders else INK for name in ranking.methods]
+    axes.scatter(ranking.mean, y, s=16, color=colors, zorder=3, linewidths=0)
+    axes.set_xlabel("mean rank, 1 is best", fontsize=8, color=INK, labelpad=1)
+    for (first, last), column in zip(ranking.alike, columns, strict=True):
+        x = 1 + (0.08 + GROUP_DISTANCE * column) / (WIDTH * axes.get_position().width)
+        ends = (1 - (first + 0.2) / count, 1 - (last + 0.8) / count)
+        axes.plot([x, x], ends, color=INK, linewidth=2.2, transform=axes.transAxes, clip_on=False)
+    if ranking.differ:
+        at = 1 + 0.12 / (ROW * count)
+        reach = min(ranking.distance, count)
+        axes.plot(
+            [1, 1 + reach], [at, at], color=INK, linewidth=1, marker="|", markersize=5,
+            transform=axes.get_xaxis_transform(), clip_on=False,
+        )  # fmt: skip
+        words = f"critical distance {ranking.distance:.2f}"
+        above = at + 0.07 / (ROW * count)
+        axes.text(1, above, words, fontsize=7.5, color=INK, va="bottom", transform=axes.get_xaxis_transform())
+    else:
+        at = 1 + 0.1 / (ROW * count)
+        axes.text(0.5, at, "Friedman: no difference", fontsize=7.5, color=INK, transform=axes.get_xaxis_transform())
+
+
+def bar_columns(groups: list[tuple[int, int]]) -> list[int]:
+    """A column for the bar of each group, none of them over another."""
+    taken: list[int] = []
+    columns = []
+    for first, last in groups:
+        column = next((k for k, end in enumerate(taken) if end < first), len(taken))
+        taken[column : column + 1] = [last]
+        columns.append(column)
+    return columns
+
+
+WIDTH, HEIGHT = 7.6, 4.2
+"""[inches]"""
+
+MIN_NAME_DISTANCE = 0.032
+"""Least distance of two names, as a part of the height."""
+
+
+@dataclass(frozen=True)
+class Trade:
+    """One method: processor time [s] and error relative to the best, with its interval.
+
+    whole: whether it answered on every record
+    """
+
+    name: str
+    seconds: float
+    ratio: float
+    low: float
+    high: float
+    whole: bool
+
+
+def efficient(trades: Sequence[Trade]) -> list[Trade]:
+    """Methods than which no other is faster and as accurate, or as fast and more accurate; fastest first."""
+    kept: list[Trade] = []
+    for trade in sorted(trades, key=lambda one: (one.seconds, one.ratio)):
+        if not kept or trade.ratio < kept[-1].ratio:
+            kept.append(trade)
+    return kept
+
+
+def study_pareto(key: str, trades: Sequence[Trade], what: str, best: str) -> Markup:
+    """what: error; best: the method that all are compared with."""
+    label = f"{what} relative to {best} against processor time; efficient: " + ", ".join(
+        trade.name for trade in efficient(trades)
+    )
+    return picture(key, label, (WIDTH, HEIGHT), lambda axes: _draw_front(axes, trades, what, best))
+
+
+def _draw_front(axes: Axes, trades: Sequence[Trade], what: str, best: str) -> None:
+    axes.set_position((0.08, 0.11, 0.78, 0.83))
+    axes.set_facecolor("none")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.set(xscale="log", yscale="log")
+    axes.grid(color=FAINT_COLOR, linewidth=0.5)
+    axes.set_axisbelow(True)
+    axes.tick_params(which="both", labelsize=8, length=2, color=INK)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(lambda value, _: f"{value:g}")
+        axis.set_minor_formatter(lambda value, _: "")
+    line = efficient(trades)
+    axes.step(
+        [t.seconds for t in line], [t.ratio for t in line], where="post", color=MIDDLE_COLOR, linewidth=1, zorder=1
+    )
+    for trade in trades:
+        color = CURVES[0] if trade in line else MIDDLE_COLOR
+        axes.vlines(trade.seconds, trade.low, trade.high, color=color, linewidth=1.2)
+        fill = color if trade.whole else "none"
+        axes.plot(trade.seconds, trade.ratio, marker="o", markersize=5, mfc=fill, mec=color, linestyle="")
+    axes.set_xlabel("processor time, median [s]", fontsize=8.5, color=INK)
+    axes.set_ylabel(f"{what} / that of {best}", fontsize=8.5, color=INK)
+    ends = [value for trade in trades for value in (trade.low, trade.ratio, trade.high) if value > 0]
+    times = [trade.seconds for trade in trades]
+    axes.set(xlim=(min(times) / 1.5, 1.5 * max(times)), ylim=(min(ends) / 1.2, 1.2 * max(ends)))
+    _name(axes, trades, line)
+
+
+def _name(axes: Axes, trades: Sequence[Trade], line: Sequence[Trade]) -> None:
+    """Names to the right of their points, moved up or down until none is over another, with a thin line back."""
+    to_axes = axes.transData + axes.transAxes.inverted()
+    at = {trade.name: to_axes.transform((trade.seconds, trade.ratio)) for trade in trades}
+    placed: list[tuple[float, float, float]] = []
+    for trade in sorted(trades, key=lambda one: at[one.name][1]):
+        x, y = at[trade.name]
+        wide = 0.0125 * len(trade.name)
+        beside = [other for other in placed if other[0] < x + 0.015 + wide and x < other[0] + other[2]]
+        height = y + 0.6 * MIN_NAME_DISTANCE
+        while any(abs(other[1] - height) < MIN_NAME_DISTANCE for other in beside):
+            height += MIN_NAME_DISTANCE / 4
+        placed.append((x, height, 0.015 + wide))
+        style: dict[str, Any] = {"color": INK if trade in line else MIDDLE_COLOR, "transform": axes.transAxes}
+        if height - y > MIN_NAME_DISTANCE:
+            axes.plot([x, x + 0.006], [y, height], **style | {"color": MIDDLE_COLOR}, linewidth=0.5, zorder=0)
+        axes.text(x + 0.008, height, trade.name, fontsize=7.5, va="center", **style)
+
 
 RANKING_NOTE = (
     "On every record the method with the smallest error has rank 1; errors that are equal up to rounding share a rank, "

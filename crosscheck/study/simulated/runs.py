@@ -11,9 +11,8 @@ from crosscheck.identifying import Preparation
 from crosscheck.recordings import Provenance, Recording
 from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.scenarios import Scenario
-from crosscheck.study.simulated.mechanisms import Mechanism, flexible, rigid
 from crosscheck.study.simulated.motions import reference, start_of
-from crosscheck.study.simulated.plants import ControlledRobot, plant_of, torque_model_of
+from crosscheck.study.simulated.plants import ControlledRobot, Mechanism, flexible, plant_of, rigid, torque_model_of
 from graphdyn import InvalidInput, MeasurementNoise, inverse_dynamics, rollout
 from graphdyn.identification import ClosedLoop, Problem, TorqueModel
 from graphdyn.identification.terms import PayloadMass

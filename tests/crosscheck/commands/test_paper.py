@@ -17,7 +17,7 @@ from shown.pages import complaints, parsed, table
 from typer.testing import CliRunner
 
 from crosscheck.commands import app
-from crosscheck.commands.paper.over_time_report import MARKED_SAMPLE_INTERVAL
+from crosscheck.commands.paper.multipliers_report import MARKED_SAMPLE_INTERVAL
 from crosscheck.commands.paper.record import record as record_of
 from crosscheck.commands.paper.report import paper_report
 from crosscheck.commands.paper.texts import error_text, misprints, printed_text, value_text

@@ -12,8 +12,7 @@ from pyarrow.parquet import write_table
 from shared_data import REPOSITORY
 from shown.browser import CHROMIUM, document
 
-from crosscheck.commands.study.pareto_picture import Trade, efficient
-from crosscheck.commands.study.rank_picture import bar_columns
+from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
 from crosscheck.commands.study.report import study_report
 from crosscheck.report.html import page
 from crosscheck.report.json import plain

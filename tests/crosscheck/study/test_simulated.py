@@ -10,9 +10,8 @@ from identified.small_study import ARM, study_of
 from crosscheck.study.settings.robot_settings import ErrorSettings
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated import runs as records
-from crosscheck.study.simulated.mechanisms import flexible
 from crosscheck.study.simulated.motions import PAPER_ACCELERATION, reference
-from crosscheck.study.simulated.plants import plant_of, torque_model_of
+from crosscheck.study.simulated.plants import flexible, plant_of, torque_model_of
 from crosscheck.study.simulated.runs import known_model, simulated
 from crosscheck.study.validation import validation_metric
 from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
