@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.all_faults import families, faults
+from crosscheck.judging.faults.catalog import families, faults, limits, smooth_friction
 from crosscheck.judging.faults.fault import FAULT_KINDS, CodeFault, Family, FaultDescription
-from crosscheck.judging.faults.from_answers import limits, smooth_friction
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import fitted, root_mean_square, sparse

@@ -3,8 +3,7 @@
 from graphdyn.identification.data_quality.bounded_fit import contradictions
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels
-from graphdyn.identification.data_quality.gain import Gains
-from graphdyn.identification.data_quality.lag import Lag
+from graphdyn.identification.data_quality.measured_torque import Gains, Lag
 from graphdyn.identification.data_quality.recording_quality import (
     Excitation,
     RecordingQuality,

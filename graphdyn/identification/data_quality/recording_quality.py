@@ -18,8 +18,7 @@ from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit, contradictions, halves_apart
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels, channels
-from graphdyn.identification.data_quality.gain import Gains, gains
-from graphdyn.identification.data_quality.lag import Lag, lag
+from graphdyn.identification.data_quality.measured_torque import Gains, Lag, gains, lag
 from graphdyn.identification.data_quality.searching import DataFault, search, variation
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.problem.problem import Problem

@@ -13,8 +13,7 @@ from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit, halves_apart
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
 from graphdyn.identification.data_quality.channels import rate_gain
-from graphdyn.identification.data_quality.gain import Gains, gains
-from graphdyn.identification.data_quality.lag import lag
+from graphdyn.identification.data_quality.measured_torque import Gains, gains, lag
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array

@@ -16,12 +16,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from graphdyn.identification.closed_loop.equations import OutputFit, beside, output_step
-from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.starting import Beginning, starts, told
+from graphdyn.identification.estimators.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 

@@ -25,12 +25,11 @@ import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.closed_loop.equations import OutputFit, RowBlock, output_step
-from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.starting import Beginning, starts, told
+from graphdyn.identification.estimators.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array

@@ -25,7 +25,7 @@ from crosscheck.identifying.results.rejection_reasons import rejection_reasons, 
 from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.data_quality.gain import Gains
+from graphdyn.identification.data_quality.measured_torque import Gains
 from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
 RATE = 100.0

@@ -1,6 +1,6 @@
-"""Delay of the measured torque against the motion, estimated between the samples.
+"""Gain and delay of the measured torque: its factor to that of the model as given, and its lag behind the motion.
 
-The torque is shifted by δ, τ(t + δ) = W(t) x is fitted, and δ minimizes Σ_j log ‖e_j‖. A scan finds the
+For the delay the torque is shifted by δ, τ(t + δ) = W(t) x is fitted, and δ minimizes Σ_j log ‖e_j‖. A scan finds the
 valley, a search its bottom. The standard deviation is that of one Gauss-Newton step there, with residuals that may be
 correlated within each of LAG_BLOCKS time blocks.
 """
@@ -13,11 +13,98 @@ from functools import partial
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.thinning import ThinnedRecording
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms.term import CarriesBodies
 from graphdyn.layout import Array
+
+JACKKNIFE_BLOCKS = 20
+"""Number of time blocks, each of which is left out once for the standard deviation (jackknife)."""
+
+
+NEGLIGIBLE_TORQUE_SHARE = 1e-6
+"""Predicted torque, relative to the measured one, below which it is rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """Gains per joint of τ = gain · τ_model + drives, with the drives fitted along (n,).
+
+    gain: of measured on predicted torque, 1 for SI units at the joints and a right model; NaN if the model predicts no
+        torque
+    deviation: standard deviation of the gain; NaN likewise
+    share: ‖gain · τ_model‖ / ‖τ‖; if it is small, the drives dominate the torque, and the gain means little
+    without_gain: ‖e_j‖ / ‖τ_j‖ of the model with drives, gain 1
+    """
+
+    gain: Array
+    deviation: Array
+    share: Array
+    without_gain: Array
+
+
+def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains:
+    """Gains of these samples. fit: of the same samples."""
+    prior = torque_model.prior()
+    model = fit.matrix @ prior + fit.known
+    drives = _drive_columns(torque_model)
+    n = samples.tau.shape[1]
+    gain, deviation, share, without = (np.full(n, np.nan) for _ in range(4))
+    for j in range(n):
+        kept = fit.kept[:, j]
+        own = np.column_stack([fit.matrix[kept, j][:, drives], samples.a[kept, j]])
+        own = own[:, np.any(own != 0, axis=0)]
+        tau, predicted = samples.tau[kept, j], model[kept, j]
+        size = np.linalg.norm(tau)
+        if size == 0 or np.linalg.norm(predicted) <= NEGLIGIBLE_TORQUE_SHARE * size:
+            continue
+        without[j] = _misfit(own, tau - predicted) / size
+        columns = np.column_stack([predicted, own])
+        gain[j], deviation[j] = _first_with_deviation(columns, tau)
+        share[j] = abs(gain[j]) * np.linalg.norm(predicted) / size
+    return Gains(gain, deviation, share, without)
+
+
+def _drive_columns(torque_model: TorqueModel) -> NDArray[np.intp]:
+    """Columns that belong to no body."""
+    of_drives: list[int] = []
+    start = 0
+    for term in torque_model.terms:
+        stop = start + len(term.columns(torque_model.model))
+        if not isinstance(term, CarriesBodies):
+            of_drives.extend(range(start, stop))
+        start = stop
+    return np.array(of_drives, dtype=np.intp)
+
+
+def _first_with_deviation(columns: Array, right: Array) -> tuple[float, float]:
+    """The first coefficient of the fit, and its standard deviation by leaving out one block after the other."""
+    length = np.linalg.norm(columns, axis=0)
+    unit = columns / length
+    edges = np.linspace(0, len(right), JACKKNIFE_BLOCKS + 1).astype(int)
+    blocks = [slice(a, b) for a, b in pairwise(edges)]
+    grams = np.array([unit[rows].T @ unit[rows] for rows in blocks])
+    sides = np.array([unit[rows].T @ right[rows] for rows in blocks])
+    whole = np.linalg.lstsq(grams.sum(axis=0), sides.sum(axis=0), rcond=RANK_TOLERANCE)[0][0]
+    parts = [
+        np.linalg.lstsq(grams.sum(axis=0) - gram, sides.sum(axis=0) - side, rcond=RANK_TOLERANCE)[0][0]
+        for gram, side in zip(grams, sides, strict=True)
+    ]
+    variance = (JACKKNIFE_BLOCKS - 1) / JACKKNIFE_BLOCKS * np.sum((np.array(parts) - np.mean(parts)) ** 2)
+    return float(whole / length[0]), float(np.sqrt(variance) / length[0])
+
+
+def _misfit(columns: Array, right: Array) -> float:
+    """Part of ‖right‖ that the columns do not explain."""
+    length = np.linalg.norm(columns, axis=0)
+    coefficients = np.linalg.lstsq(columns / length, right, rcond=RANK_TOLERANCE)[0]
+    return float(np.linalg.norm(right - columns / length @ coefficients))
+
 
 SCAN_STEP = 0.02
 """Step of the scan [s]: for motion below 10 Hz, a valley is wider."""

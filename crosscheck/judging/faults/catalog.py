@@ -1,4 +1,7 @@
-"""Faults whose numbers are read off the answers: torques that are cut off, smooth laws of friction."""
+"""The catalog: faults of dynamics codes, families whose numbers are fitted, and faults that are read off the answers.
+
+Read off the answers are the numbers of torques that are cut off, and of smooth laws of friction.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,17 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from scipy.optimize import least_squares
 
-from crosscheck.judging.faults.fault import CodeFault, FaultDescription
-from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY
+from crosscheck.judging.faults.arguments import angles, arguments, orders, units
+from crosscheck.judging.faults.fault import CodeFault, Family, FaultDescription
+from crosscheck.judging.faults.file_reading import file_reading
+from crosscheck.judging.faults.geometry import frames, geometry
+from crosscheck.judging.faults.inertials import inertials, parameters
+from crosscheck.judging.faults.signs import signs
+from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY, gravity, joint_terms, terms
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from urdf.reading import Misreadings
 
 MIN_EQUAL_ANSWERS = 2
 """Answers of one size, the largest, from which on it may be a limit."""
@@ -116,3 +125,25 @@ def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
                 best = found
     assert best is not None
     return np.asarray(best.x)
+
+
+def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[CodeFault]:
+    """All faults without free numbers; readings: of the file, where there is one."""
+    yield from signs(model)
+    yield from units(model)
+    yield from angles(model)
+    yield from arguments(model)
+    yield from frames(model)
+    yield from inertials(model)
+    yield from orders(model)
+    if readings is not None:
+        yield from file_reading(readings)
+
+
+def families(model: RobotModel) -> Iterator[Family]:
+    """All families of faults."""
+    yield from gravity(model)
+    yield from terms(model)
+    yield from geometry(model)
+    yield from parameters(model)
+    yield from joint_terms(model)

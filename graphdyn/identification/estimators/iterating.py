@@ -1,17 +1,23 @@
-"""Repeated simulation and estimation until the estimate converges."""
+"""Repeated simulation and estimation until the estimate converges, with its initial values and its report."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from graphdyn.errors import EstimationFailed
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY_SETTING, exogeneity
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.estimation.estimate import Estimate, base_estimate
+from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.prior import model_prior
+from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 MAX_CONVERGED_STEP = 0.1
@@ -127,3 +133,40 @@ def _as_far_as_held(loop: SimulatedLoop, x: Array, wanted: Array) -> tuple[Array
 def _simulated(loop: SimulatedLoop, x: Array) -> list[Samples]:
     problem = loop.problem
     return loop.samples(model_prior(problem.torque_model).nearest(problem.base, x))
+
+
+Beginning = ArrayLike | Literal["wls", "cad"]
+
+
+def starts(problem: Problem, beginning: Beginning) -> list[InitialEstimate]:
+    """Initial values: the given parameters (p,), weighted least squares, or CAD without friction, which replaces the
+    others.
+
+    Raises InvalidInput for other words, and parameters of another number.
+    """
+    cad = InitialEstimate(problem.base.values(problem.torque_model.prior()), "CAD")
+    if isinstance(beginning, str):
+        if beginning not in ("wls", "cad"):
+            raise InvalidInput(f"start is '{beginning}'; give 'wls', 'cad', or parameters")
+        return [cad] if beginning == "cad" else [InitialEstimate(weighted_solution(problem.equations)[0].x, "WLS"), cad]
+    given, expected = as_floats("start", beginning), (len(problem.torque_model.columns),)
+    if given.shape != expected:
+        raise InvalidInput(f"start has shape {given.shape}, expected {expected}")
+    return [InitialEstimate(problem.base.values(given), "the parameters given"), cad]
+
+
+def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position"] = "torque") -> Estimate:
+    """The estimate, with the test of exogeneity and the number of simulations."""
+    problem, last = loop.problem, end.last
+    test = exogeneity(loop, last.x, end.simulated)
+    joints = problem.torque_model.model.independent_joints
+    return base_estimate(
+        problem,
+        last.x,
+        last.covariance,
+        last.noise if output == "torque" else None,
+        block_covariance=last.block_covariance,
+        iterations=end.iterations,
+        settings={"simulations": float(loop.simulations), "last step": end.moved, EXOGENEITY_SETTING: test.together},
+        remarks=(*end.remarks, test.in_words(joints)),
+    )
