@@ -19,7 +19,7 @@ from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged
-from crosscheck.quantities import FUNCTIONS, LOADS, known_function
+from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import BatchFunction, TestedFunction
 from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
@@ -96,31 +96,19 @@ def judge_functions(
     """Judge functions with given settings, like judge. given: functions by name. Raises InvalidInput for names that are
     none of FUNCTIONS."""
     _check(given, setting)
-    check_counts(setting.samples, setting.seed)
-    judged_robot = subject(setting.robot, setting.reading)
-    refuse_chords(judged_robot.model)
-    model = judged_robot.model.uncoupled
-    check_frame(given, setting.frame, model)
+    robot = robot_of(setting, given)
+    model = robot.model.uncoupled
     order = joint_order(model, setting.joint_names)
     say = progress or (lambda _: None)
     verdicts: dict[str, JudgedFunction] = {}
     diagnoses: list[Diagnosis] = []
     notes: list[str] = []
-    if judged_robot.model.couplings:
+    if robot.model.couplings:
         notes.append(UNCOUPLED)
     if not any(body.mass > 0 for body in model.bodies):
         notes.append("no body has mass: all torques vanish, and little can be judged")
     with threadpool_limits(limits=1, user_api="blas"):
-        needs_tau = any("tau" in FUNCTIONS[name].arguments for name in given)
-        states = JudgedStates.draw(
-            model,
-            setting.samples,
-            setting.seed,
-            needs_tau=needs_tau,
-            loaded=setting.external_wrenches or any(LOADS in FUNCTIONS[name].arguments for name in given),
-            beyond_limits=setting.beyond_limits,
-            frame=setting.frame,
-        )
+        states = drawn_states(model, setting, [FUNCTIONS[name] for name in given])
         say("evaluating the reference implementations")
         references = _references(states, notes)
         unloaded = references if states.loads is None else _references(replace(states, loads=None), notes)
@@ -137,15 +125,15 @@ def judge_functions(
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
                 say(f"looking for the fault of {name}")
-                diagnoses += diagnoses_of(function, found, declared, partial(_readings, judged_robot), say)
+                diagnoses += diagnoses_of(function, found, declared, partial(_readings, robot), say)
     judgment = Judgment(
-        robot=judged_robot.name,
-        file=judged_robot.file,
+        robot=robot.name,
+        file=robot.file,
         model=model,
         joint_names=tuple(model.joint_names[k] for k in order),
         samples=setting.samples,
         seed=setting.seed,
-        reading=judged_robot.reading,
+        reading=robot.reading,
         references=tuple(dict.fromkeys(reference for verdict in verdicts.values() for reference in verdict.errors)),
         functions=verdicts,
         diagnoses=merged(diagnoses),
@@ -158,6 +146,31 @@ def judge_functions(
     if not judgment.decided:
         notes.append("the reference implementations disagree: no verdict on the user code; please report this robot")
     return replace(judgment, notes=tuple(dict.fromkeys(notes)))
+
+
+def robot_of(setting: Setting, names: Collection[str]) -> Subject:
+    """The robot that functions of these names are judged on.
+
+    Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded.
+    """
+    check_counts(setting.samples, setting.seed)
+    robot = subject(setting.robot, setting.reading)
+    refuse_chords(robot.model)
+    check_frame(names, setting.frame, robot.model)
+    return robot
+
+
+def drawn_states(model: RobotModel, setting: Setting, functions: Collection[Quantity]) -> JudgedStates:
+    """The states at which functions are judged on a robot without couplings."""
+    return JudgedStates.draw(
+        model,
+        setting.samples,
+        setting.seed,
+        needs_tau=any("tau" in known.arguments for known in functions),
+        loaded=setting.external_wrenches or any(LOADS in known.arguments for known in functions),
+        beyond_limits=setting.beyond_limits,
+        frame=setting.frame,
+    )
 
 
 def _readings(robot: Subject) -> Misreadings | None:

@@ -11,14 +11,13 @@ import numpy as np
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
 from crosscheck.judging.exchange.protocols import Shape, UnreadableAnswer, shaped
 from crosscheck.judging.exchange.questions import Question, once, question, questions
-from crosscheck.judging.judge import Progress, check_frame, judge_functions
+from crosscheck.judging.judge import Progress, drawn_states, judge_functions, robot_of
 from crosscheck.judging.judgment import Judgment
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest, joint_order
 from crosscheck.judging.setting import Setting
 from crosscheck.judging.states.judged_states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import Refusal, TestedFunction
-from crosscheck.reference.subject import check_counts, refuse_chords, subject
 from graphdyn import GraphDynError, RobotModel
 from graphdyn.layout import Array
 
@@ -101,22 +100,10 @@ class FirstRound:
     questions: tuple[Question, ...]
 
 
-def drawn_states(setting: Setting, functions: Collection[Quantity]) -> JudgedStates:
-    """The judged states. Raises InvalidInput, UnknownFrame, and urdf's errors for a file that cannot be loaded."""
-    check_counts(setting.samples, setting.seed)
-    given = subject(setting.robot, setting.reading)
-    refuse_chords(given.model)
-    model = given.model.uncoupled
-    check_frame([known.name for known in functions], setting.frame, model)
-    return JudgedStates.draw(
-        model,
-        setting.samples,
-        setting.seed,
-        needs_tau=any("tau" in known.arguments for known in functions),
-        loaded=setting.external_wrenches or any(LOADS in known.arguments for known in functions),
-        beyond_limits=setting.beyond_limits,
-        frame=setting.frame,
-    )
+def states_for(setting: Setting, functions: Collection[Quantity]) -> JudgedStates:
+    """The judged states. Raises as robot_of."""
+    robot = robot_of(setting, [known.name for known in functions])
+    return drawn_states(robot.model.uncoupled, setting, functions)
 
 
 def states_of(known: Quantity, states: JudgedStates, setting: Setting) -> JudgedStates:
@@ -127,10 +114,10 @@ def states_of(known: Quantity, states: JudgedStates, setting: Setting) -> Judged
 def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
     """The questions at the judged states. names: of FUNCTIONS
 
-    Raises SameId, and what drawn_states raises.
+    Raises SameId, and what robot_of raises.
     """
     functions = [known_function(name) for name in names]
-    states = drawn_states(setting, functions)
+    states = states_for(setting, functions)
     order = joint_order(states.model, setting.joint_names)
     asked: list[Question] = []
     for known in functions:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.judging.exchange.protocols import number_text
-from crosscheck.judging.exchange.rounds import drawn_states, states_of
+from crosscheck.judging.exchange.rounds import states_for, states_of
 from crosscheck.judging.observing.conventions import check_declared, relative_errors
 from crosscheck.judging.observing.references import References
 from crosscheck.judging.setting import Setting
@@ -74,7 +74,7 @@ def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTa
         if "p" in known.shape:
             raise InvalidInput(f"{known.name} has no test vectors: answers of any number of columns may be right")
     check_declared(setting.conventions, functions)
-    drawn = drawn_states(setting, functions)
+    drawn = states_for(setting, functions)
     of_states: dict[bool, References] = {}
     for known in functions:
         states = states_of(known, drawn, setting)

@@ -15,7 +15,7 @@ from shared_data import REPOSITORY
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.commands.program.output_files import write_folder
-from crosscheck.judging.exchange.rounds import drawn_states
+from crosscheck.judging.exchange.rounds import states_for
 from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
 from crosscheck.judging.observing.conventions import relative_errors
 from crosscheck.judging.setting import Setting
@@ -94,7 +94,7 @@ class TestTolerances:
     def test_a_number_may_be_wrong_by_its_tolerance(self, name):
         """By a little more, and the judge disagrees."""
         known = FUNCTIONS[name]
-        states = drawn_states(Setting(robot="ur5", samples=1, frame="tool0"), [known])
+        states = states_for(Setting(robot="ur5", samples=1, frame="tool0"), [known])
         chosen = next(known.readings({}))
         answer = known.of_graphdyn(states, chosen)
         tolerance = tolerances(known, answer, states, chosen, BOUND)
