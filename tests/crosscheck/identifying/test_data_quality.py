@@ -194,7 +194,7 @@ class TestWords:
 
     def test_of_what_cannot_be_seen(self):
         said = " ".join(quality_of(arm().fitted).unseen)
-        assert "zero of shoulder_pan_joint" in said
+        assert "a zero offset of 90° or 180° at shoulder_pan_joint" in said
         assert "the URDF of a similar robot" in said
 
     def test_expected_values_of_terms_that_it_leaves_out(self):

@@ -152,7 +152,7 @@ class TestFittedNumbers:
 
     def test_in_text_and_json(self, judgment):
         text = as_text(judge_report(judgment), 120)
-        assert "holds: put into graphdyn, it gives the numbers of the function at all judged states" in text
+        assert "confirmed: graphdyn with this fault reproduces your function at every state" in text
         (row,) = (line for line in text.splitlines() if "c_y" in line and "│" in line)
         assert [cell.strip() for cell in row.split("│")[4:6]] == ["0.01", "m"]
         (diagnosis,) = json.loads(json.dumps(plain(record(judgment, []))))["diagnoses"]

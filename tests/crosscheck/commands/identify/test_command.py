@@ -249,7 +249,7 @@ class TestModels:
             "--methods", "consistent", *QUICK,
         )  # fmt: skip
         assert code == 0, said
-        assert "use viscous,coulomb: consistent" in said
+        assert "recommended method: viscous,coulomb: consistent" in said
         assert "viscous, CAD links: WLS" in said
 
     @pytest.mark.parametrize(
@@ -412,7 +412,7 @@ class TestOptions:
             (["--terms", "magic"], "there is no term 'magic'"),
             (["--choose", "magic", "--methods", "wls", "--cutoff", "10"], "there is no method 'magic'; known: WLS"),
             (["--drop", "magic"], "drop has 'magic'; rows can be dropped for"),
-            (["--validate", "pos_two.csv"], "--validate: 1 files, but"),
+            (["--validate", "pos_two.csv"], "--validate: 1 file, but"),
             (["--terms", "viscous", "--width", "0.1"], "a width is given, but none of the terms (viscous) has one"),
             (["--terms", "none", "--width", "0.1"], "a width is given, but none of the terms (none) has one"),
             (["--stribeck-velocity", "0.2"], "a Stribeck velocity is given, but none of the terms (viscous, coulomb"),
