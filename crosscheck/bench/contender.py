@@ -74,7 +74,7 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Entry:
+class TimedContender:
     """A contender with its times.
 
     name, threads: of the implementation, and the number of threads it may use
@@ -130,7 +130,7 @@ class MeasuredWork:
     title: str
     scale: str
     bound: float
-    entries: tuple[Entry, ...]
+    entries: tuple[TimedContender, ...]
     core_share: float = 1.0
     limit: Times | None = None
 
@@ -185,7 +185,7 @@ def measure(
     rows = in_turns(runs, threads, repeats, MIN_STEADY_TIME, share)
     limited = None if limit is None else _per_sample(rows.pop(1), samples)
     entries = tuple(
-        Entry(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
+        TimedContender(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
     )
     return MeasuredWork(work.name, work.title, work.scale, work.bound, entries, share.share, limited)

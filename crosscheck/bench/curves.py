@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 import graphdyn
-from crosscheck.bench.contender import Contender, Entry, Work, measure
+from crosscheck.bench.contender import Contender, TimedContender, Work, measure
 from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.bench.machine.timing import Times, in_turns
@@ -168,7 +168,7 @@ def thread_counts(states: States, threads: Sequence[int], duration: float, repea
     return ScalingCurve("threads", "forward dynamics: number of threads", "threads", "sample", lines)
 
 
-def _over_threads(name: str, entries: Sequence[Entry]) -> Line:
+def _over_threads(name: str, entries: Sequence[TimedContender]) -> Line:
     return Line(name, 0, tuple(entry.threads for entry in entries), tuple(entry.times for entry in entries))
 
 

@@ -149,7 +149,8 @@ def self_collision(
     checked_spheres = [
         clearance
         for k, pair in enumerate(pairs)
-        if not always[k] and (clearance := _watched(start._clearance(pair, float(margins[k])), poses, touching[:, k]))
+        if not always[k]
+        and (clearance := _kept_clearance(start._clearance(pair, float(margins[k])), poses, touching[:, k]))
     ]
     return replace(
         start,
@@ -161,9 +162,9 @@ def self_collision(
     )
 
 
-def _watched(clearance: Clearance, poses: Poses, touching: NDArray[np.bool_]) -> Clearance | None:
-    """The pair with the distance that the search keeps; None where no random pose collides and spheres would forbid too
-    many."""
+def _kept_clearance(clearance: Clearance, poses: Poses, touching: NDArray[np.bool_]) -> Clearance | None:
+    """The clearance with the distance that the search keeps; None where no random pose collides and spheres would
+    forbid too many."""
     distances = smallest_distances(clearance, poses)
     if np.mean(distances[~touching] < clearance.distance) <= MAX_FORBIDDEN_SHARE:
         return clearance

@@ -8,11 +8,11 @@ from typing import Unpack
 
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.fitting import identified_model
-from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, Parts, Progress
+from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, LongRecordings, Progress
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.methods.loop_methods import as_prepared
 from crosscheck.identifying.methods.methods import STANDARD_METHODS
-from crosscheck.identifying.methods.torque_terms import STANDARD_TERMS, friction_terms
+from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
 from crosscheck.identifying.preparing.holding_out import Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.baselines import constant_errors
@@ -70,10 +70,12 @@ def identify(
         raise InvalidInput("terms or known are given beside models; give them as parts of the models")
     in_parts = isinstance(recordings, PartitionedRecording)
     methods = methods or (STANDARD_METHODS_OF_SUMS if in_parts else STANDARD_METHODS)
-    terms = (RigidBodies(), *friction_terms(STANDARD_TERMS)) if terms is None else terms
+    terms = (RigidBodies(), *friction_terms(STANDARD_TERM_NAMES)) if terms is None else terms
     candidates = with_links_of_cad(models or [CandidateModel("", terms, known, methods)])
     if isinstance(recordings, PartitionedRecording):
-        return Parts.of(compared, candidates, recordings, held_out, preparation, loop).identified(poses, progress)
+        return LongRecordings.of(compared, candidates, recordings, held_out, preparation, loop).identified(
+            poses, progress
+        )
     if isinstance(held_out, PartitionedRecording):
         raise InvalidInput("a PartitionedRecording can be predicted from another one only; load it as a Recording")
     recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)

@@ -71,7 +71,7 @@ SAMPLE_METHODS = (
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class LongRecordings:
     """Recordings of any length of a robot, to be fitted and to be predicted.
 
     begun, begun_ahead: beginnings of the logs as they were read
@@ -96,7 +96,7 @@ class Parts:
         held_out: HeldOut | PartitionedRecording | None,
         preparation: Preparation | None,
         loop: ClosedLoop | None,
-    ) -> Parts:
+    ) -> LongRecordings:
         """The parts, with the joints of the robot if they name none. Raises InvalidInput for what needs all samples."""
         preparation = preparation or Preparation(cutoff=data.cutoff)
         _refuse_needs_of_samples(data, held_out, preparation, loop)

@@ -13,8 +13,8 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
-NAMES = r"[A-Za-z_]\w*(?:, [A-Za-z_]\w*)*"
-ENTRY = re.compile(rf"({NAMES}): *(?=\S)|({NAMES}):$")
+ENTRY_NAMES = r"[A-Za-z_]\w*(?:, [A-Za-z_]\w*)*"
+ENTRY = re.compile(rf"({ENTRY_NAMES}): *(?=\S)|({ENTRY_NAMES}):$")
 _SIZE = r"(?:…|\w[\w +\-]{0,7})"
 _SHAPE = rf"\((?:{_SIZE},|{_SIZE}(?:, ?{_SIZE})+)\)"
 TAIL = re.compile(rf"[ ,;]*(?P<shape>{_SHAPE}(?:, ?{_SHAPE})*)?\s*(?P<unit>\[[^\[\]]*\])?$")
@@ -24,7 +24,7 @@ SENTENCE = re.compile(rf"(?<=[.)\]]) (?=(?:{'|'.join(FIELDS)}) [A-Z])")
 
 
 @dataclass(frozen=True)
-class Entry:
+class DocstringEntry:
     """One line `name: meaning   (shape)  [unit]`.
 
     names: what the line is about
@@ -39,11 +39,11 @@ class Entry:
 
 
 @dataclass
-class Parts:
+class DocstringParts:
     """A docstring taken apart: paragraphs of prose, entries, and the sentences that begin with Raises or Warns."""
 
     prose: list[str]
-    entries: list[Entry]
+    entries: list[DocstringEntry]
     fields: list[tuple[str, str]]
 
 
@@ -61,9 +61,9 @@ def names_of(thing: object) -> set[str]:
     return names
 
 
-def taken_apart(lines: list[str], names: Collection[str]) -> Parts:
+def taken_apart(lines: list[str], names: Collection[str]) -> DocstringParts:
     """The parts of a docstring whose entries can be about these names only."""
-    parts = Parts([], [], [])
+    parts = DocstringParts([], [], [])
     for paragraph in _paragraphs(lines):
         for kind, text in _pieces(paragraph, names):
             if kind == "entry":
@@ -119,7 +119,7 @@ def _about(found: re.Match[str]) -> set[str]:
     return set((found[1] or found[2]).split(", "))
 
 
-def _entries(text: str, names: Collection[str]) -> Iterator[Entry]:
+def _entries(text: str, names: Collection[str]) -> Iterator[DocstringEntry]:
     """A line can hold several: `shape: of the array; unit: of its numbers`."""
     pieces = [""]
     for piece in re.split(r"(?<=;) ", text):
@@ -132,4 +132,4 @@ def _entries(text: str, names: Collection[str]) -> Iterator[Entry]:
         tail = TAIL.search(meaning)
         assert tail is not None  # it can be empty
         shape, unit = tail["shape"] or "", tail["unit"] or ""
-        yield Entry(tuple(who.split(", ")), " ".join(meaning[: tail.start()].split()), shape, unit)
+        yield DocstringEntry(tuple(who.split(", ")), " ".join(meaning[: tail.start()].split()), shape, unit)

@@ -24,7 +24,7 @@ from crosscheck.report.record_fields import Keywords
 
 FORMAT = "What this file is; the number grows when a field changes its meaning or disappears. New fields may appear."
 
-NAMES = {str: "string", Path: "string", int: "integer", bool: "boolean", float: "number"}
+TYPE_NAMES = {str: "string", Path: "string", int: "integer", bool: "boolean", float: "number"}
 DTYPES = {np.float64: float, np.bool_: bool, np.int_: int, np.int64: int}
 
 
@@ -148,7 +148,7 @@ def _schema(kind: Any, member: Member, sizes: Sequence[str], definitions: dict[s
         keywords = [part.keywords for part in inner[1:] if isinstance(part, Keywords)]
         return {**_schema(inner[0], member, sizes, definitions), **(keywords[0] if keywords else {})}
     if origin is Literal:
-        return {"enum": list(inner), "type": NAMES[type(inner[0])]}
+        return {"enum": list(inner), "type": TYPE_NAMES[type(inner[0])]}
     if origin in (Union, UnionType):
         return _any_of([_schema(choice, member, sizes, definitions) for choice in inner])
     if origin is np.ndarray:
@@ -166,8 +166,8 @@ def _schema(kind: Any, member: Member, sizes: Sequence[str], definitions: dict[s
         return _array(_schema(inner[0], member, sizes[1:], definitions), *sizes[:1])
     if kind is float and member.may_be_null:
         return {"type": ["number", "null"]}
-    if kind in NAMES:
-        return {"type": NAMES[kind]}
+    if kind in TYPE_NAMES:
+        return {"type": TYPE_NAMES[kind]}
     if kind is NoneType:
         return {"type": "null"}
     if kind.__name__ not in definitions:

@@ -21,7 +21,7 @@ from crosscheck.identifying.methods.loop_methods import in_loop
 from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.method_names import shown_name, takes_wrenches
 from crosscheck.study.settings.scenarios import Scenario
-from crosscheck.study.simulated.runs import Record, known_model, simulated
+from crosscheck.study.simulated.runs import RecordedProblem, known_model, simulated
 from crosscheck.study.validation import ValidationMetric, validation_metric
 from crosscheck.user_code import module_of_file
 from graphdyn import EstimationFailed, InvalidInput
@@ -51,7 +51,7 @@ def measures(estimator: Estimator) -> str:
     return WRENCHES if takes_wrenches(estimator) else TORQUES
 
 
-def ready(estimator: Estimator, record: Record, scenario: Scenario) -> Estimator:
+def ready(estimator: Estimator, record: RecordedProblem, scenario: Scenario) -> Estimator:
     """The estimator with the loop, the start of its iteration, and the recording, as far as it has a use for them."""
     (known,) = in_loop([estimator], record.loop)
     given: dict[str, Any] = {}
@@ -152,7 +152,7 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
 
 
 def _identified(
-    method: str, record: Record, scenario: Scenario, measure: ValidationMetric
+    method: str, record: RecordedProblem, scenario: Scenario, measure: ValidationMetric
 ) -> tuple[Result, float | None]:
     """What a method finds, or why it does not."""
     estimator = estimator_of(method)
@@ -170,7 +170,7 @@ def _identified(
     return result, time.process_time() - begin if seconds is None else seconds
 
 
-def _judged(blank: Result, estimate: Estimate, record: Record, measure: ValidationMetric) -> Result:
+def _judged(blank: Result, estimate: Estimate, record: RecordedProblem, measure: ValidationMetric) -> Result:
     """Raises whatever an answer that is none leads to."""
     x = np.asarray(estimate.parameters, dtype=float)
     if x.shape != record.truth.shape or not np.all(np.isfinite(x)):
@@ -190,7 +190,7 @@ def _judged(blank: Result, estimate: Estimate, record: Record, measure: Validati
     )
 
 
-def _sigma(estimate: Estimate, record: Record, measure: ValidationMetric) -> tuple[float, ...] | None:
+def _sigma(estimate: Estimate, record: RecordedProblem, measure: ValidationMetric) -> tuple[float, ...] | None:
     """Standard deviations, with correlation in time where the method states them. None where it states none, and where
     the recording determines fewer base parameters than any motion could: its own are other ones then.
     """

@@ -15,7 +15,7 @@ import typer
 
 import graphdyn
 from crosscheck.commands import app
-from crosscheck.report.docstrings import Entry, names_of, taken_apart
+from crosscheck.report.docstrings import DocstringEntry, names_of, taken_apart
 from graphdyn.identification import Estimator
 
 
@@ -32,7 +32,7 @@ def rst(text, *names, links=()):
 class TestEntries:
     def test_shape_and_unit_at_the_end_are_taken_off(self):
         (entry,) = parts("a: joint acceleration          (…, n)     [rad/s² or m/s²]", "a").entries
-        assert entry == Entry(("a",), "joint acceleration", "(…, n)", "[rad/s² or m/s²]")
+        assert entry == DocstringEntry(("a",), "joint acceleration", "(…, n)", "[rad/s² or m/s²]")
 
     def test_several_names_on_a_line(self):
         (entry,) = parts("q, v, tau: joint state   (…, n)", "q", "v", "tau").entries
@@ -196,7 +196,7 @@ class TestPublicNames:
 
     def test_a_verb_by_hand(self):
         found = taken_apart(inspect.getdoc(graphdyn.forward_dynamics).splitlines(), names_of(graphdyn.forward_dynamics))
-        assert found.entries[0] == Entry(
+        assert found.entries[0] == DocstringEntry(
             ("q", "v", "tau"), "joint state and actuator torques", "(…, n)", "[rad or m, …/s, N m or N]"
         )
         assert found.fields[0][0] == "Raises"

@@ -3,6 +3,8 @@
 import ast
 import re
 from collections import Counter
+from functools import cache
+from itertools import pairwise
 
 import pytest
 from shared_data import REPOSITORY
@@ -31,6 +33,8 @@ TERMS = {
 }
 """By the home-made word: the term of the field."""
 ALLOWED = {
+    "referee": ("docs/json.md",),  # the names in files of earlier formats
+    "doubts": ("docs/json.md",),
     "carriage": ("crosscheck/commands/paper/", "crosscheck/paper/"),  # the paper's own rail carriage
     "body by body": ("crosscheck/paper/identification.py", "crosscheck/reference/"),  # the plain meaning
 }
@@ -56,30 +60,44 @@ def place(path):
     return path.relative_to(REPOSITORY).as_posix()
 
 
+@cache
+def text(path):
+    return path.read_text(encoding="utf-8")
+
+
+@cache
+def tree(path):
+    return ast.parse(text(path))
+
+
 def found(pattern, paths, allowed=()):
-    """Lines in which the pattern stands, as file:line: text."""
+    """Where the pattern stands, with what follows."""
     lines = []
     for path in paths:
         if not place(path).startswith(tuple(allowed)):
-            for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-                if re.search(pattern, line):
-                    lines.append(f"{place(path)}:{number}: {line.strip()[:100]}")
+            for match in re.finditer(pattern, text(path)):
+                lines.append(f"{place(path)}: … {text(path)[match.start() : match.start() + 60]!r} …")
     return lines
+
+
+def string(statement):
+    """The string that a statement consists of, None for any other."""
+    value = getattr(statement, "value", None) if isinstance(statement, ast.Expr) else None
+    return value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else None
 
 
 def documented():
     """Place, name and text of every docstring, those of constants included."""
     for path in FILES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(tree(path)):
             body = getattr(node, "body", None)
             if not isinstance(body, list):
                 continue
-            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
-                yield place(path), getattr(node, "name", "module"), text
-            for statement, after in zip(body, body[1:], strict=False):
-                if isinstance(statement, ast.Assign | ast.AnnAssign) and isinstance(after, ast.Expr):
-                    if isinstance(after.value, ast.Constant) and isinstance(after.value.value, str):
-                        yield place(path), ast.unparse(statement).split(" ")[0], after.value.value
+            if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (said := ast.get_docstring(node)):
+                yield place(path), getattr(node, "name", "module"), said
+            for statement, after in pairwise(body):
+                if isinstance(statement, ast.Assign | ast.AnnAssign) and (said := string(after)):
+                    yield place(path), ast.unparse(statement).split(" ")[0], said
 
 
 @pytest.mark.parametrize("word", TERMS)
@@ -94,19 +112,14 @@ def test_american_spelling(pattern):
 
 
 def test_every_class_has_a_name_of_its_own():
-    names = Counter(
-        node.name
-        for path in FILES
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        if isinstance(node, ast.ClassDef)
-    )
+    names = Counter(node.name for path in FILES for node in ast.walk(tree(path)) if isinstance(node, ast.ClassDef))
     assert [name for name, number in names.items() if number > 1] == []
 
 
 def test_public_constants_of_one_name_have_one_value():
     values = {}
     for path in FILES:
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in tree(path).body:
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
                 name = node.targets[0].id
                 if re.fullmatch(r"[A-Z][A-Z0-9_]+", name):
@@ -116,9 +129,9 @@ def test_public_constants_of_one_name_have_one_value():
 
 def test_docstrings_begin_with_what_the_thing_is_or_does():
     fragments = [
-        f"{where}: {name}: {text[:80]}"
-        for where, name, text in documented()
-        if re.sub(r"^\[[^\]]*\] ", "", text.strip()).split(maxsplit=1)[0].strip(",:") in FRAGMENTS
+        f"{where}: {name}: {said[:80]}"
+        for where, name, said in documented()
+        if re.sub(r"^\[[^\]]*\] ", "", said.strip()).split(maxsplit=1)[0].strip(",:") in FRAGMENTS
     ]
     assert fragments == []
 

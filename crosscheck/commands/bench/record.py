@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 from crosscheck.bench.benchmark import Benchmark
-from crosscheck.bench.contender import Entry, MeasuredWork, SpeedRatio
+from crosscheck.bench.contender import MeasuredWork, SpeedRatio, TimedContender
 from crosscheck.bench.curves import Line, ScalingCurve
 from crosscheck.bench.identification import IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
@@ -37,7 +37,7 @@ class TimedRecord(Record):
     seconds: Repeats = attribute("times.seconds")
 
 
-class ContenderRecord(TimedRecord, of=Entry, leave_out=("times",)):
+class ContenderRecord(TimedRecord, of=TimedContender, leave_out=("times",)):
     """One contender."""
 
 

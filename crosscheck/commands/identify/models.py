@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 FUNCTION_FORM = "FILE.py:NAME"
 
-STANDARD_TERMS = "viscous,coulomb,offset"
+DEFAULT_TERMS = "viscous,coulomb,offset"
 
 OF_A_METHOD = ("name", "reference", "assumptions", "needs", "estimate")
 

@@ -11,8 +11,8 @@ import typer
 
 from crosscheck.commands.identify.model_file import models_of
 from crosscheck.commands.identify.models import (
+    DEFAULT_TERMS,
     FUNCTION_FORM,
-    STANDARD_TERMS,
     drives_of,
     known_torques,
     links,
@@ -36,7 +36,7 @@ class TorqueOptions:
         typer.Option(
             metavar="NAME,…",
             rich_help_panel="Options",
-            show_default=STANDARD_TERMS,
+            show_default=DEFAULT_TERMS,
             help="Terms of the drives: viscous, coulomb, stribeck, load, smooth-coulomb, offset, rotor, "
             "asymmetric-viscous, asymmetric-coulomb, coupled-wrist, slip, spring, or none; NAME*time and "
             "NAME*temperature for terms that drift. Repeatable: torque models to compare.",
@@ -104,7 +104,7 @@ class TorqueOptions:
         if self.models is not None:
             return models_of(self.models, methods, load, known, self.known_bodies)
         bodies, known_links = links(self.known_bodies)
-        given = list(self.terms or [STANDARD_TERMS])
+        given = list(self.terms or [DEFAULT_TERMS])
         drives = drives_of(given, self.width, (self.stribeck_velocity, self.stribeck_exponent), self.term)
         names = given if len(given) > 1 else [""]
         return [

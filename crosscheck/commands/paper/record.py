@@ -27,9 +27,9 @@ class PrintedNumberRecord(Record, of=Printed, leave_out=("text",)):
     printed = attribute("text")
 
 
-NAMES = Keywords(required=list(PARAMETERS))
-ByParameter = Annotated[Mapping[str, Annotated[Sequence[Number], SIX]], NAMES]
-PrintedByParameter = Annotated[Mapping[str, Annotated[Sequence[PrintedNumberRecord], SIX]], NAMES]
+PARAMETER_KEYWORDS = Keywords(required=list(PARAMETERS))
+ByParameter = Annotated[Mapping[str, Annotated[Sequence[Number], SIX]], PARAMETER_KEYWORDS]
+PrintedByParameter = Annotated[Mapping[str, Annotated[Sequence[PrintedNumberRecord], SIX]], PARAMETER_KEYWORDS]
 
 
 class PaperTrialRecord(Record, of=PaperTrial):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from crosscheck.judging.setting import Setting
 
 FUNCTION_LIST = "FUNCTIONS AFTER THEIR ARGUMENTS"
-"""In the epilog of a command: where its help lists the functions."""
+"""Note in the epilog of a command: where its help lists the functions."""
 
 
 def function_list() -> str:

@@ -34,7 +34,7 @@ from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
 from urdf.document import rpy_from_rotation
 
-ENERGIES = tuple(name for name, array in ARRAY_SPECS.items() if array.unit == "J" and name in VERBS)
+ENERGY_VERBS = tuple(name for name, array in ARRAY_SPECS.items() if array.unit == "J" and name in VERBS)
 """Verbs that answer an energy, of q, or of q and v."""
 
 
@@ -50,7 +50,7 @@ def describe_state(model: RobotModel, q: Array, v: Array, frame: str, reference:
     return StateDescription(
         q=q.tolist(),
         v=v.tolist(),
-        **{name: float(getattr(graphdyn, name)(model, *(q, v)[: len(VERBS[name].inputs)])) for name in ENERGIES},
+        **{name: float(getattr(graphdyn, name)(model, *(q, v)[: len(VERBS[name].inputs)])) for name in ENERGY_VERBS},
         motion=_motion(model, q, v) if any(body.mass for body in model.bodies) else None,
         gravity_torque=_at_motors(model, lambda: gravity_torque(model, q)),
         bias_torque=_at_motors(model, lambda: bias_torque(model, q, v)),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crosscheck.commands.show.describing_state import ENERGIES
+from crosscheck.commands.show.describing_state import ENERGY_VERBS
 from crosscheck.commands.show.description import FrameStateDescription, MassMotionDescription, StateDescription
 from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, vector_text
 from crosscheck.report.report import Column, Facts, Group, Row, Section, Table
@@ -18,7 +18,7 @@ JACOBIAN_ROWS = ("v_x", "v_y", "v_z", "ω_x", "ω_y", "ω_z")
 
 
 ZERO_ENERGY = {"potential_energy": ", zero at the height of the world's origin"}
-"""Where energies are zero that have no natural zero."""
+"""Positions at which energies without a natural zero are zero."""
 
 
 def state_section(state: StateDescription, model: RobotModel) -> Section:
@@ -26,7 +26,7 @@ def state_section(state: StateDescription, model: RobotModel) -> Section:
         (
             *(
                 (name.replace("_", " "), f"{getattr(state, name):.6g} J{ZERO_ENERGY.get(name, '')}")
-                for name in ENERGIES
+                for name in ENERGY_VERBS
             ),
             *([] if state.motion is None else _motion(state.motion)),
         )

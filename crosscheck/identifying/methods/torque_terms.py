@@ -31,7 +31,7 @@ from graphdyn.identification.terms import (
 STRIBECK_VELOCITY = 0.1
 """Default Stribeck velocity of a gear [rad/s or m/s]."""
 
-STANDARD_TERMS = ("viscous", "coulomb", "offset")
+STANDARD_TERM_NAMES = ("viscous", "coulomb", "offset")
 
 
 def _slip(deflection: ArrayLike | None = None, deflections: Sequence[ArrayLike] | None = None) -> Term:

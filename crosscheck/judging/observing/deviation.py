@@ -16,7 +16,7 @@ import numpy as np
 
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import Observation
-from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, Parts, TrialStates
+from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, EquationTerms, TrialStates
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import RobotModel, inverse_dynamics
 from urdf.reading import Misreadings
@@ -89,7 +89,7 @@ class Deviation:
     function: str
     model: RobotModel
     trial: TrialStates
-    observed: Parts
+    observed: EquationTerms
     judged: Observation | None
     readings: Callable[[], Misreadings | None]
     noise: float
@@ -100,7 +100,7 @@ class Deviation:
         return max(self.tolerance, MAX_NOISE_FACTOR * self.noise)
 
 
-def evidence_of(deviation: Deviation, before: Mapping[str, float], observed: Parts, own: Parts) -> str:
+def evidence_of(deviation: Deviation, before: Mapping[str, float], observed: EquationTerms, own: EquationTerms) -> str:
     said = [
         f"{EXPERIMENT_PARTS[part]}: {'agrees' if error <= deviation.bound else f'relative error {error:.1e}'}"
         for part, error in before.items()

@@ -10,7 +10,13 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest
-from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, Parts, TrialStates, split, usual_acceleration
+from crosscheck.judging.states.experiments import (
+    EXPERIMENT_PARTS,
+    EquationTerms,
+    TrialStates,
+    split,
+    usual_acceleration,
+)
 from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.layout import Array
@@ -78,7 +84,7 @@ class Observation:
         )
 
 
-def of_experiments(model: RobotModel, trial: TrialStates, parts: Parts) -> Observation:
+def of_experiments(model: RobotModel, trial: TrialStates, parts: EquationTerms) -> Observation:
     """The experiments: at rest, accelerated from rest, moving; rows state by state."""
     size, n = trial.q.shape
     zero = np.zeros_like(trial.q)
@@ -148,7 +154,7 @@ def _judged(state: State, of: NDArray[np.intp], less: NDArray[np.intp], torque: 
     return Observation(state, of, less, torque / scale, scale, np.full(len(of), "judged"))
 
 
-def observe(tested: FunctionUnderTest, model: RobotModel, trial: TrialStates, torque: Array) -> Parts | None:
+def observe(tested: FunctionUnderTest, model: RobotModel, trial: TrialStates, torque: Array) -> EquationTerms | None:
     """The experiments with a function under test; None where its answers are no part of the equations of motion.
 
     torque: usual size per joint (n,), for forward dynamics, which gives M⁻¹ and from it the same terms
@@ -165,7 +171,9 @@ def observe(tested: FunctionUnderTest, model: RobotModel, trial: TrialStates, to
     return _PARTS[shown](tested, trial) if shown else None
 
 
-def _of_accelerations(tested: FunctionUnderTest, trial: TrialStates, torque: Array, acceleration: float) -> Parts:
+def _of_accelerations(
+    tested: FunctionUnderTest, trial: TrialStates, torque: Array, acceleration: float
+) -> EquationTerms:
     response = split(lambda q, v, a: tested(q, v, a * torque), trial, 1.0)  # a (q, v, τ), one torque at a time
     assert response.gravity is not None
     assert response.inertia is not None
@@ -177,7 +185,7 @@ def _of_accelerations(tested: FunctionUnderTest, trial: TrialStates, torque: Arr
         needed: Array = -np.einsum("kij,kj->ki", mass, acceleration)
         return needed
 
-    return Parts(
+    return EquationTerms(
         required(response.gravity),
         np.swapaxes(mass, -1, -2),
         required(response.velocity),
@@ -186,32 +194,34 @@ def _of_accelerations(tested: FunctionUnderTest, trial: TrialStates, torque: Arr
     )
 
 
-def _of_bias(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
+def _of_bias(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:
     q, v = (np.concatenate(x) for x in ([trial.q] * 3, [0 * trial.v, trial.v, 2 * trial.v]))
     rest, moving, fast = np.split(tested(q, v), 3)
-    return Parts(gravity=rest, velocity=moving - rest, doubled=fast - rest)
+    return EquationTerms(gravity=rest, velocity=moving - rest, doubled=fast - rest)
 
 
-def _of_coriolis(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
+def _of_coriolis(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:
     q, v = np.concatenate([trial.q, trial.q]), np.concatenate([trial.v, 2 * trial.v])
     once, twice = np.split(np.einsum("kij,kj->ki", tested(q, v), v), 2)
-    return Parts(velocity=once, doubled=twice)
+    return EquationTerms(velocity=once, doubled=twice)
 
 
-def _of_quadratic_form(tested: FunctionUnderTest, trial: TrialStates) -> Parts:
+def _of_quadratic_form(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:
     """M_ij = T(e_i + e_j) - T(e_i) - T(e_j)."""
     size, n = trial.q.shape
     unit = np.eye(n)
     pairs = (unit[:, None] + unit[None, :]).reshape(-1, n)
     sums = tested(np.repeat(trial.q, n * n, axis=0), np.tile(pairs, (size, 1))).reshape(size, n, n)
     singles = np.einsum("kii->ki", sums) / 4  # T(2 e_i) = 4 T(e_i)
-    return Parts(inertia=sums - singles[:, :, None] - singles[:, None, :])
+    return EquationTerms(inertia=sums - singles[:, :, None] - singles[:, None, :])
 
 
-_PARTS: Mapping[str, Callable[[FunctionUnderTest, TrialStates], Parts]] = {
-    "inertia": lambda tested, trial: Parts(inertia=np.swapaxes(tested(trial.q), -1, -2)),
-    "inverse of the inertia": lambda tested, trial: Parts(inertia=np.swapaxes(np.linalg.inv(tested(trial.q)), -1, -2)),
-    "gravity": lambda tested, trial: Parts(gravity=tested(trial.q)),
+_PARTS: Mapping[str, Callable[[FunctionUnderTest, TrialStates], EquationTerms]] = {
+    "inertia": lambda tested, trial: EquationTerms(inertia=np.swapaxes(tested(trial.q), -1, -2)),
+    "inverse of the inertia": lambda tested, trial: EquationTerms(
+        inertia=np.swapaxes(np.linalg.inv(tested(trial.q)), -1, -2)
+    ),
+    "gravity": lambda tested, trial: EquationTerms(gravity=tested(trial.q)),
     "gravity and velocity terms": _of_bias,
     "velocity terms as a matrix": _of_coriolis,
     "inertia as a quadratic form": _of_quadratic_form,

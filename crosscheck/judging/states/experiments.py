@@ -36,7 +36,7 @@ class TrialStates:
 
 
 @dataclass(frozen=True, eq=False)
-class Parts:
+class EquationTerms:
     """The terms of a function; None where it does not give them. The trailing dimensions are those of the function.
 
     gravity: g                                              (N, n, …)
@@ -59,7 +59,7 @@ def torques(model: RobotModel) -> Function:
     return lambda q, v, a: inverse_dynamics(model, q, v, a).tau
 
 
-def split(function: Function, trial: TrialStates, acceleration: float) -> Parts:
+def split(function: Function, trial: TrialStates, acceleration: float) -> EquationTerms:
     """All experiments with one call of the function."""
     size, n = trial.q.shape
     zero, unit = np.zeros_like(trial.q), acceleration * np.eye(n)
@@ -68,7 +68,7 @@ def split(function: Function, trial: TrialStates, acceleration: float) -> Parts:
     a = np.concatenate([zero, np.tile(unit, (size, 1)), zero, zero])
     rest, accelerated, moving, fast = np.split(function(q, v, a), [size, size + size * n, 2 * size + size * n])
     columns = (accelerated.reshape(size, n, n) - rest[:, None]) / acceleration
-    return Parts(rest, columns, moving - rest, fast - rest, acceleration)
+    return EquationTerms(rest, columns, moving - rest, fast - rest, acceleration)
 
 
 def usual_acceleration(model: RobotModel, trial: TrialStates) -> float:
@@ -79,7 +79,7 @@ def usual_acceleration(model: RobotModel, trial: TrialStates) -> float:
     return float(max(1.0, weight / inertia)) if inertia > 0 else 1.0
 
 
-def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str, float]:
+def scales(model: RobotModel, trial: TrialStates, *all_parts: EquationTerms) -> dict[str, float]:
     """The scale of each part: its largest entry, and for differences of torques the joint wrenches."""
     wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
     floor = {"gravity": wrench, "inertia": 0.0, "velocity": MIN_VELOCITY_TORQUE_SHARE * wrench}
@@ -90,7 +90,7 @@ def scales(model: RobotModel, trial: TrialStates, *all_parts: Parts) -> dict[str
     return {part: size or 1.0 for part, size in largest.items()}
 
 
-def deviations(x: Parts, y: Parts, scale: dict[str, float]) -> dict[str, float]:
+def deviations(x: EquationTerms, y: EquationTerms, scale: dict[str, float]) -> dict[str, float]:
     """Largest relative difference of each part that both have; NaN counts as infinite."""
     known = [part for part in x.known() if part in y.known()]
     found = {part: _size(getattr(x, part) - getattr(y, part)) / scale[part] for part in known}

@@ -37,7 +37,7 @@ class SimulatedMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class RecordedProblem:
     """The problem of one recording, the same for all methods.
 
     recording: as prepared; loop: in which it was made, as the identification knows it
@@ -55,7 +55,7 @@ def known_model(study: Configuration, scenario: Scenario) -> TorqueModel:
     return torque_model_of(study.robot, study.seed, scenario.cad_error, scenario.model_error != "friction")
 
 
-def simulated(study: Configuration, scenario: Scenario, run: int) -> Record:
+def simulated(study: Configuration, scenario: Scenario, run: int) -> RecordedProblem:
     """The record of one run.
 
     Raises InvalidInput where the loop does not hold the robot, where the limits allow no motion, and where the filter
@@ -71,7 +71,7 @@ def simulated(study: Configuration, scenario: Scenario, run: int) -> Record:
     preparation = Preparation(scenario.cutoff, min_speed=scenario.min_speed, torque_hold=hold)
     prepared, known = preparation.differentiated(recording), known_model(study, scenario)
     loop = ClosedLoop(controller, torque_hold=hold, differentiation=preparation.differentiation(recording))
-    return Record(preparation.problem(known, prepared), prepared, loop, plant.truth(known))
+    return RecordedProblem(preparation.problem(known, prepared), prepared, loop, plant.truth(known))
 
 
 def _motion(

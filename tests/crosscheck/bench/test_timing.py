@@ -7,7 +7,7 @@ import pytest
 
 from crosscheck.bench import cold, identification
 from crosscheck.bench.benchmark import thread_numbers
-from crosscheck.bench.contender import MIN_CORE_SHARE, Entry, MeasuredWork
+from crosscheck.bench.contender import MIN_CORE_SHARE, MeasuredWork, TimedContender
 from crosscheck.bench.curves import Line, long_notes
 from crosscheck.bench.machine.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
 from graphdyn.compiler.running import interpreted
@@ -59,7 +59,7 @@ class TestTimes:
         assert Line("", 1, (1, 2), (Times((1.0,)), Times((2.0,)))).exponent is None
 
     def test_an_error_that_is_not_a_number_is_not_in_bound(self):
-        entry = Entry("graphdyn", 1, True, 1, Times((1.0,)), float("inf"), 1, "")
+        entry = TimedContender("graphdyn", 1, True, 1, Times((1.0,)), float("inf"), 1, "")
         assert not MeasuredWork("", "", "", 1.0, (entry,)).agrees
 
     def test_memory_that_nobody_tells(self, monkeypatch):

@@ -18,11 +18,7 @@ import crosscheck
 from crosscheck.commands import app
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
 from crosscheck.identifying import ByTime, CandidateModel, Preparation
-from crosscheck.identifying.long_recordings import (
-    METHODS_OF_SUMS,
-    SAMPLE_METHODS,
-    STANDARD_METHODS_OF_SUMS,
-)
+from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, SAMPLE_METHODS, STANDARD_METHODS_OF_SUMS
 from crosscheck.identifying.methods.methods import ESTIMATORS, method_named
 from crosscheck.recordings import (
     BadRecordingFile,
