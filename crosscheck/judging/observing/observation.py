@@ -226,4 +226,4 @@ _PARTS: Mapping[str, Callable[[FunctionUnderTest, TrialStates], EquationTerms]] 
     "velocity terms as a matrix": _of_coriolis,
     "inertia as a quadratic form": _of_quadratic_form,
 }
-"""By what a function shows of the equations of motion (crosscheck.quantities.quantity.Shown)."""
+"""Observations by what a function shows of the equations of motion (crosscheck.quantities.quantity.Shown)."""
