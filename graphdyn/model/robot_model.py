@@ -24,7 +24,7 @@ from graphdyn.model.parts import Body, Frame, Joint, as_floats, check_type, free
 from graphdyn.model.spatial import Placement
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
-"""Gravity of a model unless told otherwise [m/s²]: the value Pinocchio and most URDF tools use."""
+"""Gravity of a model by default [m/s²]: the value Pinocchio and most URDF tools use."""
 
 
 @dataclass(frozen=True, eq=False)

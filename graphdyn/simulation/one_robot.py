@@ -38,7 +38,7 @@ from graphdyn.verbs.matrices import mass_matrix
 
 Method = Literal["dop853", "rk8", "rk4", "euler"]
 RTOL, ATOL = 1e-10, 1e-10
-"""Tolerances of method "dop853" unless told otherwise; the absolute one in rad or m, and …/s."""
+"""Tolerances of method "dop853" by default; the absolute one in rad or m, and …/s."""
 
 
 def simulate(

@@ -51,7 +51,7 @@ def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[Read
     Raises InvalidInput for another value of meshes, and nothing for the content of a file, nor for a file that does
     not exist: both are errors among the findings. report.usable says whether forward dynamics can be computed;
     report.findings has a code, a severity ("error": urdf.load refuses the file, "warning": dynamics are doubtful,
-    "note"), the element, its line, a message that also tells what Pinocchio and yourdfpy do there, and a remedy. The
+    "note"), the element, its line, a message that also states what Pinocchio and yourdfpy do there, and a remedy. The
     mass matrix is examined at five random states.
     """
     if meshes not in get_args(Meshes):

@@ -137,11 +137,13 @@ def _verdict(found: Excited) -> Verdict:
             f"{worst.kind} of {worst.name}: {100 * worst.used:.4g} % of its limit",
         )
     verdicts = found.plan.verdicts
-    words = ", ".join(f"{verdicts.count(word)} {told}" for word, told in _TOLD.items() if word in verdicts)
+    words = ", ".join(
+        f"{verdicts.count(word)} {meaning}" for word, meaning in _DETERMINATIONS.items() if word in verdicts
+    )
     return Verdict("agrees", "keeps all limits", f"of {len(verdicts)} base parameters: {words}")
 
 
-_TOLD = {"well": "well determined", "roughly": "roughly", "not": "not"}
+_DETERMINATIONS = {"well": "well determined", "roughly": "roughly", "not": "not"}
 
 
 def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block, ...]:

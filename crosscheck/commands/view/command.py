@@ -29,7 +29,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn view ur5
   graphdyn view ur5 ur10 --no-browser --port 8080
 """
 
-TOLD = 6
+MAX_PRINTED_NOTES = 6
 """Notes on a figure that are printed."""
 
 
@@ -120,10 +120,10 @@ def run(options: ViewOptions) -> None:
                 advance(str(path), 1)
     for each in figures:
         notes = (*each.notes, *each.robot.notes)
-        for note in notes[:TOLD]:
+        for note in notes[:MAX_PRINTED_NOTES]:
             say(f"{each.name}: {note}")
-        if len(notes) > TOLD:
-            say(f"{each.name}: {len(notes) - TOLD} further notes, on the page")
+        if len(notes) > MAX_PRINTED_NOTES:
+            say(f"{each.name}: {len(notes) - MAX_PRINTED_NOTES} further notes, on the page")
     title = ", ".join(dict.fromkeys(each.name for each in figures))
     if options.html_file is not None:
         from crosscheck.viewing.page import page

@@ -24,7 +24,7 @@ FAULT_KINDS = (
     *("inertia_point", "inertial_parameters", "unit", "continuous_joint", "inertial_frame", "fixed_link"),
     *("massless_link", "rounding", "friction", "spring", "offset", "rotor_inertia", "clipped"),
 )
-"""Kinds of the faults, in the order in which those that fit alike and change as many numbers are told."""
+"""Kinds of the faults, in the order in which those that fit alike and change as many numbers are listed."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,7 +29,7 @@ MAX_STUCK_STRETCHES = 1000
 """Stretches without progress that mean the same events follow each other without end."""
 
 EVALUATIONS_PER_REPORT = 500
-"""Evaluations after which progress is told, a tenth of a second at most."""
+"""Evaluations after which progress is reported, a tenth of a second at most."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,7 @@ from graphdyn.simulation.torques import (
 )
 
 CHUNK_STEPS = 4096
-"""Steps after which progress is told and events are looked for."""
+"""Steps after which progress is reported and events are looked for."""
 
 LOOP_CHUNK_STEPS = 64
 """The same for robots with loops, whose steps take milliseconds."""
