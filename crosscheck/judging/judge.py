@@ -11,11 +11,10 @@ from typing import Any, Unpack
 from threadpoolctl import threadpool_limits
 
 from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
-from crosscheck.judging.observing.conventions import check_declared
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest, joint_order
-from crosscheck.judging.observing.references import References
+from crosscheck.judging.observing.references import References, check_declared
 from crosscheck.judging.setting import TOLERANCES, JudgedKeywords, Precision, Setting
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged

@@ -11,8 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.recordings.checks.clock import Origin, blocks_of, stamp_findings, step_findings, times
-from crosscheck.recordings.checks.values import cell_findings, channel_findings, motion_findings, value_findings
+from crosscheck.recordings.checks import (
+    Origin,
+    blocks_of,
+    cell_findings,
+    channel_findings,
+    motion_findings,
+    stamp_findings,
+    step_findings,
+    times,
+    value_findings,
+)
 from crosscheck.recordings.errors import (
     DROPPABLE,
     DROPPED_UNASKED,

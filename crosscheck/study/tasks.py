@@ -18,8 +18,7 @@ import numpy as np
 
 from crosscheck.identifying import method_named
 from crosscheck.identifying.methods.loop_methods import in_loop
-from crosscheck.study.settings.configuration import Configuration
-from crosscheck.study.settings.method_names import shown_name, takes_wrenches
+from crosscheck.study.settings.configuration import Configuration, shown_name, takes_wrenches
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.runs import RecordedProblem, known_model, simulated
 from crosscheck.study.validation import ValidationMetric, validation_metric

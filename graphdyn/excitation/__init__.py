@@ -4,10 +4,9 @@ The public names are those in `__all__`.
 """
 
 from graphdyn.excitation.bases import Basis, FourierBasis, SplineBasis
-from graphdyn.excitation.bounding_spheres import Poses, Sphere, frame_origins
 from graphdyn.excitation.constraints import smallest_distances
 from graphdyn.excitation.information import ConditionNumber, Criterion, log_det, mean_sigma
-from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane
+from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane, Poses, Sphere, frame_origins
 from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimizedMotion, optimized
 from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory

@@ -11,8 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from graphdyn.excitation.bounding_spheres import Numbers, Poses, Sphere
-from graphdyn.excitation.limits import Clearance, MotionLimits, Plane
+from graphdyn.excitation.limits import Clearance, MotionLimits, Numbers, Plane, Poses, Sphere
 from graphdyn.excitation.trajectory import JointMotion, Signal
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel

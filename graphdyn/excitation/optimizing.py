@@ -16,10 +16,9 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.bounding_spheres import Sphere, frame_origins
 from graphdyn.excitation.constraints import DISTANCE_SCALE, signals
 from graphdyn.excitation.information import Criterion, Information, log_det
-from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.limits import MotionLimits, Sphere, frame_origins
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import (
     FiniteMotion,

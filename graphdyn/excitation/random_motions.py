@@ -7,9 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.excitation.bases import Basis
-from graphdyn.excitation.bounding_spheres import Sphere
 from graphdyn.excitation.constraints import signals
-from graphdyn.excitation.limits import MotionLimits
+from graphdyn.excitation.limits import MotionLimits, Sphere
 from graphdyn.excitation.trajectory import Trajectory, usage
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel

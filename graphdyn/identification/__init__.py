@@ -12,8 +12,7 @@ from graphdyn.identification.algebra.least_squares import LeastSquares, one_thre
 from graphdyn.identification.algebra.rank_revealing import EPS, ParameterEstimate
 from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.consistent import PhysicalLimits
-from graphdyn.identification.data.partitions import Partitioned
-from graphdyn.identification.data.samples import RowFilter, Samples
+from graphdyn.identification.data.samples import Partitioned, RowFilter, Samples
 from graphdyn.identification.estimation.comparison import (
     CHECKED_POSES,
     MIN_CORRELATION_TIMES,

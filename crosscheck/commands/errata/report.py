@@ -9,8 +9,8 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.commands.errata.record import record
-from crosscheck.paper.checks import CORRECTED_FORM_BOUND
 from crosscheck.paper.errata import COSINES, ERRATA, Effect
+from crosscheck.paper.reproduction import CORRECTED_FORM_BOUND
 from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.svg import picture

@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 from crosscheck.commands.errata.record import EffectRecord
-from crosscheck.paper.checks import WHY_CORRECTED, Check
 from crosscheck.paper.corrected import CorrectedMultipliers
 from crosscheck.paper.errata import ERRATA
 from crosscheck.paper.multipliers import WHY_PRINTED, Multiplier, printed_ratios
 from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
-from crosscheck.paper.reproduction import Reproduction
+from crosscheck.paper.reproduction import WHY_CORRECTED, Check, Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, WHY_TABLE_3, GeometryTable, PaperIdentification, PaperTrial
 from crosscheck.report.record import CommandRecord, Record, attribute, written
 from crosscheck.report.record_fields import Count, Keywords, Number

@@ -15,7 +15,7 @@ from crosscheck.judging.judge import Progress, drawn_states, judge_functions, ro
 from crosscheck.judging.judgment import Judgment
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest, joint_order
 from crosscheck.judging.setting import Setting
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import Refusal, TestedFunction
 from graphdyn import GraphDynError, RobotModel

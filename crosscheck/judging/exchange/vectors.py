@@ -9,10 +9,9 @@ import numpy as np
 
 from crosscheck.judging.exchange.protocols import number_text
 from crosscheck.judging.exchange.rounds import states_for, states_of
-from crosscheck.judging.observing.conventions import check_declared, relative_errors
-from crosscheck.judging.observing.references import References
+from crosscheck.judging.observing.references import References, check_declared, relative_errors
 from crosscheck.judging.setting import Setting
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity, known_function
 from crosscheck.quantities.measures import Chosen
 from crosscheck.reference.mujoco_model import MujocoRefuses

@@ -16,8 +16,7 @@ import numpy as np
 
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import Observation
-from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, EquationTerms, TrialStates
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.states import EXPERIMENT_PARTS, EquationTerms, JudgedStates, TrialStates
 from graphdyn import RobotModel, inverse_dynamics
 from urdf.reading import Misreadings
 

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest
-from crosscheck.judging.states.experiments import (
+from crosscheck.judging.states import (
     EXPERIMENT_PARTS,
     EquationTerms,
+    JudgedStates,
     TrialStates,
     split,
     usual_acceleration,
 )
-from crosscheck.judging.states.judged_states import JudgedStates
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.layout import Array
 

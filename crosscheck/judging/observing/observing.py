@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest
-from crosscheck.judging.states.experiments import EquationTerms, TrialStates, split, usual_acceleration
+from crosscheck.judging.states import EquationTerms, TrialStates, split, usual_acceleration
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 

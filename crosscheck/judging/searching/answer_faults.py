@@ -14,8 +14,8 @@ from itertools import chain, combinations
 
 import numpy as np
 
-from crosscheck.judging.observing.conventions import relative_errors
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.observing.references import relative_errors
+from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Joint, Placement, RobotModel

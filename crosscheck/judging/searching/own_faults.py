@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import ROUND_NUMBER_TOLERANCE, FaultDescription
 from crosscheck.judging.searching.answer_faults import FoundFault
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities.scales import largest
 from crosscheck.quantities.spans import column_space, outside_of
 from graphdyn import RobotModel

@@ -16,7 +16,7 @@ from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.deviation import Deviation, evidence_of, precision_said
 from crosscheck.judging.observing.observation import of_experiments
 from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
-from crosscheck.judging.states.experiments import EXPERIMENT_PARTS, deviations, scales, split, torques
+from crosscheck.judging.states import EXPERIMENT_PARTS, deviations, scales, split, torques
 from graphdyn.layout import Array
 
 COMPARED_STATES = 20

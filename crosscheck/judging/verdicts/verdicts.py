@@ -10,11 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.judgment import Diagnosis, FailedState, JudgedFunction, WorstCall, largest_errors
-from crosscheck.judging.observing.conventions import FoundConventions, found_conventions, relative_errors
 from crosscheck.judging.observing.function_under_test import Answers, FunctionFailure, FunctionUnderTest
-from crosscheck.judging.observing.references import BACKWARD_SCALE, References, backward_errors
+from crosscheck.judging.observing.references import (
+    BACKWARD_SCALE,
+    FoundConventions,
+    References,
+    backward_errors,
+    found_conventions,
+    relative_errors,
+)
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
-from crosscheck.judging.states.judged_states import JudgedStates
+from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import LOADS, Quantity, argument_at
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array

@@ -89,7 +89,7 @@ class PartitionedRecording:
             yield samples[own]
 
     def each_part(self, problem: Problem, function: Callable[[Problem, slice], T]) -> list[tuple[int, T]]:
-        """Results of every part, as in graphdyn.identification.data.partitions.Partitioned."""
+        """Results of every part, as in graphdyn.identification.data.samples.Partitioned."""
         in_block = problem.block_samples
         parts = self.parts(problem.n_blocks if in_block is None else -(-self.n_rows // in_block))
         torque_model = problem.torque_model

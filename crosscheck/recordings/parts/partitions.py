@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.recordings.checks.clock import Origin
+from crosscheck.recordings.checks import Origin
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding
 from crosscheck.recordings.formats.parquet_files import FORMATS, parquet_rows
 from crosscheck.recordings.loading import reordered

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from crosscheck.recordings.checks.clock import Origin, times
+from crosscheck.recordings.checks import Origin, times
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.table import tables
 from crosscheck.recordings.loading import check_rate, reordered

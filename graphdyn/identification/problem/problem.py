@@ -22,9 +22,8 @@ from graphdyn.identification.algebra.accumulator import Accumulator, Compression
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.identification.algebra.least_squares import one_thread
-from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
 from graphdyn.identification.data.rows import Rows, Run, counted, filtered, runs
-from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data.samples import Partitioned, Samples, merged_in_tree
 from graphdyn.identification.problem.prior import expected_equations, without_effect
 from graphdyn.identification.problem.torque_model import DirectSums, ParameterStructure, TorqueModel, structure
 from graphdyn.identification.terms.friction import positive
@@ -62,7 +61,7 @@ class Problem:
 
     data: one piece, several, or anything that can be iterated over repeatedly (a list; an object that
         opens its file in __iter__). Data that can be read only once (a generator) serve the methods that read once.
-        Data in parts (graphdyn.identification.data.partitions) are summed up part by part, wherever their parts are
+        Data in parts (graphdyn.identification.data.samples) are summed up part by part, wherever their parts are
     n_blocks: time blocks for standard deviations and cross-validation
     block_samples: samples per time block instead; required for data that can be read only once
     min_speed: equations of joint j with |v_j| below it are left out of the fit, one for all or (n,) [rad/s or m/s]

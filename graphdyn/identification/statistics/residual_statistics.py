@@ -12,8 +12,8 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.data.partitions import Partitioned, merged_in_tree
 from graphdyn.identification.data.rows import Rows
+from graphdyn.identification.data.samples import Partitioned, merged_in_tree
 from graphdyn.identification.problem.problem import Problem, own_rows
 from graphdyn.identification.statistics.correlation import CorrelationLength
 from graphdyn.layout import Array

@@ -22,9 +22,8 @@ from crosscheck.commands.paper.record import record as record_of
 from crosscheck.commands.paper.report import paper_report
 from crosscheck.commands.paper.texts import error_text, misprints, printed_text, value_text
 from crosscheck.commands.program import console
-from crosscheck.paper.checks import REFERENCE_BOUND, Check
 from crosscheck.paper.printed import TABLE_2, Printed
-from crosscheck.paper.reproduction import PROGRESS_STEPS, reproduce
+from crosscheck.paper.reproduction import PROGRESS_STEPS, REFERENCE_BOUND, Check, reproduce
 from crosscheck.report.html import page as html_page
 from crosscheck.report.json import plain
 from crosscheck.report.report import Plot

@@ -236,7 +236,7 @@ class TestRegions:
 
     @pytest.mark.parametrize("where", REGIONS)
     def test_said(self, arm, where):
-        states = crosscheck.judging.states.judged_states.JudgedStates.draw(arm, 100, 0, needs_tau=False)
+        states = crosscheck.judging.states.JudgedStates.draw(arm, 100, 0, needs_tau=False)
         chosen = [bool(REGIONS[where](arm, *state)) for state in zip(states.q, states.v, states.a, strict=True)]
         assert region(np.array(chosen), states, ("q", "v", "a")) == where
 
@@ -251,14 +251,14 @@ class TestRegions:
 
     def test_chance_is_no_region(self, ur5):
         """Two of 71 states, at random: some quantity always separates them."""
-        states = crosscheck.judging.states.judged_states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
+        states = crosscheck.judging.states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
         for seed in range(200):
             chosen = np.zeros(SAMPLES + 11, dtype=bool)
             chosen[np.random.default_rng(seed).choice(len(chosen), 2, replace=False)] = True
             assert region(chosen, states, ("q", "v", "a")) is None
 
     def test_no_state_and_all_states_are_no_region(self, ur5):
-        states = crosscheck.judging.states.judged_states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
+        states = crosscheck.judging.states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
         for all_or_none in (np.ones(14, dtype=bool), np.zeros(14, dtype=bool)):
             assert region(all_or_none, states, "q") is None
 

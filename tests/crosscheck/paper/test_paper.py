@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from reproduced_paper import reproduced
 
-from crosscheck.paper.checks import CORRECTED_FORM_BOUND, EXACT_PARAMETER_BOUND, REFERENCE_BOUND, Check, checks
 from crosscheck.paper.errata import ERRATA
 from crosscheck.paper.multipliers import MIN_REPRODUCED_DIGITS, agreeing_digits, printed_ratios
 from crosscheck.paper.printed import MULTIPLIERS, PARAMETERS, TABLE_2, TABLE_3, TABLE_4
+from crosscheck.paper.reproduction import CORRECTED_FORM_BOUND, EXACT_PARAMETER_BOUND, REFERENCE_BOUND, Check, checks
 from crosscheck.paper.tables import SEEDS
 from graphdyn import kr500
 

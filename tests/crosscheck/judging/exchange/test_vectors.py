@@ -17,7 +17,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.commands.program.output_files import write_folder
 from crosscheck.judging.exchange.rounds import states_for
 from crosscheck.judging.exchange.vectors import confirmed_functions, tolerances, vector_tables
-from crosscheck.judging.observing.conventions import relative_errors
+from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.setting import Setting
 from crosscheck.quantities import FUNCTIONS
 from graphdyn import InvalidInput

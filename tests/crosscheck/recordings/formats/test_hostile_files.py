@@ -32,7 +32,7 @@ LARGEST = 10_000
 @pytest.fixture
 def small_bound(monkeypatch):
     """The bound on expanded files, at a size that a test can exceed."""
-    for module in ("files", "matlab_files"):
+    for module in ("format", "matlab_files"):
         monkeypatch.setattr(f"crosscheck.recordings.formats.{module}.MAX_EXPANDED_BYTES", LARGEST)
 
 

@@ -30,7 +30,7 @@ from crosscheck.recordings import (
 )
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, TorqueModel, WeightedLeastSquares, residual_statistics
-from graphdyn.identification.data.partitions import merged_in_tree
+from graphdyn.identification.data.samples import merged_in_tree
 from graphdyn.identification.terms import Drift, KnownBodies, Viscous
 
 CUTOFF, ROWS = 20.0, 700

@@ -11,7 +11,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.checks.clock import increasing
+from crosscheck.recordings.checks import increasing
 from crosscheck.recordings.errors import spans
 from graphdyn import InvalidInput
 

@@ -1,1 +1,0 @@
-"""The states of a judgment and the experiments made at them."""

@@ -1,1 +1,0 @@
-"""Checks of recorded values and time stamps."""
