@@ -36,7 +36,7 @@ ALLOWED = {
     "referee": ("docs/json.md",),  # the names in files of earlier formats
     "doubts": ("docs/json.md",),
     "carriage": ("crosscheck/commands/paper/", "crosscheck/paper/"),  # the paper's own rail carriage
-    "body by body": ("crosscheck/paper/identification.py", "crosscheck/reference/"),  # the plain meaning
+    "body by body": ("crosscheck/paper/", "crosscheck/reference/"),  # the plain meaning
 }
 """By the word: where it is the right one."""
 BRITISH = (

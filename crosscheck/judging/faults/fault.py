@@ -167,7 +167,7 @@ def named(what: str, names: Sequence[str]) -> str:
 
 
 _NOUN_ENDS = re.compile(r" (?=(?:at|in|of|on) |v\b|v_|ω|\d)")
-"""Where the noun of a term's name ends, and its formula or place begins."""
+"""Marks that end the noun of a term's name and begin its formula or place."""
 
 
 def factor_said(name: str, factor: float) -> str:

@@ -64,7 +64,7 @@ class PinocchioAnswers:
         tau: Array | None = None,
         loads: Array | None = None,
     ) -> PinocchioAnswers:
-        """At one state: q, v, a (n,), tau, zeros if left out (n,), loads (n, 6)."""
+        """The answers at one state: q, v, a (n,), tau, zeros if left out (n,), loads (n, 6)."""
         tau = np.zeros_like(q) if tau is None else tau
         return cls(robot, model, q[None], v[None], a[None], tau[None], None if loads is None else loads[None])
 
