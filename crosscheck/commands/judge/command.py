@@ -29,7 +29,7 @@ from crosscheck.commands.program.three_d import figure_at_rest
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.program import ProgramFunction
     from crosscheck.judging.setting import Setting
-from crosscheck.quantities.tested_function import TestedFunction
+    from crosscheck.quantities.tested_function import TestedFunction
 
 EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --forward-dynamics my_package.dynamics:aba --html verdict.html
