@@ -16,14 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.judgment import Diagnosis
-from crosscheck.judging.observing.deviation import MAX_NOISE_FACTOR, Deviation, noise
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.states import JudgedStates
-from crosscheck.judging.verdicts.diagnosis import diagnose
+from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, noise
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array

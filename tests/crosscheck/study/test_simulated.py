@@ -13,7 +13,7 @@ from crosscheck.study.simulated import runs as records
 from crosscheck.study.simulated.motions import PAPER_ACCELERATION, reference
 from crosscheck.study.simulated.plants import flexible, plant_of, torque_model_of
 from crosscheck.study.simulated.runs import known_model, simulated
-from crosscheck.study.validation import validation_metric
+from crosscheck.study.tasks import validation_metric
 from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
 from graphdyn.identification import Samples
 from graphdyn.identification.terms import Coulomb, PayloadMass
