@@ -250,7 +250,7 @@ class TestCommand:
     @pytest.mark.parametrize(
         ("arguments", "message"),
         [
-            (("kr500", "kr500", "--play", "a.csv"), "2 robots and 1 runs; give one robot, or one for each run"),
+            (("kr500", "kr500", "--play", "a.csv"), "2 robots and 1 run; give one robot, or one for each run"),
             (("kr500", "--play", "a.csv", "--cutoff", "x"), "--cutoff x: give Hz, CHANNEL=HZ,…, residual or none"),
             (("kr500", "--play", "missing.csv"), "missing.csv"),
             (("kr501",), "'kr501' is neither a file nor a robot"),
