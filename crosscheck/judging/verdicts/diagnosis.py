@@ -1,4 +1,4 @@
-"""From observations to diagnoses: which faults, put into graphdyn, give the numbers of a function under test.
+"""Diagnoses from observations: which faults, put into graphdyn, give the numbers of a function under test.
 
 Where several do, it says what would tell them apart; where none does, which parts are explained, and where the rest is.
 
