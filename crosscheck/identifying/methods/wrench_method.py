@@ -1,8 +1,8 @@
 """The graph method of the paper as an estimator: one body at a time from the wrenches in all joints.
 
-Eq. (53)-(64) of the paper in the general form of graphdyn.identification.inertial_parameters: all ten parameters of
-every body. Friction, and parameters that the wrenches do not determine, come from the torques: weighted least squares
-with the other parameters held, nearest to the model.
+Eq. (53)-(64) of the paper in the general form of graphdyn.identification.identify_inertial_parameters: all ten
+parameters of every body. Friction, and parameters that the wrenches do not determine, come from the torques: weighted
+least squares with the other parameters held, nearest to the model.
 """
 
 from __future__ import annotations

@@ -87,7 +87,7 @@ def mass_matrices(torque_model: TorqueModel, q: Array, parameters: Array) -> Arr
 
 MIN_CORRELATION_TIMES = 80
 """Fewest correlation times of a recording for which block deviations are right: twice as much covers the truth in 90 to
-98 of 100 cases, as `python tests/helpers/coverage_run.py` shows."""
+98 of 100 cases, as `python tests/tools interval_coverage` shows."""
 
 
 NO_EXPECTED_VALUES = (
