@@ -11,6 +11,7 @@ from crosscheck.quantities.table import (
     TabulatedQuantity,
     known_function,
 )
+from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 
 __all__ = [
     "COMPARED",
@@ -21,6 +22,8 @@ __all__ = [
     "QUANTITIES",
     "RECURSIVE",
     "ComparedQuantity",
+    "PinocchioAnswers",
+    "PinocchioModel",
     "Quantity",
     "TabulatedQuantity",
     "argument_at",

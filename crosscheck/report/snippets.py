@@ -89,9 +89,8 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
 
 
 _IMPORTS = (
-    ("crosscheck.quantities", "QUANTITIES", "QUANTITIES"),
+    ("crosscheck.quantities", "QUANTITIES, PinocchioAnswers, PinocchioModel", "there"),
     ("crosscheck.reference.frame_choices", "FRAME_REFERENCES, compared_frames", "FRAME_REFERENCES"),
-    ("crosscheck.reference.pinocchio_model", "PinocchioAnswers, PinocchioModel", "there"),
     ("graphdyn.equations", "link_origins", "link_origins"),
 )
 """Modules, their names, and what in the code shows that these are needed."""

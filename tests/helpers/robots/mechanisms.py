@@ -39,7 +39,7 @@ def four_bar(crank: float = 1.0, coupler: float = 2.0, rocker: float = 1.5, grou
 
 def palletizer(data: Path) -> tuple[RobotModel, np.ndarray]:
     """The palletizing arm of the test data, and K with all joint angles K u."""
-    given = json.loads((data / "loops" / "palletizer.json").read_text())
+    given = json.loads((data / "loops" / "palletiser.json").read_text())
     bodies = [
         Body(b["name"], b["mass"], np.array(b["center_of_mass"]), np.array(b["inertia"])) for b in given["bodies"]
     ]
