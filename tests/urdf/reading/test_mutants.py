@@ -1,8 +1,8 @@
 """Mutants of robot files: nothing crashes, hangs, contradicts itself, or differs from Pinocchio without a finding.
 
 Some hundred mutants, or as many as GRAPHDYN_MUTANTS says, of the seed GRAPHDYN_MUTANTS_SEED. The table of a long run:
-`python tests/helpers/processes.py 20000 --seed 1`.
 `python tests/tools damaged_files 20000 --seed 1`.
+"""
 
 import os
 
