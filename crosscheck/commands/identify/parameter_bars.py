@@ -1,4 +1,4 @@
-"""Every base parameter beside CAD_COLOR, in a common unit: the torque that it makes over the recording."""
+"""Every base parameter beside CAD, in a common unit: the torque that it makes over the recording."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FOUND_COLOR, CAD_COLOR, TRUE_COLOR = CURVES[:3]
 
 def parameter_bars(key: str, rows: Sequence[BaseRow], sizes: Array) -> Markup:
     """sizes: root mean square torque that a parameter of 1 makes, over all joints (r,)."""
-    label = f"{len(rows)} base parameters with error bars of two standard deviations beside the CAD_COLOR values"
+    label = f"{len(rows)} base parameters with error bars of two standard deviations beside the CAD values"
     return picture(key, label, size(len(rows)), lambda axes: _draw(axes, rows, sizes))
 
 

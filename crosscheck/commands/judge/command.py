@@ -99,7 +99,7 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
         }
         options = {name: f"--{name.replace('_', '-')}" for name in given}
         named = {name: (options[name], text) for name, text in given.items() if text is not None}
-        for name, text in pairs("--function", self.function, "NAME=FILE.py:FUNCTION_FORM"):
+        for name, text in pairs("--function", self.function, "NAME=FILE.py:FUNCTION"):
             if name in named:
                 raise typer.BadParameter(f"--function {name}={text}: {name} is given twice")
             named[name] = f"--function {name}", text
