@@ -1,5 +1,7 @@
 """What graphdyn refuses, and the facts each refusal carries."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 
 
@@ -59,3 +61,8 @@ def in_row(index: Iterable[int]) -> str:
     """Which sample of a batch, for messages: " in row 3", " in row (1, 2)"; nothing where there is one state only."""
     row = tuple(int(k) for k in index)
     return f" in row {row[0] if len(row) == 1 else row}" if row else ""
+
+
+def counted(number: int, one: str, several: str = "") -> str:
+    """The number with its noun: "1 joint", "2 joints". several: the plural if it is not one + "s"."""
+    return f"{number} {one if number == 1 else several or f'{one}s'}"

@@ -37,11 +37,6 @@ def listed(names: Iterable[str]) -> str:
     return said if len(names) <= MAX_QUOTED_NAMES else f"{said} and {len(names) - MAX_QUOTED_NAMES} more"
 
 
-def counted(number: int, one: str, several: str = "") -> str:
-    """The number with its noun: "1 joint", "2 joints". several: the plural if it is not one + "s"."""
-    return f"{number} {one if number == 1 else several or f'{one}s'}"
-
-
 class URDFError(GraphDynError, ValueError):
     """Base of every error of this package: where, what is wrong, and what to do about it.
 

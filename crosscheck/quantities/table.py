@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from crosscheck.quantities.derivatives import DERIVATIVES
 from crosscheck.quantities.dynamics import DYNAMICS, SOLVED_SCALE, TORQUE
@@ -14,6 +13,7 @@ from crosscheck.quantities.quantity import Form, Quantity
 from crosscheck.quantities.regressors import BY_TYPE, REGRESSORS
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, IDENTIFICATION, RANK, Tolerance
 from graphdyn import InvalidInput
+from graphdyn.arguments import closest
 
 QUANTITIES: dict[str, Quantity] = {
     row.name: row for row in (*DYNAMICS, *MATRICES, *FRAMES, *MOMENTA, *ENERGIES, *DERIVATIVES, *REGRESSORS)
@@ -27,9 +27,9 @@ def known_function(name: str) -> Quantity:
     """Raises InvalidInput with the known names."""
     if name in FUNCTIONS:
         return FUNCTIONS[name]
-    near = get_close_matches(name, FUNCTIONS, n=1)
+    near = closest(name, FUNCTIONS)
     raise InvalidInput(
-        f"there is no function {name!r} to judge{f'; did you mean {near[0]!r}?' if near else ''}; "
+        f"there is no function {name!r} to judge{f'; did you mean {near!r}?' if near else ''}; "
         f"known are {', '.join(FUNCTIONS)}"
     )
 

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from graphdyn.errors import counted
+
 CELL = 3
 """Characters of an entry of a 0/±1 matrix."""
 
@@ -84,13 +86,8 @@ def ratio_span_text(spread: tuple[float, float]) -> str:
     return f"{low[:-1]} … {high}"
 
 
-def counted(number: int, one: str, several: str = "") -> str:
-    """The number with its noun: "1 joint", "2 joints". several: the plural if it is not one + "s"."""
-    return f"{number} {one if number == 1 else several or f'{one}s'}"
-
-
 def threads_text(count: int) -> str:
-    return f"{count} thread{'' if count == 1 else 's'}"
+    return counted(count, "thread")
 
 
 def _unit_for(seconds: float) -> tuple[float, str]:

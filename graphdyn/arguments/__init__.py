@@ -2,12 +2,13 @@
 
 from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.choices import WORTH_COMPILING, Method, Reference, frame_choice
-from graphdyn.arguments.keywords import refuse_unknown
+from graphdyn.arguments.keywords import closest, refuse_unknown
 
 __all__ = [
     "WORTH_COMPILING",
     "Method",
     "Reference",
+    "closest",
     "frame_choice",
     "one_state",
     "refuse_unknown",

@@ -68,10 +68,8 @@ class Reading:
     @property
     def stated(self) -> tuple[str, ...]:
         """Names of the fields that say something else than their defaults."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        defaults = {"mimic": "coupled", "repair": ()}
-        given = {name: value for name, value in values.items() if value is not None}
-        return tuple(name for name, value in given.items() if name not in defaults or value != defaults[name])
+        given = {field: value for field in fields(self) if (value := getattr(self, field.name)) is not None}
+        return tuple(field.name for field, value in given.items() if field.default is None or value != field.default)
 
     @property
     def without_computed_inertials(self) -> Reading:

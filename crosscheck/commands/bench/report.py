@@ -15,7 +15,7 @@ from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Times
 from crosscheck.commands.bench.curves import curve_section
 from crosscheck.commands.bench.ratio_bars import ratio_bars
 from crosscheck.commands.bench.record import record
-from crosscheck.report.plain_text import counted, ratio_span_text, ratio_text, span_text, threads_text, time_text
+from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, threads_text, time_text
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,
@@ -31,6 +31,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
+from graphdyn.errors import counted
 
 ALL_COLUMNS_CHARACTERS = 100
 """Characters of a line from which times have all their columns."""

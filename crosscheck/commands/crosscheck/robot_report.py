@@ -8,7 +8,6 @@ from pathlib import Path
 from crosscheck.comparing.comparison import Comparison, QuantityResult
 from crosscheck.report.error_tables import ERROR_FORMAT, distribution, error_text, over_states, span_text, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,
@@ -26,6 +25,7 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
 from crosscheck.report.snippets import worst_state
+from graphdyn.errors import counted
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
 ROUTES = {"urdf": "urdf: Pinocchio builds the same file", "model": "model: Pinocchio is built from our model"}

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.comparing.comparison import part_of_bound
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 AGREES, DISAGREES, KINEMATICS_ONLY, REFUSED = VERDICTS = ("agrees", "DISAGREES", "kinematics only", "refused")
 """Kinematics only: everything that was compared agrees, but forward dynamics could not be compared."""

@@ -15,7 +15,6 @@ import numpy as np
 from crosscheck.commands.excite.record import excite_record
 from crosscheck.commands.excite.sigma_bars import sigma_bars
 from crosscheck.exciting.excited import Excited, PlannedMotion
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     Block,
     Column,
@@ -36,6 +35,7 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import joint_torques
+from graphdyn.errors import counted
 from graphdyn.excitation import CHECK_RATE, LIMIT_KINDS, ExcitationPlan, FourierBasis, sample_times
 
 MAX_NAMED_LINKS = 3

@@ -18,7 +18,8 @@ from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.three_d import recorded
-from crosscheck.report.plain_text import counted, printable
+from crosscheck.report.plain_text import printable
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from crosscheck.identifying import CandidateModel, Identified, Preparation

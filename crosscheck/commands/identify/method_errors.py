@@ -10,7 +10,8 @@ from markupsafe import Markup
 
 from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
-from crosscheck.report.plain_text import counted, superscript
+from crosscheck.report.plain_text import superscript
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

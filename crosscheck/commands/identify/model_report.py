@@ -10,7 +10,6 @@ import numpy as np
 from crosscheck.commands.identify.parameter_bars import parameter_bars
 from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.results.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     NO_VALUE,
     WIDE_LINE_CHARACTERS,
@@ -23,6 +22,7 @@ from crosscheck.report.report import (
     Series,
     Table,
 )
+from graphdyn.errors import counted
 from graphdyn.identification import MethodResult
 from graphdyn.layout import Array
 

@@ -15,8 +15,8 @@ from crosscheck.commands.identify.quality_report import data_quality_section, ex
 from crosscheck.commands.identify.record import record
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict
+from graphdyn.errors import counted
 from graphdyn.identification import MIN_CORRELATION_TIMES, MethodResult
 from graphdyn.layout import Array
 

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import urdf
 from crosscheck.commands.inspect.record import record as inspect_record
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     Block,
     Column,
@@ -27,6 +26,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
+from graphdyn.errors import counted
 
 MAX_NAMED_ELEMENTS = 3
 """Elements named per kind of finding; the page has all below the table."""

@@ -12,7 +12,7 @@ import typer
 from crosscheck.commands.program.console import out, warn
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.questions.command import content, ending_of
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.rounds import AnswersPending

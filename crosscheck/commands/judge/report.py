@@ -11,7 +11,6 @@ from crosscheck.commands.judge.function_report import function_section, infinite
 from crosscheck.commands.judge.record import record
 from crosscheck.judging.judgment import Diagnosis, Judgment
 from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,
@@ -26,6 +25,7 @@ from crosscheck.report.report import (
     Table,
 )
 from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 MAX_LISTED_STATES = 20

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import typer
 
 from crosscheck.commands.program.console import Advance
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from crosscheck.recordings import ColumnMapping, Recording

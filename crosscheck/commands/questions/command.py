@@ -12,7 +12,7 @@ from crosscheck.commands.program.console import out, warnings_shown
 from crosscheck.commands.program.judged_functions import JointsOption, SettingOptions, names
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

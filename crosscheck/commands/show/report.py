@@ -15,7 +15,7 @@ from crosscheck.commands.show.description import RobotDescription
 from crosscheck.commands.show.loops_report import loops_section
 from crosscheck.commands.show.record import record
 from crosscheck.commands.show.state_report import state_section
-from crosscheck.report.plain_text import counted, matrix_lines, vector_text
+from crosscheck.report.plain_text import matrix_lines, vector_text
 from crosscheck.report.report import (
     Block,
     CharacterPicture,
@@ -34,6 +34,7 @@ from crosscheck.report.report import (
 )
 from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from markupsafe import Markup

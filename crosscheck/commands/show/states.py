@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from graphdyn import RobotModel

@@ -16,7 +16,7 @@ from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgu
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.commands.program.three_d import simulated
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from graphdyn import RobotModel, Simulation

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from crosscheck.commands.simulate.record import SimulatedRun, of_all_joints, record
-from crosscheck.report.plain_text import counted
 from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
 from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel, Simulation
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 MAX_SHOWN_ROWS = 2000

@@ -16,7 +16,7 @@ from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.record import study_record
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
-from crosscheck.report.plain_text import counted, time_text
+from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.statistics.grid import Grid, grid_of
@@ -24,6 +24,7 @@ from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median, orde
 from crosscheck.study.statistics.outcomes import Measures, read_outcomes
 from crosscheck.study.statistics.summary import StudySummary, summarized
 from crosscheck.study.tasks import Result, StudyOutcome, StudyTask
+from graphdyn.errors import counted
 
 
 def study_run_report(task: StudyTask, outcome: StudyOutcome) -> Report:

@@ -17,13 +17,14 @@ from markupsafe import Markup
 from crosscheck.commands.study.words import METHOD_CLASSES, interval_text, percent_text
 from crosscheck.report.pictures.colors import BAR, CURVES, INK, MIDDLE_COLOR
 from crosscheck.report.pictures.svg import picture
-from crosscheck.report.plain_text import counted, time_text
+from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, with_unit
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
 from crosscheck.study.statistics.outcomes import ERRORS, ScenarioOutcomes
 from crosscheck.study.statistics.ranking import record_ranks
 from crosscheck.study.statistics.summary import MethodSummary, StudySummary
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from crosscheck.commands.program.console import out, progress, warnings_shown
 from crosscheck.commands.program.judged_functions import ConventionOptions, SettingOptions, names
 from crosscheck.commands.program.options import EXAMPLES, SamplesOption, command_line
 from crosscheck.commands.program.output_files import refuse_folder, write_folder
-from crosscheck.report.plain_text import counted
+from graphdyn.errors import counted
 
 EPILOG = f"""{EXAMPLES}  graphdyn vectors ur5 --out vectors/
   graphdyn vectors arm.urdf --for inverse_dynamics,mass_matrix --out tests/arm_vectors

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from typing import Any, TypeVar
 
 from graphdyn import InvalidInput
+from graphdyn.arguments import closest
 
 T = TypeVar("T")
 
@@ -46,8 +46,8 @@ class Settings:
         """Raises BadConfiguration for a key that nothing asked for."""
         for key in self.values:
             if key not in self._known:
-                near = get_close_matches(key, self._known, n=1)
-                meant = f"did you mean {near[0]}?" if near else f"it has: {', '.join(self._known)}"
+                near = closest(key, self._known)
+                meant = f"did you mean {near}?" if near else f"it has: {', '.join(self._known)}"
                 raise self.error(key, f"is no setting of this table; {meant}")
 
 

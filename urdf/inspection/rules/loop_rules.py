@@ -7,10 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from graphdyn import InconsistentState, RobotModel
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces
 from urdf.document.elements import name_of
-from urdf.errors import counted, listed, shortened
+from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding
 from urdf.inspection.messages import of_file
 from urdf.inspection.structure import Structure
