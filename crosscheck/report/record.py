@@ -28,6 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import fields
+from functools import cache
 from inspect import get_annotations
 from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -83,12 +84,12 @@ class Record:
 
 def written(record: type[Record], result: object = None, **said: Any) -> dict[str, Any]:
     """The fields of a record: those that are said, versions, and the others from a result."""
-    types = get_type_hints(record)
+    inside = _records_inside(record)  # type: ignore[arg-type]  # mypy takes the class for an instance
     if "versions" in record.paths:
         said["versions"] = versions()
     values = {name: said[name] if name in said else _found(result, path) for name, path in record.paths.items()}
     head = {"format": record.format} if record.format else {}
-    return head | {name: _as_typed(value, types.get(name)) for name, value in values.items()}
+    return head | {name: _as_typed(value, *inside.get(name, (None, False))) for name, value in values.items()}
 
 
 class CommandRecord(Record):
@@ -106,18 +107,21 @@ def _found(result: object, path: str) -> Any:
     return result
 
 
-def _as_typed(value: Any, kind: Any) -> Any:
-    """A value in which objects are written as the records that the type of the field names; dictionaries are written
-    already.
-    """
-    record = _record_in(kind)
+def _as_typed(value: Any, record: type[Record] | None, by_name: bool) -> Any:
+    """A value in which objects are written as this record; dictionaries are written already, unless they hold them."""
     if record is None or value is None:
         return value
     if isinstance(value, list | tuple):
-        return [_as_typed(item, record) for item in value]
+        return [_as_typed(item, record, False) for item in value]
     if isinstance(value, Mapping):
-        return {key: _as_typed(item, record) for key, item in value.items()} if _is_mapping(kind) else value
+        return {key: _as_typed(item, record, False) for key, item in value.items()} if by_name else value
     return written(record, value)
+
+
+@cache
+def _records_inside(record: type[Record]) -> dict[str, tuple[type[Record] | None, bool]]:
+    """The record that the type of a field names, and whether it holds them by name, for each field with a type."""
+    return {name: (_record_in(kind), _is_mapping(kind)) for name, kind in get_type_hints(record).items()}
 
 
 def _is_mapping(kind: Any) -> bool:

@@ -11,7 +11,6 @@ import shutil
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
 from importlib.machinery import SOURCE_SUFFIXES
 from pathlib import Path
 
@@ -25,22 +24,24 @@ STANDARD_OUTPUT = ("-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1")
 ROBOT_SUFFIXES = (".urdf", ".xacro", ".xml", ".sdf")
 MESH_SUFFIXES = (".stl", ".dae", ".obj", ".mtl", ".ply", ".glb")
 OTHER_SUFFIXES = (".yaml", ".yml", ".toml", ".py", ".pyi", ".so", ".pyd")
-PLAIN = (".txt", ".dat", ".log")
-"""Endings of recordings that any other text may have too."""
+OUTPUT_SUFFIXES = (".json", ".html", ".txt", ".dat", ".log")
+"""Endings of reports, and those of recordings that any other text may have too."""
 
 
-@cache
-def sources() -> frozenset[str]:
-    """Endings of files that commands read, some of them without naming them: meshes, included files, modules, bags."""
-    from crosscheck.recordings.formats.table import formats
+def is_of_source(suffix: str) -> bool:
+    """Whether commands read files with this ending, some without being told: meshes, included files, modules, bags."""
+    if suffix in OUTPUT_SUFFIXES:
+        return False
+    if suffix in (*ROBOT_SUFFIXES, *MESH_SUFFIXES, *OTHER_SUFFIXES, ".npy"):
+        return True
+    from crosscheck.recordings.formats.table import formats  # half a second, which reports need not wait for
 
-    recordings = {"." + suffix.rpartition(".")[2] for suffix in formats()}
-    return frozenset((*ROBOT_SUFFIXES, *MESH_SUFFIXES, *recordings, ".npy", *OTHER_SUFFIXES)).difference(PLAIN)
+    return suffix in {"." + known.rpartition(".")[2] for known in formats()}
 
 
 @dataclass(frozen=True)
 class OutputFile:
-    """A file to be written, as named on the command line. own: endings of sources() that it may have."""
+    """A file to be written, as named on the command line. own: endings of sources that it may have."""
 
     name: str
     own: tuple[str, ...] = ()
@@ -111,7 +112,7 @@ def _refuse_sources(option: str, file: OutputFile, inputs: Mapping[str, object])
         if any(_same(path, Path(candidate)) for text in _texts(value) for candidate in _candidates(text)):
             read = f"{source} reads" if source.startswith("-") else "the command reads"
             raise typer.BadParameter(f"{option} {path}: {read} this file; name another")
-    if path.suffix.lower() in sources().difference(file.own):
+    if path.suffix.lower() not in file.own and is_of_source(path.suffix.lower()):
         raise typer.BadParameter(
             f"{option} {path}: there is a {path.suffix} file of this name, which would be lost; name another"
         )
