@@ -60,6 +60,11 @@ class BaseMotion:
 
     batch: tuple[int, ...] = field(init=False, repr=False, default=())
 
+    @property
+    def moves(self) -> bool:
+        """Whether it has a velocity or an acceleration."""
+        return bool(self.velocity.any() or self.acceleration.any())
+
     def at(self, batch: tuple[int, ...], index: tuple[NDArray[np.intp], ...]) -> BaseMotion:
         """The samples at this index, once broadcast to a leading shape."""
         return BaseMotion(

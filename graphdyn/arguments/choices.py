@@ -8,8 +8,9 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, TypeVar, get_args
+from typing import Any, Generic, Literal, TypedDict, TypeVar, get_args
 
+from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
@@ -19,6 +20,21 @@ WORTH_COMPILING = 1000
 """Samples from which "auto" is "recursive": the other methods then take longer than compiling, a tenth of a second."""
 
 METHODS: tuple[Method, ...] = ("auto", "recursive", "projected", "dense")
+
+Answer = TypeVar("Answer")
+
+
+class Keywords(TypedDict, Generic[Answer], total=False):
+    """The keywords of every verb, which answers an Answer; KEYWORDS says what they mean."""
+
+    base: BaseMotion | None
+    method: Method
+    threads: int | None
+    check: bool
+    out: Answer | None
+
+
+DEFAULTS = {"base": None, "method": "auto", "threads": None, "check": True, "out": None}
 
 KEYWORDS = {
     "base": "prescribed motion of the base; its leading dimensions broadcast with those of the arrays",
@@ -40,9 +56,17 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def with_keywords(verb: Function) -> Function:
-    """Completes the docstring of a verb by the meaning of the keywords it has."""
+    """Completes signature and docstring of a verb by the keywords that it has, and what they mean."""
+    signature = inspect.signature(verb)
+    own = {each.name: each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD}
+    if len(own) < len(signature.parameters):  # **keywords: Unpack[Keywords[…]]
+        for name, kind in Keywords.__annotations__.items():
+            annotation = f"{signature.return_annotation} | None" if name == "out" else kind.__forward_arg__
+            own[name] = inspect.Parameter(
+                name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=annotation
+            )
+        verb.__signature__ = signature.replace(parameters=list(own.values()))  # type: ignore[attr-defined]
     if verb.__doc__:  # python -OO strips docstrings
-        own = inspect.signature(verb).parameters
         meanings = [f"{name}: {meaning}" for name, meaning in KEYWORDS.items() if name in own]
         verb.__doc__ = "\n".join([inspect.cleandoc(verb.__doc__), "", *meanings])
     return verb

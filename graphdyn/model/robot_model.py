@@ -12,7 +12,7 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.errors import InvalidInput, InvalidModel, UnknownFrame
+from graphdyn.errors import InvalidInput, InvalidModel, UnknownFrame, counted
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from graphdyn.model import random_states
 from graphdyn.model.chord import Chord
@@ -67,7 +67,10 @@ class RobotModel:
         if not self.bodies:
             raise InvalidModel(f"{who}: no moving body; the dynamics of a model without joints are empty")
         if len(self.bodies) != len(self.joints):
-            raise InvalidModel(f"{who}: {len(self.bodies)} bodies but {len(self.joints)} joints; a tree has one each")
+            raise InvalidModel(
+                f"{who}: {counted(len(self.bodies), 'body', 'bodies')} but {counted(len(self.joints), 'joint')}; "
+                "a tree has one each"
+            )
         bodies = [self.base_name, *(body.name for body in self.bodies)]
         frames = [name for frame in self.frames for name in (frame.name, *frame.aliases)]
         joints = [joint.name for joint in self.joints]

@@ -6,10 +6,11 @@ of their links. Leading dimensions of the arguments broadcast.
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments.choices import Keywords
 from graphdyn.equations import complex_steps, regressors
 from graphdyn.equations.loops import derivatives as loop_derivatives
 from graphdyn.layout import Array
@@ -45,12 +46,7 @@ def inverse_dynamics_derivatives(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: InverseDynamicsDerivatives | None = None,
+    **keywords: Unpack[Keywords[InverseDynamicsDerivatives]],
 ) -> InverseDynamicsDerivatives:
     """∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M of inverse_dynamics.
 
@@ -61,9 +57,7 @@ def inverse_dynamics_derivatives(
 
     Raises InvalidInput.
     """
-    return computed(
-        inverse_dynamics_derivatives, model, (q, v, a), base, method, threads, check, out, external_wrenches
-    )
+    return computed(inverse_dynamics_derivatives, model, (q, v, a), keywords, external_wrenches)
 
 
 @verb(
@@ -77,12 +71,7 @@ def inverse_dynamics_second_derivatives(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: InverseDynamicsSecondDerivatives | None = None,
+    **keywords: Unpack[Keywords[InverseDynamicsSecondDerivatives]],
 ) -> InverseDynamicsSecondDerivatives:
     """∂²τ/∂q∂q, ∂²τ/∂q∂v, ∂²τ/∂q∂a and ∂²τ/∂v∂v of inverse_dynamics.
 
@@ -91,9 +80,7 @@ def inverse_dynamics_second_derivatives(
     interpreted where it takes seconds to compile: a robot of six joints.
     Arguments and errors as in inverse_dynamics_derivatives.
     """
-    return computed(
-        inverse_dynamics_second_derivatives, model, (q, v, a), base, method, threads, check, out, external_wrenches
-    )
+    return computed(inverse_dynamics_second_derivatives, model, (q, v, a), keywords, external_wrenches)
 
 
 @verb(
@@ -107,12 +94,7 @@ def forward_dynamics_derivatives(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: ForwardDynamicsDerivatives | None = None,
+    **keywords: Unpack[Keywords[ForwardDynamicsDerivatives]],
 ) -> ForwardDynamicsDerivatives:
     """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of forward_dynamics.
 
@@ -123,9 +105,7 @@ def forward_dynamics_derivatives(
 
     Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
     """
-    return computed(
-        forward_dynamics_derivatives, model, (q, v, tau), base, method, threads, check, out, external_wrenches
-    )
+    return computed(forward_dynamics_derivatives, model, (q, v, tau), keywords, external_wrenches)
 
 
 @verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives, remedy=DIFFERENCES)
@@ -135,18 +115,13 @@ def reaction_derivatives(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: ReactionDerivatives | None = None,
+    **keywords: Unpack[Keywords[ReactionDerivatives]],
 ) -> ReactionDerivatives:
     """Derivatives of the constraint forces of inverse_dynamics: multipliers and joint_wrenches, in q, v and a.
 
     Arguments, methods and errors as in inverse_dynamics_derivatives.
     """
-    return computed(reaction_derivatives, model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(reaction_derivatives, model, (q, v, a), keywords, external_wrenches)
 
 
 @verb(regressors.forward_dynamics_parameter_derivatives, remedy=DIFFERENCES)
@@ -156,12 +131,7 @@ def forward_dynamics_parameter_derivatives(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """∂a/∂π (…, n, 10n) of forward_dynamics, π = model.inertial_parameters [rad/s² or m/s² per parameter].
 
@@ -172,9 +142,7 @@ def forward_dynamics_parameter_derivatives(
 
     Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
     """
-    return computed(
-        forward_dynamics_parameter_derivatives, model, (q, v, tau), base, method, threads, check, out, external_wrenches
-    )
+    return computed(forward_dynamics_parameter_derivatives, model, (q, v, tau), keywords, external_wrenches)
 
 
 class DerivativeCalls:

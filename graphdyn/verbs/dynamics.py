@@ -6,12 +6,13 @@ Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Unpack
 
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments.choices import Keywords
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import bias_acceleration
 from graphdyn.equations.loops import dynamics as loops
@@ -43,12 +44,7 @@ def forward_dynamics(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: ForwardDynamics | None = None,
+    **keywords: Unpack[Keywords[ForwardDynamics]],
 ) -> ForwardDynamics:
     """All accelerations and all constraint forces, given the actuator torques.
 
@@ -57,7 +53,7 @@ def forward_dynamics(
 
     Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
     """
-    return computed(forward_dynamics, model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(forward_dynamics, model, (q, v, tau), keywords, external_wrenches)
 
 
 @verb(projected.inverse_dynamics, answer=InverseDynamics, closed=loops.inverse_dynamics)
@@ -68,12 +64,8 @@ def inverse_dynamics(
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
     *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: InverseDynamics | None = None,
     actuated: Sequence[str] | None = None,
+    **keywords: Unpack[Keywords[InverseDynamics]],
 ) -> InverseDynamics:
     """Actuator torques and all constraint forces, given the joint accelerations.
 
@@ -86,7 +78,7 @@ def inverse_dynamics(
     Raises InvalidInput, with loops also where motors leave a motion free; InconsistentState where a loop is open.
     """
     model = model if actuated is None else model.with_actuated(actuated)
-    return computed(inverse_dynamics, model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(inverse_dynamics, model, (q, v, a), keywords, external_wrenches)
 
 
 @verb(
@@ -101,18 +93,13 @@ def solve_kkt(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: tuple[Array, Array] | None = None,
+    **keywords: Unpack[Keywords[tuple[Array, Array]]],
 ) -> tuple[Array, Array]:
     """The unknowns of Eq. (111), and nothing else: body_accelerations (…, n, 6) and multipliers (…, n, 5).
 
     Arguments, units and errors as in forward_dynamics, for any number of states; kkt_system shows the equations of one.
     """
-    return computed(solve_kkt, model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(solve_kkt, model, (q, v, tau), keywords, external_wrenches)
 
 
 @verb(projected.inverse_dynamics, recursion="inverse_dynamics", outputs=("tau",), closed=loops.inverse_dynamics)
@@ -122,18 +109,13 @@ def joint_torques(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """inverse_dynamics(…).tau alone (…, n), which takes a third of the time [N m or N].
 
     Arguments and errors are the same.
     """
-    return computed(joint_torques, model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(joint_torques, model, (q, v, a), keywords, external_wrenches)
 
 
 @verb(projected.forward_dynamics, recursion="forward_dynamics", outputs=("a",), closed=loops.forward_dynamics)
@@ -143,73 +125,40 @@ def joint_accelerations(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """forward_dynamics(…).a alone (…, n), which takes a third of the time [rad/s² or m/s²].
 
     Arguments and errors are the same.
     """
-    return computed(joint_accelerations, model, (q, v, tau), base, method, threads, check, out, external_wrenches)
+    return computed(joint_accelerations, model, (q, v, tau), keywords, external_wrenches)
 
 
 @verb(projected.bias_torque, closed=loops.at_motors(projected.bias_torque))
-def bias_torque(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """h (…, n): τ = M a + h without external wrenches: velocity, gravity and base motion [N m or N].
 
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput.
     """
-    return computed(bias_torque, model, (q, v), base, method, threads, check, out)
+    return computed(bias_torque, model, (q, v), keywords)
 
 
 @verb(projected.gravity_torque, closed=loops.at_motors(projected.gravity_torque))
-def gravity_torque(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def gravity_torque(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """g (…, n): τ that holds the robot at rest against gravity, the gradient of its potential energy [N m or N].
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput.
     """
-    at_rest = base and BaseMotion(base.rotation, base.translation)
-    return computed(gravity_torque, model, (q,), at_rest, method, threads, check, out)
+    return computed(gravity_torque, model, (q,), _at_rest(keywords))
 
 
 @verb(projected.static_torque, closed=loops.at_motors(projected.static_torque))
 def static_torque(
-    model: RobotModel,
-    q: ArrayLike,
-    external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    model: RobotModel, q: ArrayLike, external_wrenches: ArrayLike | None = None, **keywords: Unpack[Keywords[Array]]
 ) -> Array:
     """τ (…, n) that holds the robot at rest against gravity and external wrenches [N m or N].
 
@@ -219,8 +168,13 @@ def static_torque(
 
     Of the motion of a base only the placement counts. Raises InvalidInput.
     """
-    at_rest = base and BaseMotion(base.rotation, base.translation)
-    return computed(static_torque, model, (q,), at_rest, method, threads, check, out, external_wrenches)
+    return computed(static_torque, model, (q,), _at_rest(keywords), external_wrenches)
+
+
+def _at_rest(keywords: Keywords[Array]) -> Keywords[Array]:
+    """The keywords with the base where it is, without its motion."""
+    base = keywords.get("base")
+    return {**keywords, "base": base and BaseMotion(base.rotation, base.translation)}
 
 
 def kkt_system(

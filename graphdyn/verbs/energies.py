@@ -5,10 +5,11 @@ Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments.choices import Keywords
 from graphdyn.equations import projected, regressors
 from graphdyn.equations.loops import dynamics as loops
 from graphdyn.layout import Array
@@ -26,44 +27,25 @@ __all__ = [
 
 
 @verb(projected.kinetic_energy)
-def kinetic_energy(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def kinetic_energy(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """T = Σ ½ (m ṙ² + ωᵀ J ω) of all bodies (…) [J], in the world also where the base moves.
 
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput.
     """
-    return computed(kinetic_energy, model, (q, v), base, method, threads, check, out)
+    return computed(kinetic_energy, model, (q, v), keywords)
 
 
 @verb(projected.potential_energy)
-def potential_energy(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def potential_energy(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """U = -Σ m g·r of all bodies (…) [J]; zero where the centers of mass are at the height of the world's origin.
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput.
     """
-    return computed(potential_energy, model, (q,), base, method, threads, check, out)
+    return computed(potential_energy, model, (q,), keywords)
 
 
 @verb(projected.power, closed=loops.power)
@@ -73,12 +55,7 @@ def power(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """P_j = τ_j v_j (…, n) [W]: what each actuator supplies, with the torques of inverse_dynamics.
 
@@ -88,20 +65,12 @@ def power(
 
     Raises InvalidInput.
     """
-    return computed(power, model, (q, v, a), base, method, threads, check, out, external_wrenches)
+    return computed(power, model, (q, v, a), keywords, external_wrenches)
 
 
 @verb(regressors.energy_regressor, answer=EnergyRegressor)
 def energy_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: EnergyRegressor | None = None,
+    model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[EnergyRegressor]]
 ) -> EnergyRegressor:
     """T = kinetic @ π and U = potential @ π, π = model.inertial_parameters: (…, 10n) each.
 
@@ -112,7 +81,7 @@ def energy_regressor(
 
     Raises InvalidInput.
     """
-    return computed(energy_regressor, model, (q, v), base, method, threads, check, out)
+    return computed(energy_regressor, model, (q, v), keywords)
 
 
 class EnergyCalls:

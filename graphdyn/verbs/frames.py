@@ -12,10 +12,11 @@ Linear first. Leading dimensions of the arguments broadcast.
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method, Reference, frame_choice
+from graphdyn.arguments.choices import Keywords, Reference, frame_choice
 from graphdyn.equations import complex_steps, frame_motion
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
@@ -32,16 +33,7 @@ __all__ = [
 
 @verb(frame_motion.frame_jacobian)
 def frame_jacobian(
-    model: RobotModel,
-    q: ArrayLike,
-    frame: str,
-    *,
-    reference: Reference,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    model: RobotModel, q: ArrayLike, frame: str, *, reference: Reference, **keywords: Unpack[Keywords[Array]]
 ) -> Array:
     """J (…, 6, n): frame_velocity = J v, on a base at rest [m, 1 of revolute joints, 1, 0 of prismatic ones].
 
@@ -54,7 +46,7 @@ def frame_jacobian(
     Raises UnknownFrame, InvalidInput.
     """
     choice = frame_choice(model, frame, reference)
-    return computed(frame_jacobian, model, (q,), base, method, threads, check, out, frame=choice)
+    return computed(frame_jacobian, model, (q,), keywords, frame=choice)
 
 
 @verb(frame_motion.frame_velocity)
@@ -65,11 +57,7 @@ def frame_velocity(
     frame: str,
     *,
     reference: Reference,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """Linear velocity and ω of a frame (…, 6) [m/s, rad/s]; of velocities, classical and spatial are the same.
 
@@ -82,7 +70,7 @@ def frame_velocity(
     Raises UnknownFrame, InvalidInput.
     """
     choice = frame_choice(model, frame, reference)
-    return computed(frame_velocity, model, (q, v), base, method, threads, check, out, frame=choice)
+    return computed(frame_velocity, model, (q, v), keywords, frame=choice)
 
 
 @verb(frame_motion.frame_acceleration)
@@ -95,11 +83,7 @@ def frame_acceleration(
     *,
     reference: Reference,
     classical: bool = True,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """Linear acceleration, classical or spatial, and ω̇ of a frame (…, 6) [m/s², rad/s²], without gravity.
 
@@ -112,7 +96,7 @@ def frame_acceleration(
     Raises UnknownFrame, InvalidInput.
     """
     choice = frame_choice(model, frame, reference, classical)
-    return computed(frame_acceleration, model, (q, v, a), base, method, threads, check, out, frame=choice)
+    return computed(frame_acceleration, model, (q, v, a), keywords, frame=choice)
 
 
 @verb(complex_steps.frame_jacobian_derivative)
@@ -123,11 +107,7 @@ def frame_jacobian_derivative(
     frame: str,
     *,
     reference: Reference,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    **keywords: Unpack[Keywords[Array]],
 ) -> Array:
     """J̇ (…, 6, n): the derivative in time of each entry of frame_jacobian, on a base at rest.
 
@@ -139,6 +119,6 @@ def frame_jacobian_derivative(
     Raises UnknownFrame; InvalidInput, also for a base that moves.
     """
     choice = frame_choice(model, frame, reference)
-    if base is not None and (base.velocity.any() or base.acceleration.any()):
+    if (base := keywords.get("base")) and base.moves:
         raise InvalidInput("frame_jacobian_derivative takes a base at rest: the axes of a moving one turn, too")
-    return computed(frame_jacobian_derivative, model, (q, v), base, method, threads, check, out, frame=choice)
+    return computed(frame_jacobian_derivative, model, (q, v), keywords, frame=choice)

@@ -5,10 +5,11 @@ Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments.choices import Keywords
 from graphdyn.equations import complex_steps, projected, regressors
 from graphdyn.equations.loops import dynamics as loops
 from graphdyn.errors import InvalidInput
@@ -28,57 +29,29 @@ __all__ = [
 
 
 @verb(projected.mass_matrix)
-def mass_matrix(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def mass_matrix(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """M = NᵀAN (…, n, n) [kg m², kg m, kg].
 
     q: joint positions (…, n) [rad or m]. The motion of a base does not change M; all verbs take the keyword.
 
     Raises InvalidInput.
     """
-    return computed(mass_matrix, model, (q,), base, method, threads, check, out)
+    return computed(mass_matrix, model, (q,), keywords)
 
 
 @verb(projected.mass_matrix_inverse, remedy="joint_accelerations says what torques do")
-def mass_matrix_inverse(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def mass_matrix_inverse(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """M⁻¹ (…, n, n): the accelerations that unit torques give [1/(kg m²), 1/(kg m), 1/kg].
 
     q: joint positions (…, n) [rad or m]. The motion of a base does not change M.
 
     Raises InvalidInput; SingularMassMatrix where M has no inverse (massless bodies).
     """
-    return computed(mass_matrix_inverse, model, (q,), base, method, threads, check, out)
+    return computed(mass_matrix_inverse, model, (q,), keywords)
 
 
 @verb(complex_steps.coriolis_matrix)
-def coriolis_matrix(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """C (…, n, n): C v is the part of the bias torque that velocities cause, and Ṁ - 2C is skew [N m s, N s, kg/s].
 
     C = ½ (Ṁ + B - Bᵀ) with B = ∂(M v)/∂q, the matrix of the Christoffel symbols (Siciliano et al., Robotics, 2009,
@@ -87,23 +60,14 @@ def coriolis_matrix(
 
     Raises InvalidInput, also for a base that moves.
     """
-    if base is not None and (base.velocity.any() or base.acceleration.any()):
+    if (base := keywords.get("base")) and base.moves:
         raise InvalidInput("coriolis_matrix takes a base at rest: C v is not what a moving base adds to bias_torque")
-    return computed(coriolis_matrix, model, (q, v), base, method, threads, check, out)
+    return computed(coriolis_matrix, model, (q, v), keywords)
 
 
 @verb(regressors.joint_torque_regressor, closed=loops.at_motors(regressors.joint_torque_regressor))
 def joint_torque_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[Keywords[Array]]
 ) -> Array:
     """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
 
@@ -113,21 +77,12 @@ def joint_torque_regressor(
 
     Raises InvalidInput.
     """
-    return computed(joint_torque_regressor, model, (q, v, a), base, method, threads, check, out)
+    return computed(joint_torque_regressor, model, (q, v, a), keywords)
 
 
 @verb(regressors.body_regressor)
 def body_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    a: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[Keywords[Array]]
 ) -> Array:
     """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
 
@@ -138,21 +93,11 @@ def body_regressor(
 
     Raises InvalidInput.
     """
-    return computed(body_regressor, model, (q, v, a), base, method, threads, check, out)
+    return computed(body_regressor, model, (q, v, a), keywords)
 
 
 @verb(regressors.momentum_regressor)
-def momentum_regressor(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def momentum_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """(…, n, 10n): M v = it @ π, π = model.inertial_parameters [kg m²/s or kg m/s].
 
     The momenta of the joints, ∂T/∂v on a base at rest. Their rate is τ + ∂T/∂q - ∂U/∂q: with energy_regressor, an
@@ -162,7 +107,7 @@ def momentum_regressor(
 
     Raises InvalidInput.
     """
-    return computed(momentum_regressor, model, (q, v), base, method, threads, check, out)
+    return computed(momentum_regressor, model, (q, v), keywords)
 
 
 class MatrixCalls:

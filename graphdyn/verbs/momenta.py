@@ -6,10 +6,11 @@ a robot whose masses add up to zero.
 
 from __future__ import annotations
 
+from typing import Unpack
+
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Method
+from graphdyn.arguments.choices import Keywords
 from graphdyn.equations import body_sums
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
@@ -27,36 +28,19 @@ __all__ = [
 
 
 @verb(body_sums.center_of_mass)
-def center_of_mass(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def center_of_mass(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """c = Σ m r / Σ m of all bodies (…, 3), in the world [m].
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return computed(center_of_mass, model, (q,), base, method, threads, check, out)
+    return computed(center_of_mass, model, (q,), keywords)
 
 
 @verb(body_sums.center_of_mass_velocity)
 def center_of_mass_velocity(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
+    model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]
 ) -> Array:
     """ċ = Σ m ṙ / Σ m (…, 3), world axes [m/s].
 
@@ -64,41 +48,22 @@ def center_of_mass_velocity(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return computed(center_of_mass_velocity, model, (q, v), base, method, threads, check, out)
+    return computed(center_of_mass_velocity, model, (q, v), keywords)
 
 
 @verb(body_sums.center_of_mass_jacobian)
-def center_of_mass_jacobian(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def center_of_mass_jacobian(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """∂c/∂q (…, 3, n), world axes: ċ = it @ v while the base is at rest [m or 1].
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return computed(center_of_mass_jacobian, model, (q,), base, method, threads, check, out)
+    return computed(center_of_mass_jacobian, model, (q,), keywords)
 
 
 @verb(body_sums.momentum, answer=Momentum)
-def momentum(
-    model: RobotModel,
-    q: ArrayLike,
-    v: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Momentum | None = None,
-) -> Momentum:
+def momentum(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Momentum]]) -> Momentum:
     """Linear and angular momentum of all bodies, about the center of mass and about the world's origin, world axes.
 
     Linear Σ m ṙ; angular Σ (r - c) × m ṙ + R J ω, or Σ r × m ṙ + R J ω. Its rate about the origin is the moment of
@@ -107,20 +72,11 @@ def momentum(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return computed(momentum, model, (q, v), base, method, threads, check, out)
+    return computed(momentum, model, (q, v), keywords)
 
 
 @verb(body_sums.centroidal_map)
-def centroidal_map(
-    model: RobotModel,
-    q: ArrayLike,
-    *,
-    base: BaseMotion | None = None,
-    method: Method = "auto",
-    threads: int | None = None,
-    check: bool = True,
-    out: Array | None = None,
-) -> Array:
+def centroidal_map(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
     """A_G (…, 6, n): momentum about the center of mass = A_G v while the base is at rest; linear first, world axes.
 
     Orin, Goswami and Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 35(2), 2013; kg m and kg m² for
@@ -129,7 +85,7 @@ def centroidal_map(
 
     Raises InvalidInput, also for a robot without mass.
     """
-    return computed(centroidal_map, model, (q,), base, method, threads, check, out)
+    return computed(centroidal_map, model, (q,), keywords)
 
 
 class MomentumCalls:

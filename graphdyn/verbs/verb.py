@@ -8,7 +8,7 @@ absent where there are none.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, TypeVar, cast
@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import FrameChoice, Method, is_recursive, with_keywords
+from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, Keywords, is_recursive, with_keywords
+from graphdyn.arguments.keywords import refuse_unknown
 from graphdyn.compiler.batch import Evaluation, Options, evaluate
 from graphdyn.equations import projected
 from graphdyn.equations.loops.reactions import in_self_stress_usually
@@ -28,7 +29,6 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 
-Answer = TypeVar("Answer")
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -140,84 +140,48 @@ def computed(
     function: Callable[..., Answer],
     model: RobotModel,
     arguments: tuple[ArrayLike, ...],
-    base: BaseMotion | None,
-    method: Method,
-    threads: int | None,
-    check: bool,
-    out: Answer | None,
+    keywords: Keywords[Answer],
     external_wrenches: ArrayLike | None = None,
     frame: FrameChoice | None = None,
 ) -> Answer:
     """What a verb answers.
 
-    function: the public function of the verb; arguments: in the order of its inputs; the keywords are choices.KEYWORDS
+    function: the public function of the verb; arguments: in the order of its inputs
     frame: given to the verbs that speak of one (graphdyn.arguments.choices.frame_choice)
+
+    Raises TypeError for a keyword that is none of KEYWORDS, naming the closest.
     """
+    if not keywords.keys() <= KEYWORDS.keys():
+        refuse_unknown(function, keywords, ())
     verb = VERBS[function.__name__]
+    base, method, out = keywords.get("base"), keywords.get("method", "auto"), keywords.get("out")
     given = dict(zip(verb.inputs, arguments, strict=True))
     if external_wrenches is not None:
         given["external_wrenches"] = external_wrenches
     x = joint_arrays(model, base, check=False, **given)
     verb.refuse_loops(model)
-    if model.chords and verb.closed is not None:
-        arrays = _of_loops(verb, verb.closed, model, x, base, method, Options(threads, check), out)
-    else:
-        specification = verb.specification if frame is None else partial(verb.specification, frame=frame)
-        if is_recursive(method, x, out):
-            moving = base if RECURSIONS[verb.recursion].on_moving_base else None
-            options, memory = Options(threads, check), verb.memory(out)
-            arrays = answers(model, specification, verb, x, moving, options, memory, frame)
-        else:
-            arrays = specification(model, _complete(model, x), base, method == "dense")
-    return cast(Answer, verb.packed(arrays))
-
-
-def _of_loops(
-    verb: Verb,
-    closed: Specification,
-    model: RobotModel,
-    x: dict[str, Array],
-    base: BaseMotion | None,
-    method: Method,
-    options: Options,
-    out: object,
-) -> dict[str, Array]:
-    """Answers of a robot with loops. What they leave undetermined is NaN."""
-    if not (is_recursive(method, x, out) and (verb.is_compiled(model) or method == "recursive" or out is not None)):
-        return closed(model, _complete(model, x), base, method == "dense")
-    verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
-    arrays = answers(model, closed, verb, x, base, options, verb.memory(out))
-    for name, undetermined in in_self_stress_usually(model).items():
-        if name in arrays:
-            arrays[name][..., undetermined] = np.nan
-    return arrays
-
-
-def _complete(model: RobotModel, x: dict[str, Array]) -> dict[str, Array]:
-    """The arguments, finite, with external wrenches. Raises InvalidInput."""
-    refuse_non_finite(model, x)
-    return with_wrenches(model, x)
+    closed = verb.closed if model.chords else None
+    specification = closed or (verb.specification if frame is None else partial(verb.specification, frame=frame))
+    asked = method == "recursive" or out is not None
+    if not is_recursive(method, x, out) or (closed and not asked and not verb.is_compiled(model)):
+        refuse_non_finite(model, x)
+        return cast(Answer, verb.packed(specification(model, with_wrenches(model, x), base, method == "dense")))
+    if closed:
+        verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
+    options = Options(keywords.get("threads"), keywords.get("check", True))
+    moving = base if closed or RECURSIONS[verb.recursion].on_moving_base else None
+    answer = evaluate(model, verb.recursion, verb.outputs, x, moving, options, verb.memory(out), frame)
+    if answer.suspects.size:
+        _decide(model, answer, specification, x, moving)
+    if closed:
+        for name, undetermined in in_self_stress_usually(model).items():
+            if name in answer.arrays:
+                answer.arrays[name][..., undetermined] = np.nan
+    return cast(Answer, verb.packed(answer.arrays))
 
 
 def _listed(names: Sequence[int | str]) -> str:
     return ", ".join(map(str, names)) + ("," if names == ("n",) else "")
-
-
-def answers(
-    model: RobotModel,
-    specification: Specification,
-    verb: Verb,
-    x: Arguments,
-    base: BaseMotion | None,
-    options: Options,
-    out: Mapping[str, Array] | None,
-    frame: FrameChoice | None = None,
-) -> dict[str, Array]:
-    """The outputs of the recursion, which agrees with the specification. Raises SingularMassMatrix."""
-    answer = evaluate(model, verb.recursion, verb.outputs, x, base, options, out, frame)
-    if answer.suspects.size:
-        _decide(model, answer, specification, x, base)
-    return answer.arrays
 
 
 def _decide(
