@@ -16,8 +16,7 @@ from crosscheck.bench.forms.casadi_forms import CASADI_NAME as CASADI
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
 from crosscheck.bench.identification import Identifications, identifications
 from crosscheck.bench.machine.floor import Floor, Machine, floor, limit, machine
-from crosscheck.bench.machine.load import Load, load
-from crosscheck.bench.machine.timing import Times
+from crosscheck.bench.machine.timing import Load, Times, load
 from crosscheck.bench.states import random_states
 from crosscheck.bench.works import WORK_DESCRIPTIONS, Peers, work, works_of
 from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION as PINOCCHIO

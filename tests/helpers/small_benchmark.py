@@ -8,8 +8,7 @@ import pytest
 from crosscheck.bench import benchmark
 from crosscheck.bench.benchmark import N_PROGRESS_STEPS, Effort
 from crosscheck.bench.calls import CALL_WORKS
-from crosscheck.bench.machine.load import Load
-from crosscheck.bench.machine.timing import Times
+from crosscheck.bench.machine.timing import Load, Times
 from graphdyn import kr500
 
 SMALL = Effort(duration=1e-3, repeats=3, processes=1, most_loop=300, lengths=(2, 3, 4))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import glob
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import typer
 from rich.text import Text
 
-from crosscheck.commands.identify import parts
 from crosscheck.commands.identify.models import method_shown, methods_of
 from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.program.console import out, progress, say, warnings_shown
@@ -60,8 +60,7 @@ def run(options: IdentifyOptions) -> None:
     Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
     """
     robot = options.robot or DEFAULT_ROBOT
-    chosen = parts.methods(options.methods) if options.in_parts else methods_of(options.methods)
-    models = options.candidates(chosen)
+    models = options.candidates(methods_of(options.methods, of_sums=options.in_parts))
     preparation, loop = options.preparation, options.loop
     from crosscheck.commands.identify.report import identify_report
     from crosscheck.report.report import with_stage
@@ -114,14 +113,38 @@ def from_recordings(options: IdentifyOptions, robot: str, asked: Asked) -> Ident
 def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:
     """The LOGs, read part by part."""
     from crosscheck.identifying import identify
+    from crosscheck.recordings import PartitionedRecording
 
-    logs, validate, reading = options.logs or [], options.validate, options.reading
+    cutoff = asked.preparation.cutoff
+    assert isinstance(cutoff, float | Mapping | None)
     with options.workers.kept() as workers, progress("rows") as advance:
-        data = parts.recording(options, logs, asked.preparation, workers)
-        ahead = parts.recording(options, validate, asked.preparation, workers) if validate else None
-        found = identify(robot, data, held_out=ahead, progress=advance, reading=reading, **asked._asdict())
-    show_findings(parts.findings(found))
+
+        def recording(paths: Sequence[Path]) -> PartitionedRecording:
+            names = _expanded(paths)
+            return PartitionedRecording(names, options.mapping, None, options.rate, cutoff, workers=workers)
+
+        found = identify(
+            robot,
+            recording(options.logs or []),
+            held_out=recording(options.validate) if options.validate else None,
+            progress=advance,
+            reading=options.reading,
+            **asked._asdict(),
+        )
+    read = [*found.recordings, *(trial.test for trial in found.division.trials)]
+    every = [finding for recording in read for finding in recording.findings]
+    once = {(finding.code, finding.message): finding for finding in reversed(every)}  # the same is said of many logs
+    show_findings(reversed(once.values()))
     return found
+
+
+def _expanded(paths: Sequence[Path]) -> list[str]:
+    """The arguments with patterns, which a shell leaves in quotation marks as they are, replaced by what they match."""
+    return [name for path in paths for name in ([str(path)] if path.exists() else _matching(str(path)))]
+
+
+def _matching(pattern: str) -> list[str]:
+    return sorted(glob.glob(pattern)) or [pattern]  # what is not there is refused by name
 
 
 def simulated(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:

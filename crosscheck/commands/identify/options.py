@@ -1,16 +1,25 @@
-"""IdentifyOptions of `graphdyn identify`."""
+"""Options of `graphdyn identify`: control loop, torque model, preparation, rows to predict."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
-from crosscheck.commands.identify.loop_options import LoopOptions
-from crosscheck.commands.identify.models import FUNCTION_FORM
-from crosscheck.commands.identify.torque_options import TorqueOptions
+from crosscheck.commands.identify.models import (
+    DEFAULT_TERMS,
+    FUNCTION_FORM,
+    drives_of,
+    known_torques,
+    links,
+    models_of,
+    payload_of,
+    scaled_torques,
+)
+from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.options import PageOptions, WorkerOptions, robot_names
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
@@ -18,8 +27,142 @@ from crosscheck.commands.program.recording_options import RecordingOptions, numb
 from crosscheck.commands.program.settings import refuse
 
 if TYPE_CHECKING:
-    from crosscheck.identifying import HeldOut, Preparation
+    from crosscheck.identifying import CandidateModel, HeldOut, Preparation
     from crosscheck.recordings import Recording
+    from graphdyn.identification import ClosedLoop, Estimator
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopOptions:
+    """The controller of the recordings."""
+
+    PANEL: ClassVar[str] = "Control loop of the recordings, for iv, didim, cloe and clie"
+
+    controller: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE.py:NAME",
+            help="A function without arguments that makes the PDControl or ComputedTorqueControl of the recording, its "
+            "target over the time of the LOG; or a control law (t, q, v) → τ.",
+        ),
+    ] = None
+    control_rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="Rate of the controller; its torque is held in between.")
+    ] = None
+
+    @property
+    def loop(self) -> ClosedLoop | None:
+        """Raises typer.BadParameter for a rate that is none, or has no controller, and for other answers."""
+        from inspect import signature
+
+        from graphdyn import ComputedTorqueControl, PDControl
+        from graphdyn.identification import ClosedLoop
+
+        text, rate = self.controller, self.control_rate
+        if rate is not None and (text is None or not rate > 0):
+            raise typer.BadParameter(f"--control-rate {rate:g}: give Hz above zero, and a --controller")
+        if text is None:
+            return None
+        function: Any = user_function("--controller", text)
+        period = None if rate is None else 1 / rate
+        if len(signature(function).parameters) > 0:
+            return ClosedLoop(function, period=period)
+        controller = function()
+        if not isinstance(controller, PDControl | ComputedTorqueControl):
+            raise typer.BadParameter(
+                f"--controller {text} makes a {type(controller).__name__}; a PDControl or ComputedTorqueControl is "
+                "needed, or a control law with the arguments t, q and v"
+            )
+        return ClosedLoop(controller if period is None else replace(controller, period=period))
+
+
+@dataclass(frozen=True, kw_only=True)
+class TorqueOptions:
+    """What makes up the torque."""
+
+    PANEL: ClassVar[str] = "Torque model"
+
+    terms: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME,…",
+            rich_help_panel="Options",
+            show_default=DEFAULT_TERMS,
+            help="Terms of the drives: viscous, coulomb, stribeck, load, smooth-coulomb, offset, rotor, "
+            "asymmetric-viscous, asymmetric-coulomb, coupled-wrist, slip, spring, or none; NAME*time and "
+            "NAME*temperature for terms that drift. Repeatable: torque models to compare.",
+        ),
+    ] = None
+    models: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="TOML file of torque models to compare (docs/identification.md), instead of --terms.",
+        ),
+    ] = None
+    width: Annotated[
+        str | None,
+        typer.Option(metavar="X|X,X,…", help="Use tanh(v/X) instead of the sign of v in friction [rad/s or m/s]."),
+    ] = None
+    stribeck_velocity: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X|X,X,…", show_default="0.1", help="Speed V at which Stribeck friction fades [rad/s, m/s]."
+        ),
+    ] = None
+    stribeck_exponent: Annotated[
+        str | None,
+        typer.Option(metavar="X|X,X,…", show_default="2", help="Stribeck friction fades as exp(-|v/V|^X)."),
+    ] = None
+    term: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar=FUNCTION_FORM, help="A function without arguments that returns a further term. Repeatable."
+        ),
+    ] = None
+    known_torque: Annotated[
+        list[str] | None,
+        typer.Option(metavar=FUNCTION_FORM, help="(q, v, a) → known torque (N, n), which is subtracted. Repeatable."),
+    ] = None
+    scaled_torque: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar=FUNCTION_FORM, help="The same with an unknown factor: springs, counterbalances. Repeatable."
+        ),
+    ] = None
+    known_bodies: Annotated[
+        bool, typer.Option("--known-bodies", help="Keep the links of the URDF; identify drives and payload only.")
+    ] = False
+    payload: Annotated[
+        str | None,
+        typer.Option(
+            metavar="unknown|unknown@X,Y,Z|M@X,Y,Z",
+            help="Load on the last link: ten unknowns, an unknown mass with known center, or a known point mass.",
+        ),
+    ] = None
+    payload_on: Annotated[str | None, typer.Option(metavar="LINK", help="Link that carries the payload.")] = None
+
+    def candidates(self, methods: Sequence[str | Estimator]) -> list[CandidateModel]:
+        """One torque model for every --terms, or those of --models. Raises InvalidInput and typer.BadParameter.
+
+        methods: of the models that do not say
+        """
+        from crosscheck.identifying import CandidateModel
+
+        load, known_load = payload_of(self.payload, self.payload_on)
+        load += scaled_torques(self.scaled_torque)
+        known = (*known_torques(self.known_torque), *known_load)
+        if self.models is not None:
+            return models_of(self.models, methods, load, known, self.known_bodies)
+        bodies, known_links = links(self.known_bodies)
+        given = list(self.terms or [DEFAULT_TERMS])
+        drives = drives_of(given, self.width, (self.stribeck_velocity, self.stribeck_exponent), self.term)
+        names = given if len(given) > 1 else [""]
+        return [
+            CandidateModel(name, (*bodies, *load, *own), (*known_links, *known), methods)
+            for name, own in zip(names, drives, strict=True)
+        ]
+
 
 RESULT_PANEL = "Recommended model"
 

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.commands.identify.method_errors import singular_values
-from crosscheck.commands.identify.methods_report import methods_section
+from crosscheck.commands.identify.methods_report import methods_section, singular_values
 from crosscheck.commands.identify.model_report import parameters_section, torques_section
 from crosscheck.commands.identify.quality_report import data_quality_section, excitation_table, rejection_sections
 from crosscheck.commands.identify.record import record

@@ -2,8 +2,15 @@
 
 import pytest
 
-from crosscheck.bench.machine.floor import FloorLoops, Machine, floor, limit, machine
-from crosscheck.bench.machine.instructions import floating_point_operations, fused_instructions
+from crosscheck.bench.machine.floor import (
+    FloorLoops,
+    Machine,
+    floating_point_operations,
+    floor,
+    fused_instructions,
+    limit,
+    machine,
+)
 from graphdyn import kr500
 from graphdyn.scalars.expressions import Recorder
 

@@ -19,8 +19,7 @@ from typer.testing import CliRunner
 
 from crosscheck.bench import benchmark
 from crosscheck.bench.machine.floor import Floor, Machine
-from crosscheck.bench.machine.load import Load, load
-from crosscheck.bench.machine.timing import Times
+from crosscheck.bench.machine.timing import Load, Times, load
 from crosscheck.commands import app
 from crosscheck.commands.bench.record import record as record_of
 from crosscheck.commands.bench.report import bench_report, facts

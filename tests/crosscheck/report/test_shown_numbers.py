@@ -10,9 +10,10 @@ from planting import compared
 
 from crosscheck.bench.contender import SpeedRatio
 from crosscheck.bench.machine.timing import Ratio
-from crosscheck.commands.bench import ratio_bars
+from crosscheck.commands.bench import report as ratio_bars
 from crosscheck.commands.crosscheck.report import crosscheck_report
-from crosscheck.commands.identify import method_errors, parameter_bars
+from crosscheck.commands.identify import methods_report as method_errors
+from crosscheck.commands.identify import model_report as parameter_bars
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.commands.judge.function_report import function_section
 from crosscheck.identifying.results.parameters import BaseRow, base_rows
