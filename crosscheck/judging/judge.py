@@ -10,6 +10,7 @@ from typing import Any, Unpack
 
 from threadpoolctl import threadpool_limits
 
+from crosscheck.judging.faults.file_reading import faults_of_file
 from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest, joint_order
 from crosscheck.judging.observing.references import References, check_declared
@@ -25,7 +26,6 @@ from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_ch
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.arguments import refuse_unknown
 from urdf import Reading, ReadingKeywords
-from urdf.reading import Misreadings
 
 Progress = Callable[[str], None]
 """Called with the name of the next step."""
@@ -124,7 +124,7 @@ def judge_functions(
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
                 say(f"looking for the fault of {name}")
-                diagnoses += diagnoses_of(function, found, declared, partial(_readings, robot), say)
+                diagnoses += diagnoses_of(function, found, declared, partial(faults_of_file, robot), say)
     judgment = Judgment(
         robot=robot.name,
         file=robot.file,
@@ -170,10 +170,6 @@ def drawn_states(model: RobotModel, setting: Setting, functions: Collection[Quan
         beyond_limits=setting.beyond_limits,
         frame=setting.frame,
     )
-
-
-def _readings(robot: Subject) -> Misreadings | None:
-    return Misreadings(robot.file, robot.reading) if robot.file else None
 
 
 def _references(states: JudgedStates, notes: list[str]) -> References:

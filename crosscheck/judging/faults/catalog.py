@@ -11,8 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from crosscheck.judging.faults.arguments import angles, arguments, orders, units
-from crosscheck.judging.faults.fault import CodeFault, Family, FaultDescription
-from crosscheck.judging.faults.file_reading import file_reading
+from crosscheck.judging.faults.fault import COMPLEX_STEP, CodeFault, Family, FaultDescription
 from crosscheck.judging.faults.geometry import frames, geometry
 from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.signs import signs
@@ -20,7 +19,6 @@ from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY, gravity, joint_te
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from urdf.reading import Misreadings
 
 MIN_EQUAL_ANSWERS = 2
 """Answers of one size, the largest, from which on it may be a limit."""
@@ -113,13 +111,26 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
 def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
     largest = np.abs(v).max()
     size = np.abs(deviation).max()
+
+    def slopes(x: Array) -> Array:
+        """Exact derivatives (N, p)."""
+        steps = x[:, None] + 1j * COMPLEX_STEP * np.eye(p)
+        return law(steps[..., None], v).imag.T / COMPLEX_STEP  # type: ignore[no-any-return]
+
     best = None
     for width in TRIAL_WIDTHS:
         for stribeck in TRIAL_WIDTHS if p == 5 else (1.0,):
             start = np.array([0.0, size / 2, width * largest, size / 2, stribeck * largest])[:p]
             scale = np.array([size / largest, size, largest, size, largest])[:p]
             found = least_squares(
-                lambda x: law(x, v) - deviation, start, x_scale=scale, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15
+                lambda x: law(x, v) - deviation,
+                start,
+                slopes,
+                x_scale=scale,
+                method="lm",
+                xtol=1e-15,
+                ftol=1e-15,
+                gtol=1e-15,
             )
             if best is None or found.cost < best.cost:
                 best = found
@@ -127,8 +138,8 @@ def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
     return np.asarray(best.x)
 
 
-def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[CodeFault]:
-    """All faults without free numbers; readings: of the file, where there is one."""
+def faults(model: RobotModel) -> Iterator[CodeFault]:
+    """All faults without free numbers, but those in reading a file."""
     yield from signs(model)
     yield from units(model)
     yield from angles(model)
@@ -136,8 +147,6 @@ def faults(model: RobotModel, readings: Misreadings | None) -> Iterator[CodeFaul
     yield from frames(model)
     yield from inertials(model)
     yield from orders(model)
-    if readings is not None:
-        yield from file_reading(readings)
 
 
 def families(model: RobotModel) -> Iterator[Family]:

@@ -17,6 +17,9 @@ from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 
+COMPLEX_STEP = 1e-30
+"""Size of the complex steps that give exact derivatives."""
+
 Change = Callable[[DynamicsCode], DynamicsCode]
 
 FAULT_KINDS = (

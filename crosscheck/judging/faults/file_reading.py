@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from crosscheck.judging.faults.fault import CodeFault, named, rotation_from
 from crosscheck.judging.faults.recursion import DynamicsCode
+from crosscheck.reference.subject import Subject
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
 from urdf.reading import Misreadings
@@ -21,6 +22,22 @@ MAX_DROPPED_LINKS = 5
 """Largest number of fixed links of which every subset is left out; beyond, one, two and all."""
 
 Change = Callable[["Robot"], object]
+
+
+_known: dict[tuple[str, str | None, str], list[CodeFault]] = {}
+
+
+def faults_of_file(robot: Subject) -> Sequence[CodeFault]:
+    """Faults in reading the file of a robot, none where it has no file.
+
+    They are kept for each file and reading: one process often judges several functions of one robot.
+    """
+    if robot.file is None:
+        return ()
+    key = robot.file, robot.file_sha256, repr(robot.reading)
+    if key not in _known:
+        _known[key] = list(file_reading(Misreadings(robot.file, robot.reading)))
+    return _known[key]
 
 
 def file_reading(readings: Misreadings) -> Iterator[CodeFault]:

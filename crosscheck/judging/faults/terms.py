@@ -126,33 +126,31 @@ def terms(model: RobotModel) -> Iterator[Family]:
             name = text.format(joint=model.joint_names[k], body=model.body_names[k])
             at = np.arange(n) == k
             yield Family(np.ones(1), partial(_at_one, field, at), partial(_said, [name], kind))
-    for number in range(len(velocity_terms(model, *np.zeros((2, 1, n))))):
-        yield _decomposition(model, number)
+    yield from _decompositions(model)
 
 
 def _at_one(field: str, at: NDArray[np.bool_], code: DynamicsCode, x: Array) -> DynamicsCode:
     return code.but(**{field: np.where(at, x[0], getattr(code.numbers, field))})
 
 
-def _decomposition(model: RobotModel, number: int) -> Family:
-    """Factors on the terms of a decomposition of c(q, v), graphdyn's: added to the torques."""
+def _decompositions(model: RobotModel) -> Iterator[Family]:
+    """Factors on the terms of each decomposition of c(q, v), graphdyn's: added to the torques."""
 
     @lru_cache(maxsize=8)
-    def known(q: bytes, v: bytes) -> dict[str, Array]:
+    def known(q: bytes, v: bytes) -> tuple[Terms, ...]:
         shape = -1, model.n_bodies
-        return velocity_terms(model, np.frombuffer(q).reshape(shape), np.frombuffer(v).reshape(shape))[number]
+        return velocity_terms(model, np.frombuffer(q).reshape(shape), np.frombuffer(v).reshape(shape))
 
-    def added(state: State, x: Array) -> Array:
-        pieces = known(np.ascontiguousarray(state[0]).tobytes(), np.ascontiguousarray(state[1]).tobytes())
-        together: Array = np.tensordot(x - 1, np.stack(list(pieces.values())), axes=1)
-        return together
+    def change(number: int, code: DynamicsCode, x: Array) -> DynamicsCode:
+        def added(tau: Array, state: State) -> Array:
+            pieces = known(state[0].tobytes(), state[1].tobytes())[number]
+            together: Array = tau + np.tensordot(x - 1, np.stack(list(pieces.values())), axes=1)
+            return together
 
-    names = list(velocity_terms(model, *np.zeros((2, 1, model.n_bodies)))[number])
-    return Family(
-        np.ones(len(names)),
-        lambda code, x: code.giving(lambda tau, state: tau + added(state, x)),
-        partial(_said, names, "coriolis"),
-    )
+        return code.giving(added)
+
+    for number, names in enumerate(map(list, velocity_terms(model, *np.zeros((2, 1, model.n_bodies))))):
+        yield Family(np.ones(len(names)), partial(change, number), partial(_said, names, "coriolis"))
 
 
 def _said(names: Sequence[str], kind: str, x: Array) -> list[FaultDescription]:

@@ -7,13 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import Family
+from crosscheck.judging.faults.fault import COMPLEX_STEP, Family
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
-
-COMPLEX_STEP = 1e-30
-"""Size of the complex steps."""
 
 MAX_FIT_ITERATIONS = 10
 MAX_FITTED_FAMILIES = 60
@@ -82,13 +79,12 @@ def _steps(now: Sequence[Fitted], base: DynamicsCode, observation: Observation, 
         for direction in np.eye(len(x.numbers))
     ]
     with np.errstate(all="ignore"):
-        slopes = observation.residuals(codes).imag / COMPLEX_STEP
-    here = observation.residuals([x.family.change(base, x.numbers) for x in now])
+        residuals = observation.residuals(codes)
     tried, first = [], 0
-    for x, residual in zip(now, here, strict=True):
+    for x in now:
         p = len(x.numbers)
-        columns = slopes[first : first + p].reshape(p, -1).T
-        tried.append(x.numbers + _least_squares(columns, -residual.ravel(), noise))
+        columns = residuals[first : first + p].imag.reshape(p, -1).T / COMPLEX_STEP
+        tried.append(x.numbers + _least_squares(columns, -residuals[first].real.ravel(), noise))
         first += p
     left = root_mean_square(observation.residuals([x.family.change(base, y) for x, y in zip(now, tried, strict=True)]))
     return [Fitted(x.family, y, float(size)) for x, y, size in zip(now, tried, left, strict=True)]

@@ -15,7 +15,6 @@ from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import fitted, root_mean_square, sparse
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from urdf.reading import Misreadings
 
 TRIAL_STATES = 2
 """Number of states of the experiments with which all faults are tried; the first, and one with whole turns added."""
@@ -88,13 +87,14 @@ class Explanation:
 class Search:
     """Over one robot, one observation.
 
+    of_file: faults in reading the robot's file
     tried: the rows of the experiments; all_rows: those and the judged states; noise, bound: relative
     """
 
     def __init__(
         self,
         model: RobotModel,
-        readings: Misreadings | None,
+        of_file: Sequence[CodeFault],
         experiments: Observation,
         judged: Observation | None,
         noise: float,
@@ -104,7 +104,7 @@ class Search:
         self.experiments, self.judged = experiments, judged
         self.all_rows = experiments if judged is None else experiments.and_(judged)
         self.own = DynamicsCode.of(model)
-        self._faults, self._families = list(faults(model, readings)), list(families(model))
+        self._faults, self._families = [*faults(model), *of_file], list(families(model))
         self._tried, self._fitted = (
             experiments.only(_of_states(experiments, size)) for size in (TRIAL_STATES, FITTING_STATES)
         )

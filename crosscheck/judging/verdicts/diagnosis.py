@@ -17,6 +17,7 @@ from math import comb
 
 import numpy as np
 
+from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
@@ -34,7 +35,6 @@ from crosscheck.judging.states import (
 )
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.layout import Array
-from urdf.reading import Misreadings
 
 DIFFERENCE_ORDER = 8
 POINT_SPACING = 1e-5
@@ -97,7 +97,7 @@ class Deviation:
 
     observed: the experiments
     judged: the answers at all judged states, None where no torques follow from them
-    readings: gives the misreadings of the robot's file, None where it has none
+    of_file: gives the faults in reading the robot's file
     noise: relative, of the function; tolerance: relative error that counts as agreement
     """
 
@@ -106,7 +106,7 @@ class Deviation:
     trial: TrialStates
     observed: EquationTerms
     judged: Observation | None
-    readings: Callable[[], Misreadings | None]
+    of_file: Callable[[], Sequence[CodeFault]]
     noise: float
     tolerance: float
 
@@ -285,7 +285,7 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     if not np.isfinite(list(before.values())).all():
         return [unknown(deviation, "the answers are not finite", "", np.inf)]
     experiments = of_experiments(model, trial, observed)
-    search = Search(model, deviation.readings(), experiments, deviation.judged, deviation.noise, deviation.bound)
+    search = Search(model, deviation.of_file(), experiments, deviation.judged, deviation.noise, deviation.bound)
     nothing = search.nothing()
     evidence = evidence_of(deviation, before, observed, own)
     left = float((nothing.worst if deviation.judged is None else nothing.judged).max())

@@ -7,7 +7,7 @@ decision trees grows the same tree greedily, and is a heavy dependency for these
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb
@@ -15,6 +15,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import observe, of_judged
@@ -26,7 +27,6 @@ from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, d
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
-from urdf.reading import Misreadings
 
 MAX_CHANCE_PROBABILITY = 1e-3
 """Largest probability that states drawn without any rule would be separated as well."""
@@ -136,7 +136,7 @@ def roundest(x: float, y: float) -> float:
     return lower
 
 
-Readings = Callable[[], Misreadings | None]
+OfFile = Callable[[], Sequence[CodeFault]]
 Progress = Callable[[str], object]
 
 MIN_ERROR_REDUCTION = 10.0
@@ -149,12 +149,12 @@ WORST_STATE_REMEDY = "look at the worst state"
 
 
 def diagnoses_of(
-    function: FunctionUnderTest, found: Judged, declared: Chosen, readings: Readings, say: Progress
+    function: FunctionUnderTest, found: Judged, declared: Chosen, of_file: OfFile, say: Progress
 ) -> list[Diagnosis]:
     """What is wrong with a function that does not agree.
 
     declared: conventions that the function must follow
-    readings: gives the misreadings of the robot's file, None where it has none; say: called with what is done next
+    of_file: gives the faults in reading the robot's file; say: called with what is done next
     """
     verdict, diagnoses = found.verdict, []
     if verdict.failures:
@@ -163,7 +163,7 @@ def diagnoses_of(
         chosen, differences = found.conventions.chosen, verdict.repeated
         kept = kept_between_calls(function, found.answers, found.asked, chosen, differences, verdict.bound)
         return [*diagnoses, kept]
-    return [*diagnoses, *_of_numbers(function, found, declared, readings, say)]
+    return [*diagnoses, *_of_numbers(function, found, declared, of_file, say)]
 
 
 def _failures(function: FunctionUnderTest, found: Judged) -> Diagnosis:
@@ -175,7 +175,7 @@ def _failures(function: FunctionUnderTest, found: Judged) -> Diagnosis:
 
 
 def _of_numbers(
-    function: FunctionUnderTest, found: Judged, declared: Chosen, readings: Readings, say: Progress
+    function: FunctionUnderTest, found: Judged, declared: Chosen, of_file: OfFile, say: Progress
 ) -> list[Diagnosis]:
     """What is wrong with the numbers; empty if they agree."""
     name, verdict = function.name, found.verdict
@@ -211,7 +211,7 @@ def _of_numbers(
         return one(fault)
     by_terms = [
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
-        for diagnosis in _of_terms(function, found, precision, readings, say)
+        for diagnosis in _of_terms(function, found, precision, of_file, say)
     ]
     if by_terms and by_terms[0].status in ("confirmed", "candidate"):
         return by_terms
@@ -260,7 +260,7 @@ def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
 
 
 def _of_terms(
-    function: FunctionUnderTest, found: Judged, precision: float, readings: Readings, say: Progress
+    function: FunctionUnderTest, found: Judged, precision: float, of_file: OfFile, say: Progress
 ) -> list[Diagnosis]:
     """Diagnoses from experiments, for functions that are parts of the equations of motion; empty for others."""
     name, states = function.name, found.states
@@ -279,5 +279,5 @@ def _of_terms(
     if observed is None:
         return []
     judged = of_judged(name, found.answer, states)
-    deviation = Deviation(name, states.model, states.trial, observed, judged, readings, precision, found.verdict.bound)
+    deviation = Deviation(name, states.model, states.trial, observed, judged, of_file, precision, found.verdict.bound)
     return diagnose(deviation, say)
