@@ -11,7 +11,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from crosscheck.judging.faults.arguments import angles, arguments, orders, units
-from crosscheck.judging.faults.fault import COMPLEX_STEP, CodeFault, Family, FaultDescription
+from crosscheck.judging.faults.fault import COMPLEX_STEP, CodeFault
 from crosscheck.judging.faults.geometry import frames, geometry
 from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.signs import signs
@@ -62,11 +62,13 @@ def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
             FittedNumber(f"largest torque, {model.joint_names[k]}", float(level[k]), np.inf, "N m or N") for k in which
         )
         message = f"torques are clipped, at a limit: {said} N m or N"
-        yield CodeFault(
-            FaultDescription(
-                "clipped", message, "take the limit of the torques away for the comparison", 1 + len(which), numbers
-            ),
+        yield CodeFault.of(
+            "clipped",
+            message,
+            "take the limit of the torques away for the comparison",
             lambda code: code.giving(lambda tau, _: np.clip(tau, -level, level)),
+            1 + len(which),
+            numbers,
         )
 
 
@@ -96,15 +98,13 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
             for label, row in zip(labels, found, strict=True)
             if row[which].any()
         )
-        yield CodeFault(
-            FaultDescription(
-                "friction",
-                f"friction by a {name} law is included: {shown}",
-                RIGID_BODY_REMEDY,
-                1 + p * len(which),
-                numbers,
-            ),
+        yield CodeFault.of(
+            "friction",
+            f"friction by a {name} law is included: {shown}",
+            RIGID_BODY_REMEDY,
             lambda code, x=found, law=law: code.giving(lambda tau, state: tau + law(x, state[1])),  # type: ignore[misc]
+            1 + p * len(which),
+            numbers,
         )
 
 
@@ -115,7 +115,7 @@ def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
     def slopes(x: Array) -> Array:
         """Exact derivatives (N, p)."""
         steps = x[:, None] + 1j * COMPLEX_STEP * np.eye(p)
-        return law(steps[..., None], v).imag.T / COMPLEX_STEP  # type: ignore[no-any-return]
+        return law(steps[..., None], v).imag.T / COMPLEX_STEP
 
     best = None
     for width in TRIAL_WIDTHS:
@@ -149,7 +149,7 @@ def faults(model: RobotModel) -> Iterator[CodeFault]:
     yield from orders(model)
 
 
-def families(model: RobotModel) -> Iterator[Family]:
+def families(model: RobotModel) -> Iterator[CodeFault]:
     """All families of faults."""
     yield from gravity(model)
     yield from terms(model)

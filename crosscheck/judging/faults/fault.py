@@ -1,4 +1,4 @@
-"""A fault of a dynamics code, and a family of faults whose numbers are fitted.
+"""A fault of a dynamics code, or a family of faults whose numbers are fitted.
 
 Faults are made of changed numbers of joints and bodies. A fitted number that is round is a step of a code, not a value.
 """
@@ -19,6 +19,8 @@ from graphdyn.model import rotation_about
 
 COMPLEX_STEP = 1e-30
 """Size of the complex steps that give exact derivatives."""
+
+NO_NUMBERS = np.zeros(0)
 
 Change = Callable[[DynamicsCode], DynamicsCode]
 
@@ -48,21 +50,10 @@ class FaultDescription:
 
 @dataclass(frozen=True, eq=False)
 class CodeFault:
-    """One fault, and how a code is changed that gets it."""
+    """A fault of a dynamics code, or a family of faults that differ by p numbers, which are fitted.
 
-    said: FaultDescription
-    change: Change
-
-    @classmethod
-    def of(cls, kind: str, message: str, remedy: str, change: Change, size: int = 1) -> CodeFault:
-        return cls(FaultDescription(kind, message, remedy, size), change)
-
-
-@dataclass(frozen=True, eq=False)
-class Family:
-    """Faults that differ by p numbers, which are fitted.
-
-    right: numbers without a fault (p,); starts: where fits begin (S, p), the best of them is taken
+    right: numbers without a fault (p,), none for a single fault
+    starts: where fits begin (S, p), the best of them is taken
     change: (code, numbers) → code, differentiable, of complex numbers too
     say: numbers → what is wrong, one entry for each fault that they are
     """
@@ -71,6 +62,20 @@ class Family:
     change: Callable[[DynamicsCode, Array], DynamicsCode]
     say: Callable[[Array], list[FaultDescription]]
     starts: Array | None = None
+
+    @classmethod
+    def of(
+        cls,
+        kind: str,
+        message: str,
+        remedy: str,
+        change: Change,
+        size: int = 1,
+        numbers: tuple[FittedNumber, ...] = (),
+    ) -> CodeFault:
+        """A single fault."""
+        said = FaultDescription(kind, message, remedy, size, numbers)
+        return cls(NO_NUMBERS, lambda code, _: change(code), lambda _: [said])
 
 
 ROUND_NUMBER_TOLERANCE = 1e-6

@@ -13,7 +13,6 @@ from crosscheck.judging.faults.fault import (
     E3,
     Changed,
     CodeFault,
-    Family,
     FaultDescription,
     is_round,
     of_joints,
@@ -99,7 +98,7 @@ TRIVIAL_SCALES = (1.0, -1.0)
 COUPLING_TRIALS = np.array([[0.0], [1.0], [-1.0]])
 
 
-def geometry(model: RobotModel) -> Iterator[Family]:
+def geometry(model: RobotModel) -> Iterator[CodeFault]:
     n = model.n_bodies
     for k, name in enumerate(model.joint_names):
         at, slides = np.arange(n) == k, model.joints[k].is_prismatic
@@ -120,7 +119,7 @@ def geometry(model: RobotModel) -> Iterator[Family]:
             yield _coupled(model, k, i, transmitted)
 
 
-def _translation(model: RobotModel, k: int) -> Family:
+def _translation(model: RobotModel, k: int) -> CodeFault:
     ours, name = model.joints[k].placement.translation, model.joint_names[k]
 
     def change(code: DynamicsCode, x: Array) -> DynamicsCode:
@@ -140,10 +139,10 @@ def _translation(model: RobotModel, k: int) -> Family:
         message = f"the translation of joint '{name}' is off: {moved}"
         return [FaultDescription("geometry", message, PLACEMENT_REMEDY, 1 + len(numbers), numbers)]
 
-    return Family(np.zeros(3), change, say)
+    return CodeFault(np.zeros(3), change, say)
 
 
-def _rotation(k: int, message: str, field: str) -> Family:
+def _rotation(k: int, message: str, field: str) -> CodeFault:
     """A small turn of the joint frame, or of its axis, by a vector [rad]: Cayley's, differentiable at zero."""
 
     def change(code: DynamicsCode, x: Array) -> DynamicsCode:
@@ -164,10 +163,10 @@ def _rotation(k: int, message: str, field: str) -> Family:
             )
         ]
 
-    return Family(np.zeros(3), change, say)
+    return CodeFault(np.zeros(3), change, say)
 
 
-def _zero(name: str, k: int, slides: bool) -> Family:
+def _zero(name: str, k: int, slides: bool) -> CodeFault:
     """The joint frame moved along or about the axis: position q + x instead of q."""
     unit = "m" if slides else "rad"
 
@@ -192,10 +191,10 @@ def _zero(name: str, k: int, slides: bool) -> Family:
             else []
         )
 
-    return Family(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else TRIAL_ZEROS)
+    return CodeFault(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else TRIAL_ZEROS)
 
 
-def _gear(name: str, at: Array) -> Family:
+def _gear(name: str, at: Array) -> CodeFault:
     def say(x: Array) -> list[FaultDescription]:
         factor = rounded(x[0])
         if factor in TRIVIAL_SCALES:
@@ -208,10 +207,10 @@ def _gear(name: str, at: Array) -> Family:
             FaultDescription("gear", f"the torque of joint '{name}' is {what}", "give torques at the joint", size)
         ] * (factor != 1)
 
-    return Family(np.ones(1), lambda code, x: code.giving(lambda tau, _: tau * np.where(at, x[0], 1.0)), say)
+    return CodeFault(np.ones(1), lambda code, x: code.giving(lambda tau, _: tau * np.where(at, x[0], 1.0)), say)
 
 
-def _scale(what: str, at: Array, which: str) -> Family:
+def _scale(what: str, at: Array, which: str) -> CodeFault:
     def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         scale = np.where(at, x[0], 1.0)
         return code.taking(
@@ -226,10 +225,10 @@ def _scale(what: str, at: Array, which: str) -> Family:
         message = f"{what} {are} multiplied by {factor:.6g}"
         return [FaultDescription("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)]
 
-    return Family(np.ones(1), change, say, starts=TRIAL_SCALES)
+    return CodeFault(np.ones(1), change, say, starts=TRIAL_SCALES)
 
 
-def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
+def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> CodeFault:
     """q_k + x q_i instead of q_k, the same for v and a; the torques by the transpose, or not."""
     first, second = model.joint_names[k], model.joint_names[i]
     back = "" if transmitted else "; the torques do not"
@@ -247,4 +246,4 @@ def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> Family:
         message = f"joint '{first}' turns with joint '{second}' too, by a factor {factor:.6g}{back}"
         return [FaultDescription("coupling", message, "joint coordinates are relative to the inside body", 2)]
 
-    return Family(np.zeros(1), change, say, starts=COUPLING_TRIALS)
+    return CodeFault(np.zeros(1), change, say, starts=COUPLING_TRIALS)

@@ -13,7 +13,6 @@ from crosscheck.judging.faults.fault import (
     E3,
     Changed,
     CodeFault,
-    Family,
     FaultDescription,
     is_round,
     of_bodies,
@@ -195,7 +194,7 @@ MAX_LISTED_NUMBERS = 4
 PARAMETER_REMEDY = "compare mass, center of mass and tensor, and the fixed links that the body carries"
 
 
-def parameters(model: RobotModel) -> Iterator[Family]:
+def parameters(model: RobotModel) -> Iterator[CodeFault]:
     """Parameters of one body: one number, then several; of all bodies: factors."""
     for k in range(model.n_bodies):
         for places in [*PARAMETER_GROUPS, *((place,) for place in range(4, 10)), (0, 1, 2, 3), tuple(range(10))]:
@@ -206,7 +205,7 @@ def parameters(model: RobotModel) -> Iterator[Family]:
     if model.n_bodies > 1:
         for what, field in (("the mass", "masses"), ("the center of mass", "centers"), ("the tensor", "tensors")):
             yield _factor(f"{what} of every body", field, every)
-    yield Family(
+    yield CodeFault(
         np.ones(1),
         lambda code, x: code.giving(lambda tau, _: x[0] * tau),
         lambda x: _scaled("all inertial parameters of every body, or all torques,", x[0]),
@@ -229,7 +228,7 @@ def with_ten_numbers(code: DynamicsCode, k: int, ten: Array) -> DynamicsCode:
     return code.but(masses=masses, centers=centers, tensors=tensors)
 
 
-def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
+def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
     """Some of the ten numbers of one body: as differences, so that it adds to other faults."""
     name, own, which = model.body_names[k], ten_numbers(DynamicsCode.of(model), k), list(places)
 
@@ -255,7 +254,7 @@ def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> Family:
             else []
         )
 
-    return Family(np.zeros(len(which)), change, say)
+    return CodeFault(np.zeros(len(which)), change, say)
 
 
 def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -> str:
@@ -270,12 +269,12 @@ def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -
     return f"{what} of body '{name}' {'are' if ' and ' in what else 'is'} off: {off}"
 
 
-def _factor(what: str, field: str, bodies: Array) -> Family:
+def _factor(what: str, field: str, bodies: Array) -> CodeFault:
     def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         array = getattr(code.numbers, field)
         return code.but(**{field: np.where(bodies.reshape(-1, *[1] * (array.ndim - 1)), x[0] * array, array)})
 
-    return Family(np.ones(1), change, lambda x: _scaled(what, x[0]), starts=np.array([[1.0], [1e3], [1e-3]]))
+    return CodeFault(np.ones(1), change, lambda x: _scaled(what, x[0]), starts=np.array([[1.0], [1e3], [1e-3]]))
 
 
 def _scaled(what: str, x: float) -> list[FaultDescription]:

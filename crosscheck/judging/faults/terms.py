@@ -14,7 +14,7 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.fault import Family, FaultDescription, factor_said, is_round, rounded
+from crosscheck.judging.faults.fault import CodeFault, FaultDescription, factor_said, is_round, rounded
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import MaximalState, RobotModel, maximal_state
@@ -110,14 +110,14 @@ AT_ONE = {
 TERM_REMEDY = "check that term in the recursion of velocities and accelerations"
 
 
-def terms(model: RobotModel) -> Iterator[Family]:
+def terms(model: RobotModel) -> Iterator[CodeFault]:
     n, names = model.n_bodies, list(EVERYWHERE)
     slides = np.array([joint.is_prismatic for joint in model.joints])
 
     def everywhere(code: DynamicsCode, x: Array) -> DynamicsCode:
         return code.but(**{name: factor * np.ones(n) for name, factor in zip(names, x, strict=True)})
 
-    yield Family(np.ones(4), everywhere, partial(_said, list(EVERYWHERE.values()), "coriolis"))
+    yield CodeFault(np.ones(4), everywhere, partial(_said, list(EVERYWHERE.values()), "coriolis"))
     for field, text in AT_ONE.items():
         kind = "gravity" if field == "weight" else "coriolis"
         for k in range(n):
@@ -125,7 +125,7 @@ def terms(model: RobotModel) -> Iterator[Family]:
                 continue
             name = text.format(joint=model.joint_names[k], body=model.body_names[k])
             at = np.arange(n) == k
-            yield Family(np.ones(1), partial(_at_one, field, at), partial(_said, [name], kind))
+            yield CodeFault(np.ones(1), partial(_at_one, field, at), partial(_said, [name], kind))
     yield from _decompositions(model)
 
 
@@ -133,7 +133,7 @@ def _at_one(field: str, at: NDArray[np.bool_], code: DynamicsCode, x: Array) -> 
     return code.but(**{field: np.where(at, x[0], getattr(code.numbers, field))})
 
 
-def _decompositions(model: RobotModel) -> Iterator[Family]:
+def _decompositions(model: RobotModel) -> Iterator[CodeFault]:
     """Factors on the terms of each decomposition of c(q, v), graphdyn's: added to the torques."""
 
     @lru_cache(maxsize=8)
@@ -150,7 +150,7 @@ def _decompositions(model: RobotModel) -> Iterator[Family]:
         return code.giving(added)
 
     for number, names in enumerate(map(list, velocity_terms(model, *np.zeros((2, 1, model.n_bodies))))):
-        yield Family(np.ones(len(names)), partial(change, number), partial(_said, names, "coriolis"))
+        yield CodeFault(np.ones(len(names)), partial(change, number), partial(_said, names, "coriolis"))
 
 
 def _said(names: Sequence[str], kind: str, x: Array) -> list[FaultDescription]:
@@ -169,10 +169,10 @@ GRAVITY_ROUNDING = 1e-6
 """Accuracy of fitted components [m/s²], well below what makes a difference."""
 
 
-def gravity(model: RobotModel) -> Iterator[Family]:
+def gravity(model: RobotModel) -> Iterator[CodeFault]:
     """Components in axes of the ground, to which torques at rest are linear."""
     ours = model.base.rotation.T @ model.gravity
-    yield Family(ours, lambda code, g: code.but(gravity=g), lambda g: [_gravity_message(ours, g)])
+    yield CodeFault(ours, lambda code, g: code.but(gravity=g), lambda g: [_gravity_message(ours, g)])
 
 
 def _gravity_message(ours: Array, found: Array) -> FaultDescription:
@@ -208,15 +208,15 @@ JOINT_TERMS: dict[str, tuple[str, str, str, Callable[[Array, Array, Array], Arra
 """Torques of a joint alone: kind, unit, remedy, what they are proportional to."""
 
 
-def joint_terms(model: RobotModel) -> Iterator[Family]:
+def joint_terms(model: RobotModel) -> Iterator[CodeFault]:
     n = model.n_bodies
-    yield Family(
+    yield CodeFault(
         np.zeros(len(JOINT_TERMS) * n),
         lambda code, x: code.giving(lambda tau, state: tau + _added(x.reshape(-1, n), state)),
         lambda x: list(_joint_descriptions(model, x.reshape(-1, n))),
     )
     if n > 1:
-        yield Family(np.zeros(n * (n + 1) // 2), _constant_inertia(n), lambda x: _matrix_said(model, x))
+        yield CodeFault(np.zeros(n * (n + 1) // 2), _constant_inertia(n), lambda x: _matrix_said(model, x))
 
 
 def _added(x: Array, state: State) -> Array:

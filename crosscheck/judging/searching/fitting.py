@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import COMPLEX_STEP, Family
+from crosscheck.judging.faults.fault import COMPLEX_STEP, CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
@@ -27,7 +27,7 @@ MAX_REMAINING_SHARE = 0.95
 class Fitted:
     """A family with its numbers (p,), and the root mean square that it leaves."""
 
-    family: Family
+    family: CodeFault
     numbers: Array
     left: float
 
@@ -39,7 +39,7 @@ def root_mean_square(residuals: Array) -> Array:
     return np.where(np.isfinite(size), size, np.inf)
 
 
-def fitted(families: Sequence[Family], base: DynamicsCode, observation: Observation, noise: float) -> list[Fitted]:
+def fitted(families: Sequence[CodeFault], base: DynamicsCode, observation: Observation, noise: float) -> list[Fitted]:
     """Each family at the numbers that leave least, as far as it is among the better ones."""
     now = _started(families, base, observation)
     active = list(range(len(families)))
@@ -59,7 +59,7 @@ def fitted(families: Sequence[Family], base: DynamicsCode, observation: Observat
     return now
 
 
-def _started(families: Sequence[Family], base: DynamicsCode, observation: Observation) -> list[Fitted]:
+def _started(families: Sequence[CodeFault], base: DynamicsCode, observation: Observation) -> list[Fitted]:
     starts = [family.right[None] if family.starts is None else family.starts for family in families]
     codes = [family.change(base, x) for family, xs in zip(families, starts, strict=True) for x in xs]
     left = root_mean_square(observation.residuals(codes))
@@ -117,7 +117,7 @@ def sparse(found: Fitted, base: DynamicsCode, observation: Observation, noise: f
         whole[kept] = x
         return whole
 
-    fewer = Family(
+    fewer = CodeFault(
         right[kept],
         lambda code, x: found.family.change(code, filled(x)),
         lambda x: found.family.say(filled(x)),

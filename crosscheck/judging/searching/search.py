@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.catalog import families, faults, limits, smooth_friction
-from crosscheck.judging.faults.fault import FAULT_KINDS, CodeFault, Family, FaultDescription
+from crosscheck.judging.faults.fault import FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import fitted, root_mean_square, sparse
@@ -32,16 +32,19 @@ N_SECOND_FAULTS = 12
 """Number of second faults that are fitted together with the first."""
 
 
+Element = tuple[CodeFault, Array]
+"""A fault with its numbers (p,)."""
+
+
 @dataclass(frozen=True, eq=False)
 class Explanation:
     """Faults put into graphdyn, and what they leave.
 
-    elements: each with its numbers, none for a fault without
     left: root mean square over the experiments; worst: (T,) the largest entry of each row, of the experiments alone
         unless they are explained; parts: of the rows of the experiments
     """
 
-    elements: tuple[tuple[CodeFault | Family, Array], ...]
+    elements: tuple[Element, ...]
     code: DynamicsCode
     left: float
     worst: Array
@@ -49,7 +52,7 @@ class Explanation:
 
     @property
     def said_by_element(self) -> list[list[FaultDescription]]:
-        return [[x.said] if isinstance(x, CodeFault) else x.say(numbers) for x, numbers in self.elements]
+        return [fault.say(numbers) for fault, numbers in self.elements]
 
     @property
     def said(self) -> list[FaultDescription]:
@@ -112,14 +115,17 @@ class Search:
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
         known = [*self._faults, *self._from_answers(base)]
-        left = root_mean_square(self._tried.residuals([fault.change(base.code) for fault in known]))
+        left = root_mean_square(self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known]))
         kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
-        found = [self._explanation(base, [(fault, np.zeros(0)) for fault in kept])]
         fits = fitted(self._families, base.code, self._fitted, self.noise)
         best = sorted(fits, key=lambda fit: fit.left)[:MAX_KEPT_FAULTS]
         best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
-        found.append(self._explanation(base, [(fit.family, fit.numbers) for fit in best]))
-        return sorted((x for group in found for x in group if x.is_told), key=lambda x: x.left)
+        added = [*((fault, NO_NUMBERS) for fault in kept), *((fit.family, fit.numbers) for fit in best)]
+        found = self._measured([((*base.elements, x), x[0].change(base.code, x[1])) for x in added], self.experiments)
+        fitting = [x for x in found if x.worst.max() <= self.bound]
+        everywhere = iter(self._measured([(x.elements, x.code) for x in fitting], self.all_rows))
+        found = [next(everywhere) if x in fitting else x for x in found]
+        return sorted((x for x in found if x.is_told), key=lambda x: x.left)
 
     def together(self, started: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together.
@@ -137,61 +143,42 @@ class Search:
 
     def nothing(self) -> Explanation:
         """The code without fault."""
-        (explanation,) = self._explanation(
-            Explanation((), self.own, np.inf, np.zeros(0), self.experiments.part), [None]
-        )
+        (explanation,) = self._measured([((), self.own)], self.all_rows)
         return explanation
 
     def _refitted(self, explanation: Explanation) -> Explanation:
         """The fault with the numbers of all its families fitted at once."""
-        elements = explanation.elements
-        if not any(isinstance(element, Family) for element, _ in elements):
+        faults, numbers = zip(*explanation.elements, strict=True)
+        start = np.concatenate(numbers)
+        if not len(start):
             return explanation
-        lengths = [len(x) for _, x in elements]
-        ends = np.cumsum(lengths)
+        ends = np.cumsum([len(x) for x in numbers])[:-1]
 
         def changed(code: DynamicsCode, x: Array) -> DynamicsCode:
-            for (element, _), end, length in zip(elements, ends, lengths, strict=True):
-                code = (
-                    element.change(code)
-                    if isinstance(element, CodeFault)
-                    else element.change(code, x[end - length : end])
-                )
+            for fault, own in zip(faults, np.split(x, ends), strict=True):
+                code = fault.change(code, own)
             return code
 
-        start = np.concatenate([x for _, x in elements])
-        right = np.concatenate([np.zeros(0) if isinstance(x, CodeFault) else x.right for x, _ in elements])
-        joint = Family(right, changed, lambda x: [], start[None])
+        joint = CodeFault(np.concatenate([fault.right for fault in faults]), changed, lambda x: [], start[None])
         (fit,) = fitted([joint], self.own, self.experiments, self.noise)
         fit = sparse(fit, self.own, self.experiments, self.noise, self.bound)
-        numbers = np.split(fit.numbers, ends[:-1])
-        pairs = [(element, x) for (element, _), x in zip(elements, numbers, strict=True)]
-        return self._whole(tuple(pairs), changed(self.own, fit.numbers))
+        elements = tuple(zip(faults, np.split(fit.numbers, ends), strict=True))
+        (refitted,) = self._measured([(elements, changed(self.own, fit.numbers))], self.all_rows)
+        return refitted
 
-    def _explanation(
-        self, base: Explanation, added: Sequence[tuple[CodeFault | Family, Array] | None]
+    def _measured(
+        self, codes: Sequence[tuple[tuple[Element, ...], DynamicsCode]], rows: Observation
     ) -> list[Explanation]:
-        """The base with each of these added; tried at the judged states only if it fits the experiments."""
-        codes = [_changed(base.code, element) for element in added]
+        """Explanations by their faults, and by the code that has them, tried at these rows."""
         if not codes:
             return []
-        residuals = self.experiments.residuals(codes)
+        residuals = rows.residuals([code for _, code in codes])
         with np.errstate(invalid="ignore"):
             worst = np.nan_to_num(np.abs(residuals).max(axis=2), nan=np.inf)
-        left = root_mean_square(residuals)
-        found = []
-        for element, code, size, rows in zip(added, codes, left, worst, strict=True):
-            elements = base.elements if element is None else (*base.elements, element)
-            explanation = Explanation(elements, code, float(size), rows, self.experiments.part)
-            fits = element is None or rows.max() <= self.bound
-            found.append(self._whole(elements, code) if fits else explanation)
-        return found
-
-    def _whole(self, elements: tuple[tuple[CodeFault | Family, Array], ...], code: DynamicsCode) -> Explanation:
-        residuals = self.all_rows.residuals([code])
-        with np.errstate(invalid="ignore"):
-            worst = np.nan_to_num(np.abs(residuals[0]).max(axis=1), nan=np.inf)
-        return Explanation(elements, code, float(root_mean_square(residuals)[0]), worst, self.experiments.part)
+        return [
+            Explanation(elements, code, float(left), largest, self.experiments.part)
+            for (elements, code), left, largest in zip(codes, root_mean_square(residuals), worst, strict=True)
+        ]
 
     def holds(self, explanation: Explanation) -> bool:
         """Whether it leaves no more than the bound, at the judged states too, and all of it has words."""
@@ -204,7 +191,7 @@ class Search:
             return []
         found = list(limits(self.model, np.concatenate([self.experiments.torques(), judged.torques()])))
         only_moving = base.experiments[base.parts != "velocity"].max(initial=0.0) <= self.bound
-        if only_moving and base.worst.max() > self.bound:
+        if only_moving and base.experiments.max(initial=0.0) > self.bound:
             deviation = -judged.residuals([base.code])[0] * judged.scale
             bound = self.bound * float(judged.scale.max())
             found += smooth_friction(self.model, judged.state[1], deviation, bound)
@@ -238,13 +225,6 @@ def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
         if not any(abs(explanation.left - x.left) <= 1e-6 * x.left for x in kept):
             kept.append(explanation)
     return kept
-
-
-def _changed(code: DynamicsCode, element: tuple[CodeFault | Family, Array] | None) -> DynamicsCode:
-    if element is None:
-        return code
-    fault, numbers = element
-    return fault.change(code) if isinstance(fault, CodeFault) else fault.change(code, numbers)
 
 
 def _of_states(experiments: Observation, number: int) -> NDArray[np.bool_]:
