@@ -39,10 +39,9 @@ from urdf.errors import (
 )
 from urdf.geometry.shape import MissingShape, Shape, Shapes
 from urdf.inspection import Finding, Inspection, inspect
-from urdf.reading.loading import fused_links, load
+from urdf.reading.loading import fused_links, load, shapes
 from urdf.reading.mesh_inertials import InertialsFromMeshes
 from urdf.reading.reading import Reading, ReadingKeywords
-from urdf.reading.shapes import shapes
 from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
 

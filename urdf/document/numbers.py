@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -27,6 +28,17 @@ _BLANKS = re.compile(r"[ \t\r\n]+")
 
 UNIT_LENGTH_TOLERANCE = 1e-9
 """Largest difference from 1 of the length of an axis that is used as a unit vector."""
+
+NO_LIMIT = sys.float_info.max
+"""Effort or velocity limit that urdf.save writes where the model has none.
+
+The URDF schema demands both attributes in every <limit>, and <limit> for revolute and prismatic joints; urdfdom
+(and so Pinocchio) refuses files without them. The largest double is a finite number that every reader accepts; zero
+would mean that the joint cannot move.
+"""
+
+MIN_UNLIMITED = 1.79769e308
+"""Magnitude from which a limit counts as none: SDFormat and others print the largest double with six digits."""
 
 MAX_NUMBER = 1e60
 """Largest mass, tensor entry, length or angle [SI units]: products of several stay far below 1.8e308, the largest

@@ -1,8 +1,8 @@
-"""What a link would weigh if its shapes were filled uniformly: volume, center of mass and tensor."""
+"""What links would weigh if their shapes were filled uniformly: volume, center of mass and tensor."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,12 +11,16 @@ import numpy as np
 from graphdyn import Placement
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
+from urdf.document.elements import GEOMETRIES, Geometry
+from urdf.document.source import Source
 from urdf.geometry.drawn import MESH_KIND, Drawn
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
+from urdf.geometry.reading import Solid, read_solids
 from urdf.geometry.shape import UnreadableMesh
 
 if TYPE_CHECKING:
     import trimesh
+
 
 VOLUME_TOLERANCE = 1e-6
 """Part of the volume of its convex hull by which a closed mesh may be larger than it, and which it must have."""
@@ -118,3 +122,42 @@ def _hull(vertices: Array) -> trimesh.Trimesh:
     inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
     faces = np.where(inwards[:, None], hull.simplices[:, ::-1], hull.simplices)
     return trimesh.Trimesh(vertices, faces, process=False)
+
+
+@dataclass(frozen=True)
+class FilledLink:
+    """A link filled uniformly. geometry: of which of its shapes; mesh: one of them comes from a mesh file"""
+
+    filled: Filled
+    geometry: Geometry
+    mesh: bool
+
+
+def filled_links(
+    source: Source, links: Collection[str], *, only_meshes: bool = False
+) -> tuple[dict[str, FilledLink], dict[str, str]]:
+    """Per link what it is, filled; per other link that has shapes, why it cannot be filled.
+
+    The visual shapes of a link are taken, where one is missing its collision shapes, never some of them. only_meshes:
+    leaves out the links without a mesh file.
+    """
+    found: dict[str, FilledLink] = {}
+    failed: dict[str, str] = {}
+    for geometry in GEOMETRIES:
+        solids, missing = read_solids(source, geometry, set(links).difference(found))
+        for each in missing:
+            failed.setdefault(each.link, each.reason)
+        by_link: dict[str, list[Solid]] = {}
+        for solid in solids:
+            by_link.setdefault(solid.link, []).append(solid)
+        for link in {each.link for each in missing}:
+            by_link.pop(link, None)
+        for link, own in by_link.items():
+            mesh = any(solid.drawn.kind == MESH_KIND for solid in own)
+            if only_meshes and not mesh:
+                continue
+            try:
+                found[link] = FilledLink(together([filled(one.drawn, one.parts) for one in own]), geometry, mesh)
+            except UnreadableMesh as error:
+                failed.setdefault(link, str(error))
+    return found, {link: reason for link, reason in failed.items() if link not in found}

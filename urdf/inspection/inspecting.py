@@ -16,14 +16,12 @@ from urdf.document.opening import Given, Opened, open_document, path_of, said
 from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
 from urdf.errors import URDFError
-from urdf.inspection.findings import Finding, Inspection, report
-from urdf.inspection.messages import of_file, refusal
-from urdf.inspection.rules.document_rules import document_findings, unread_findings
+from urdf.inspection.findings import Finding, Inspection, of_file, refusal, report
+from urdf.inspection.rules.document_rules import document_findings, name_findings, unread_findings
 from urdf.inspection.rules.joint_rules import joint_findings
 from urdf.inspection.rules.link_rules import link_findings
 from urdf.inspection.rules.mesh_rules import mesh_findings
 from urdf.inspection.rules.model_rules import model_findings
-from urdf.inspection.rules.name_rules import name_findings
 from urdf.inspection.rules.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
@@ -65,9 +63,7 @@ def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[Read
     except URDFError as error:
         found = refusal(error)
     except OSError as error:
-        found = of_file(
-            "unreadable-file", "error", None, f"the file cannot be read: {error}", "check its path and permissions"
-        )
+        found = of_file("unreadable-file", f"the file cannot be read: {error}")
     return report(asked, None if path is None else str(path), [found])
 
 
@@ -99,21 +95,9 @@ def _findings(opened: Opened, meshes: Meshes, reading: Reading) -> Iterator[Find
 def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
     if opened.complaints is None:
         return
-    yield of_file(
-        "xacro-expanded",
-        "note",
-        None,
-        "the file is expanded by xacro: elements have no line in it",
-        "no action needed",
-    )
+    yield of_file("xacro-expanded", "the file is expanded by xacro: elements have no line in it")
     for complaint in opened.complaints:
-        yield of_file(
-            "xacro-complaint",
-            "warning",
-            None,
-            f"expanding the file: {complaint}",
-            "expand the file with xacro and check the result",
-        )
+        yield of_file("xacro-complaint", f"expanding the file: {complaint}")
 
 
 def _refusals(source: Source, beside: CompanionFiles, reading: Reading) -> Iterator[URDFError]:
@@ -136,10 +120,4 @@ def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:
     """The first MAX_FINDINGS findings, and a note if there are more."""
     yield from islice(findings, MAX_FINDINGS)
     if next(findings, None) is not None:
-        yield of_file(
-            "more-findings",
-            "note",
-            None,
-            f"only the first {MAX_FINDINGS} findings of a kind are listed",
-            "correct these first",
-        )
+        yield of_file("more-findings", f"only the first {MAX_FINDINGS} findings of a kind are listed")

@@ -2,7 +2,7 @@
 
 from urdf.loops.mimics import Mimic
 from urdf.reading.cutting import Chain
-from urdf.reading.misreading import Misreadings
+from urdf.reading.loading import Misreadings
 from urdf.reading.reading import AS_IT_STANDS
 
 __all__ = ["AS_IT_STANDS", "Chain", "Mimic", "Misreadings"]

@@ -1,17 +1,19 @@
-"""An arm cut out of a larger robot: the links between two given ones, and what they carry."""
+"""The part of a robot that is read: an arm between two links, joints that are held still."""
 
 from __future__ import annotations
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+import numpy as np
 from lxml import etree
 
 from urdf.document.elements import name_of
 from urdf.document.source import Source
 from urdf.document.tree import end, joint_into, joints_by, path_up, walk
-from urdf.errors import InvalidChain, URDFError, listed, shortened
+from urdf.errors import InvalidChain, InvalidLock, URDFError, listed, shortened
 
 Chain = tuple[str, str] | None
 
@@ -115,3 +117,29 @@ def _path(source: Source, into: dict[str, etree._Element], base: str, tip: str) 
 
 def _error(source: Source, problem: str, remedy: str) -> URDFError:
     return InvalidChain(f"chain: {problem}", remedy, code="invalid-chain", path=source.path)
+
+
+Lock = Mapping[str, float] | Iterable[str] | None
+
+
+def locked_values(lock: Lock, movable: Iterable[str], path: Path) -> dict[str, float]:
+    """Value per locked joint [rad or m]; 0 where only names are given.
+
+    Raises InvalidLock for a name that is not among the movable joints, and for a value that is not a finite number.
+    """
+    if lock is None:
+        return {}
+    if isinstance(lock, str):
+        raise InvalidLock(f"lock is the string '{lock}'", f"give a list of joint names: ['{lock}']", path=path)
+    wanted = dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock, 0.0)
+    known = list(movable)
+    for name, value in wanted.items():
+        if name not in known:
+            raise InvalidLock(
+                f"cannot lock '{name}': the robot has no such movable joint", f"known: {', '.join(known)}", path=path
+            )
+        if not isinstance(value, (int, float, np.number)) or not np.isfinite(value):
+            raise InvalidLock(
+                f"cannot lock '{name}' at {value!r}", "give a finite number in rad (prismatic: m)", path=path
+            )
+    return {name: float(value) for name, value in wanted.items()}

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from graphdyn import Body, Frame, Joint, Placement
+from graphdyn import Body, Frame, Joint, JointLimits, Placement
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis, parameters_from_inertia, rotation_about
-from urdf.reading import limits
+from urdf.document.numbers import MIN_UNLIMITED
 
 if TYPE_CHECKING:
     import yourdfpy
@@ -156,7 +156,16 @@ def _joint(joint: URDFJoint, inside: int, placement: Placement) -> Joint:
         inside,
         placement,
         joint.axis,
-        limits.from_urdf(joint),
+        _limits(joint),
         damping=float(damping or 0.0),
         friction=float(friction or 0.0),
+    )
+
+
+def _limits(joint: URDFJoint) -> JointLimits:
+    """The limits as the file states them, None where it states none. A continuous joint has no position limits."""
+    names = ("velocity", "effort") if joint.type == "continuous" else ("lower", "upper", "velocity", "effort")
+    stated = {name: getattr(joint.limit, name, None) for name in names}
+    return JointLimits(
+        **{name: limit for name, limit in stated.items() if limit is not None and abs(limit) < MIN_UNLIMITED}
     )

@@ -1,15 +1,27 @@
-"""urdf.load: open a source, parse it, warn of what is doubtful, build the model."""
+"""What is read from a source: urdf.load, urdf.shapes, urdf.fused_links, and a file as readers misunderstand it."""
 
 from __future__ import annotations
 
-from typing import Unpack
+import copy
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from numbers import Integral
+from typing import TYPE_CHECKING, Unpack
 
-from graphdyn import RobotModel
+from graphdyn import Body, Frame, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.layout import Array
+from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.opening import Given
+from urdf.document.tree import joints_in_order
+from urdf.geometry.reading import placed_shapes
+from urdf.geometry.shape import Shapes
+from urdf.reading.fusing import assemble
 from urdf.reading.parsing import build, parsed_source
-from urdf.reading.reading import Reading, ReadingKeywords
+from urdf.reading.reading import AS_IT_STANDS, Reading, ReadingKeywords
 from urdf.reading.warnings import warn
+
+if TYPE_CHECKING:
+    from yourdfpy.urdf import Robot
 
 
 def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
@@ -54,3 +66,71 @@ def fused_links(source: Given, **reading: Unpack[ReadingKeywords]) -> dict[str, 
     ground are left out. Arguments and errors as in load; no warnings.
     """
     return parsed_source(source, Reading.of(fused_links, reading))[2].assembly.fused
+
+
+def shapes(
+    source: Given,
+    *,
+    geometry: Geometry = "visual",
+    faces: int | None = None,
+    **reading: Unpack[ReadingKeywords],
+) -> Shapes:
+    """What a robot looks like: boxes, cylinders, spheres and mesh files as triangles, each on a body of the model.
+
+    source, reading: as in load; the bodies are those of the model that load makes of them
+    geometry: "visual" or "collision"
+    faces: how many triangles all shapes may have together, about; None leaves them as they are
+
+    Mesh files are STL, OBJ and Collada (.dae), in meters times their scale; a Collada file states its own unit.
+    package://NAME/… is looked for beside the file and in every folder above it, then in ROS_PACKAGE_PATH and
+    AMENT_PREFIX_PATH; other paths are relative to the file. Nothing is fetched. What cannot be shown is listed in
+    .missing with the reason.
+
+    Raises load's errors, and InvalidInput for another geometry or a number of faces that is none. Warns nothing.
+    """
+    if geometry not in GEOMETRIES:
+        raise InvalidInput(f"geometry is {geometry!r}; give 'visual' or 'collision'")
+    if faces is not None and (not isinstance(faces, Integral) or isinstance(faces, bool) or faces < 1):
+        raise InvalidInput(f"faces is {faces!r}; give a whole number from 1 on, or None")
+    opened, elements, parsed = parsed_source(source, Reading.of(shapes, reading))
+    model = build(parsed, opened.gravity)
+    names = (model.base_name, *model.body_names)
+    own = (Frame(name, body, Placement()) for body, name in enumerate(names))
+    places = {frame.name: (names[frame.body], frame.placement) for frame in (*model.frames, *own)}
+    return placed_shapes(elements, geometry, places, faces)
+
+
+class Misreadings:
+    """What bodies and joints become when elements of a file are changed.
+
+    robot: yourdfpy's, to look at; its joints in the order of `order`, names, parents first
+    carriers: by name of each link with an <inertial> that is fixed to a body, the name of the body
+    """
+
+    def __init__(self, source: Given, reading: Reading = AS_IT_STANDS) -> None:
+        _, document, self._parsed = parsed_source(source, reading)
+        self.robot: Robot = self._parsed.robot
+        self.order = joints_in_order(document)[1]
+        assembly = self._parsed.assembly
+        self.carriers = {
+            name: assembly.bodies[number - 1].name for name, (number, share) in assembly.fused.items() if share.any()
+        }
+
+    def of(
+        self, changes: Mapping[str, Callable[[Robot], object]]
+    ) -> Iterator[tuple[str, tuple[Body, ...], tuple[Joint, ...]]]:
+        """Numbers by name of the change: the bodies and joints after it; change(robot) alters a copy of the robot in
+        place."""
+        for name, change in changes.items():
+            robot = _copied(self.robot)
+            change(robot)
+            assembly = assemble(robot, self._parsed.root, self.order, self._parsed.locked)
+            yield name, tuple(assembly.bodies), tuple(assembly.joints)
+
+
+def _copied(robot: Robot) -> Robot:
+    """A copy whose links, inertials and joints can be given other attributes."""
+    links = [copy.copy(link) for link in robot.links]
+    for link in links:
+        link.inertial = copy.copy(link.inertial)
+    return replace(robot, links=links, joints=[copy.copy(joint) for joint in robot.joints])

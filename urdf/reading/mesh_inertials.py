@@ -14,7 +14,7 @@ from urdf.document.elements import describe, line_of, name_of, tag_of
 from urdf.document.numbers import inertial_element, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair, listed
-from urdf.geometry.filled_links import FilledLink, filled_links
+from urdf.geometry.mass_properties import FilledLink, filled_links
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,8 @@ from urdf.loops.closing import all_closures, chords, closure_faults, stated_besi
 from urdf.loops.couplings import actuated, check_motors, unread_beside, unread_motors
 from urdf.loops.mimics import resolve
 from urdf.reading.checks import check
-from urdf.reading.cutting import Cut, cut
+from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble
-from urdf.reading.locking import locked_values
 from urdf.reading.reading import AS_IT_STANDS, Reading
 from urdf.reading.repairing import repair as mend
 

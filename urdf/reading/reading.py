@@ -13,8 +13,7 @@ from graphdyn.arguments import refuse_unknown
 from urdf.document.opening import Xacro
 from urdf.loops.closing import Loops
 from urdf.loops.mimics import Mimic
-from urdf.reading.cutting import Chain
-from urdf.reading.locking import Lock
+from urdf.reading.cutting import Chain, Lock
 from urdf.reading.mesh_inertials import InertialsFromMeshes
 from urdf.reading.repairing import Repair
 

@@ -8,10 +8,9 @@ from collections.abc import Callable, Iterable, Iterator
 from lxml import etree
 
 from urdf.document.elements import describe, line_of
-from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, values
+from urdf.document.numbers import MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair
-from urdf.reading.limits import MIN_UNLIMITED
 from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
 
 AXIS_LENGTH_TOLERANCE = 1e-3

@@ -20,9 +20,8 @@ from lxml import etree
 from graphdyn import Coupling, Joint, Placement, RobotModel
 from graphdyn.model import STANDARD_GRAVITY, check_model
 from urdf.document.files import write_whole
-from urdf.document.numbers import add_numbers, add_placement, inertial_element, text
+from urdf.document.numbers import NO_LIMIT, add_numbers, add_placement, inertial_element, text
 from urdf.errors import CannotSave, GravityNotSavedWarning, one_line
-from urdf.reading import limits
 from urdf.writing.loop_writing import coupling_elements, independent_marks, loop_elements, transmission_elements
 
 
@@ -125,11 +124,29 @@ def _add_joint(
 def _add_motion(element: etree._Element, joint: Joint) -> None:
     """Axis, limits, damping and friction of a movable joint."""
     etree.SubElement(element, "axis", xyz=text(joint.axis))
-    bounds = limits.to_attributes(joint)
+    bounds = _limits(joint)
     if bounds:
         add_numbers(element, "limit", bounds)
     if joint.damping or joint.friction:
         add_numbers(element, "dynamics", {"damping": joint.damping, "friction": joint.friction})
+
+
+def _limits(joint: Joint) -> dict[str, float]:
+    """The attributes of <limit>; empty where the joint needs none."""
+    limits = joint.limits
+    if joint.kind == "continuous" and limits.velocity is None and limits.effort is None:
+        return {}
+    bounds: dict[str, float] = {}
+    if joint.kind != "continuous" and not (limits.lower is None and limits.upper is None):
+        # readers take a single missing bound as zero
+        bounds = {
+            "lower": -NO_LIMIT if limits.lower is None else limits.lower,
+            "upper": NO_LIMIT if limits.upper is None else limits.upper,
+        }
+    return bounds | {
+        "effort": NO_LIMIT if limits.effort is None else limits.effort,
+        "velocity": NO_LIMIT if limits.velocity is None else limits.velocity,
+    }
 
 
 def _mimic(coupling: Coupling) -> etree._Element:
@@ -142,8 +159,8 @@ def save(model: RobotModel, path: str | PathLike[str]) -> None:
 
     The order of bodies comes back if they are numbered depth first, as load does. A frame becomes a link on a fixed
     joint that is named after its first alias. A base placement becomes a root link "world" with a fixed joint. A
-    missing effort or velocity limit is written as the largest double (limits.NO_LIMIT); a continuous joint has no
-    position limits. A body without mass and inertia gets no <inertial>. Chords become <loop> elements of URDF+, joints
+    missing effort or velocity limit is written as the largest double (NO_LIMIT); a continuous joint has no position
+    limits. A body without mass and inertia gets no <inertial>. Chords become <loop> elements of URDF+, joints
     that several others drive its <coupling>, and actuated joints <transmission> elements.
 
     The file appears complete or not at all. Raises CannotSave for a name that is empty or cannot stand in XML, and for

@@ -9,7 +9,7 @@ from urdf_text import joint, link, robot_text
 
 import urdf
 from urdf.errors import one_line
-from urdf.inspection.messages import of_file
+from urdf.inspection.findings import of_file
 
 ODD = "a\nb\r\x1b[31m\x9bc\u2028d"
 SAID = r"a\nb\r\x1b[31m\x9bc\u2028d"
@@ -28,7 +28,7 @@ def test_one_line():
 
 
 def test_every_finding():
-    assert of_file("crlf", "note", 1, f"found {ODD}", "").message == f"found {SAID}"
+    assert of_file("crlf", f"found {ODD}", 1).message == f"found {SAID}"
 
 
 @pytest.fixture

@@ -14,8 +14,8 @@ from urdf_text import joint, link, robot_text
 import graphdyn
 import urdf
 from urdf.geometry import reading
-from urdf.geometry.meshes import decimation
 from urdf.geometry.meshes import mesh_files as readers
+from urdf.geometry.meshes import triangles as decimation
 
 
 def bounds(shape):

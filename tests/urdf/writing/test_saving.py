@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import graphdyn
 import urdf
 from graphdyn import Body, Frame, Joint, JointLimits, Placement, RobotModel
-from urdf.reading.limits import NO_LIMIT
+from urdf.document.numbers import NO_LIMIT
 
 E1, E2, E3 = np.eye(3)
 

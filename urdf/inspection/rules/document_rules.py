@@ -1,7 +1,4 @@
-"""Findings about what surrounds the robot: the text of the file, xacro leftovers, meshes, materials.
-
-Findings about what urdf.load does not read.
-"""
+"""Findings about what surrounds the robot: text, names, xacro leftovers, meshes, what urdf.load does not read."""
 
 from __future__ import annotations
 
@@ -14,9 +11,9 @@ from lxml import etree
 from urdf.document.document import Document
 from urdf.document.elements import line_of, name_of
 from urdf.document.numbers import UNEXPANDED_EXPRESSION
+from urdf.document.tree import end
 from urdf.errors import listed, shortened
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import of_file, told
+from urdf.inspection.findings import Finding, about, found, of_file
 from urdf.inspection.structure import Structure
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -28,32 +25,25 @@ def document_findings(document: Document) -> Iterator[Finding]:
     yield from _text(document.content)
     namespace = etree.QName(document.robot).namespace
     if namespace:
-        yield of_file(
-            "default-namespace",
-            "note",
-            line_of(document.robot),
-            f"the root element has the default namespace {shortened(namespace)}",
-            "remove xmlns=… from <robot>",
-        )
+        problem = f"the root element has the default namespace {shortened(namespace)}"
+        yield of_file("default-namespace", problem, line_of(document.robot))
     yield from _elements(document.robot)
 
 
 def _text(content: bytes) -> Iterator[Finding]:
     if content.startswith(BYTE_ORDER_MARK):
-        yield of_file("byte-order-mark", "note", 1, "the file begins with a byte-order mark", "no action needed")
+        yield of_file("byte-order-mark", "the file begins with a byte-order mark", 1)
         content = content[len(BYTE_ORDER_MARK) :]
     ends = content.count(b"\r\n")
     if ends:
-        yield of_file("crlf", "note", 1, f"lines that end with CR LF: {ends}", "no action needed")
+        yield of_file("crlf", f"lines that end with CR LF: {ends}", 1)
     if not content.isascii():
         line = next(number for number, text in enumerate(content.split(b"\n"), start=1) if not text.isascii())
-        yield of_file("non-ascii", "note", line, "the text is not all ASCII", "make sure that other tools read it")
+        yield of_file("non-ascii", "the text is not all ASCII", line)
     prefixes = dict.fromkeys(_PREFIX.findall(content))
     if prefixes:
         names = listed(prefix.decode(errors="replace") for prefix in prefixes)
-        yield of_file(
-            "extra-namespaces", "note", None, f"declared namespaces that URDF does not need: {names}", "remove them"
-        )
+        yield of_file("extra-namespaces", f"declared namespaces that URDF does not need: {names}")
 
 
 def _elements(robot: etree._Element) -> Iterator[Finding]:
@@ -80,50 +70,58 @@ def _elements(robot: etree._Element) -> Iterator[Finding]:
     if xacro:
         tags = listed(f"xacro:{tag}" for tag in xacro)
         harmless = set(xacro) <= {"property", "arg"}
-        yield of_file(
-            "xacro-tags",
-            "note" if harmless else "warning",
-            lines["xacro"],
-            f"xacro elements that are left in and ignored: {xacro.total()} ({tags})",
-            "remove them" if harmless else "expand the file with xacro: what they stand for is missing",
-        )
+        problem = f"xacro elements that are left in and ignored: {xacro.total()} ({tags})"
+        yield of_file("xacro-tags", problem, lines["xacro"], severity="note" if harmless else "warning")
     if meshes:
         yield of_file(
             "mesh-files",
-            "note",
-            lines["mesh"],
             f"mesh files, not opened because dynamics need none: {meshes}, of which {packages} at package:// paths",
-            "no action needed",
+            lines["mesh"],
         )
     if unexpanded:
-        yield of_file(
-            "unexpanded-text",
-            "warning",
-            lines["unexpanded"],
-            f"attributes with ${{…}} or $(…) that are not expanded: {unexpanded}",
-            "expand the file with xacro",
-        )
+        problem = f"attributes with ${{…}} or $(…) that are not expanded: {unexpanded}"
+        yield of_file("unexpanded-text", problem, lines["unexpanded"])
     for material, places in materials.items():
         if len(places) > 1:
-            yield of_file(
-                "duplicate-material",
-                "warning",
-                places[1],
-                f"material '{shortened(material)}' is defined {len(places)} times, first in line {places[0]}",
-                "keep one of them",
-            )
-
-
-DOCUMENT_REMEDIES = {
-    "unread-dynamics": "change the model after loading it, if that matters",
-    "unknown-element": "correct its name, or remove it",
-    "unknown-attribute": "correct its name, or remove it",
-}
+            problem = f"material '{shortened(material)}' is defined {len(places)} times, first in line {places[0]}"
+            yield of_file("duplicate-material", problem, places[1])
 
 
 def unread_findings(structure: Structure) -> Iterator[Finding]:
     """Findings about elements and attributes that change the dynamics elsewhere, or that URDF does not know."""
     for unread in structure.source.extensions.unread:
         number = f" ({unread.places} such places)" if unread.places > 1 else ""
-        message = told(unread.code, f"{unread.problem}: not read{number}")
-        yield Finding(unread.code, "warning", unread.element, unread.line, message, DOCUMENT_REMEDIES[unread.code])
+        problem = f"{unread.problem}: not read{number}"
+        yield found(unread.code, problem, unread.element, unread.line)
+
+
+RESERVED_NAME = "universe"
+
+
+def name_findings(structure: Structure) -> Iterator[Finding]:
+    """Findings about names, and about joints before their parents."""
+    source = structure.source
+    links = {name_of(link): line_of(link) for link in source.links}
+    for joint in source.joints:
+        name = name_of(joint)
+        if name and name in links:
+            problem = f"the link in line {links[name]} has this name too: the frame of this name is the link's"
+            yield about("shared-name", joint, problem)
+        if name == RESERVED_NAME:
+            yield about("reserved-name", joint, "the ground has this name in Pinocchio")
+    for element in (*source.links, *source.joints):
+        if "/" in name_of(element):
+            yield about("slash-in-name", element, "a slash in the name")
+    yield from _order(structure)
+
+
+def _order(structure: Structure) -> Iterator[Finding]:
+    """The first joint that comes before the joint of its parent link."""
+    places = {id(joint): number for number, joint in enumerate(structure.source.joints)}
+    for number, joint in enumerate(structure.source.joints):
+        above = structure.joint_into.get(end(joint, "parent") or "")
+        if above is not None and places[id(above)] > number:
+            before = shortened(name_of(above))
+            problem = f"it comes before joint '{before}', which carries its parent link; load numbers parents first"
+            yield about("joint-order", joint, problem)
+            return

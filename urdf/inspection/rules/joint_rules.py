@@ -9,8 +9,7 @@ from lxml import etree
 
 from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, values
 from urdf.errors import listed, shortened
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import about, of_file
+from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import Structure
 
 RIGHT_ANGLE = math.pi / 2
@@ -30,13 +29,8 @@ def joint_findings(structure: Structure) -> Iterator[Finding]:
         yield from _angles(element)
     for joint in structure.source.joints:
         if joint.find("origin") is None:
-            yield about(
-                "joint-origin-missing",
-                "note",
-                joint,
-                "without <origin>: the joint is at the origin of its parent link",
-                "write <origin>, if that is not meant",
-            )
+            problem = "without <origin>: the joint is at the origin of its parent link"
+            yield about("joint-origin-missing", joint, problem)
     for joint in structure.movable:
         yield from _kind(joint)
         yield from _axis(joint)
@@ -46,11 +40,8 @@ def joint_findings(structure: Structure) -> Iterator[Finding]:
     if structure.movable:
         yield of_file(
             "rotor-inertia",
-            "note",
-            None,
             "URDF has no place for rotor inertia: the model has none, though behind high gear ratios it can be most of "
             "the inertia that a motor accelerates",
-            "add it to the mass matrix, if you know it",
         )
 
 
@@ -61,11 +52,9 @@ def _angles(element: etree._Element) -> Iterator[Finding]:
             missed = max(abs(angle - RIGHT_ANGLE * round(angle / RIGHT_ANGLE)) for angle in odd)
             yield about(
                 "rpy-truncated",
-                "note",
                 origin,
                 f"{', '.join(f'{angle:g}' for angle in odd)}: a truncated multiple of π/2, off by {missed:.1e} rad; it "
                 "is used as written",
-                "write all digits: 1.5707963267948966",
             )
 
 
@@ -77,52 +66,38 @@ def _truncated(angle: float) -> bool:
 def _kind(joint: etree._Element) -> Iterator[Finding]:
     kind = joint.get("type")
     if kind == "continuous":
-        yield about(
-            "continuous-joint",
-            "note",
-            joint,
-            "a continuous joint: its coordinate is one angle",
-            "compare angles modulo 2π",
-        )
+        yield about("continuous-joint", joint, "a continuous joint: its coordinate is one angle")
     if kind == "prismatic":
-        yield about("prismatic-joint", "note", joint, "a prismatic joint: meters and newtons", "no action needed")
+        yield about("prismatic-joint", joint, "a prismatic joint: meters and newtons")
     mimic = joint.find("mimic")
     if mimic is not None:
-        yield about(
-            "mimic-joint",
-            "note",
-            joint,
-            f"it mimics joint '{shortened(mimic.get('joint', ''))}': it has no entry in q, v, a and τ",
-            "no action needed; mimic='independent' (--mimic independent) makes it a joint of its own, "
-            "mimic='locked' (--mimic locked) holds it still",
-        )
+        problem = f"it mimics joint '{shortened(mimic.get('joint', ''))}': it has no entry in q, v, a and τ"
+        yield about("mimic-joint", joint, problem)
 
 
 def _axis(joint: etree._Element) -> Iterator[Finding]:
     element = joint.find("axis")
     if element is None:
-        yield about("axis-missing", "note", joint, "without <axis>: it is (1, 0, 0)", "write <axis>")
+        yield about("axis-missing", joint, "without <axis>: it is (1, 0, 0)")
         return
     axis = values(element, "xyz", 3)
     if axis is None or not any(axis):
         return
     length, largest = math.hypot(*axis), max(map(abs, axis))
     if abs(length - 1) > UNIT_LENGTH_TOLERANCE:
+        problem = f"the axis has length {length:.9g}; load normalizes it"
         yield about(
             "axis-not-normalized",
-            "note" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "warning",
             element,
-            f"the axis has length {length:.9g}; load normalizes it",
-            "write it with more digits" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "write a unit vector",
+            problem,
+            severity="note" if abs(length - 1) < MAX_AXIS_LENGTH_ERROR else "warning",
         )
     along = [x for x in axis if abs(x) > ZERO_COMPONENT * largest]
     if len(along) > 1:
         text = " ".join(f"{x:g}" for x in axis)
-        yield about("oblique-axis", "note", element, f"the axis {text} is along no coordinate axis", "no action needed")
+        yield about("oblique-axis", element, f"the axis {text} is along no coordinate axis")
     elif along[0] < 0:
-        yield about(
-            "negative-axis", "note", element, "the axis points along a negative coordinate axis", "no action needed"
-        )
+        yield about("negative-axis", element, "the axis points along a negative coordinate axis")
 
 
 def _position_limits(joint: etree._Element) -> Iterator[Finding]:
@@ -130,22 +105,18 @@ def _position_limits(joint: etree._Element) -> Iterator[Finding]:
     names = ("lower", "upper", "effort", "velocity") if bounded else ("effort", "velocity")
     missing = [name for name in names if limit is not None and limit.get(name) is None]
     if bounded and limit is None:
-        yield about("limits-missing", "warning", joint, "without <limit>", "write the limits")
+        yield about("limits-missing", joint, "without <limit>")
     elif limit is not None and missing:
-        yield about(
-            "limits-missing", "warning", limit, f"without {', '.join(missing)}: there is no such limit", "write it"
-        )
+        yield about("limits-missing", limit, f"without {', '.join(missing)}: there is no such limit")
     lower, upper = values(limit, "lower", 1), values(limit, "upper", 1)
     if limit is None or not bounded or lower is None or upper is None:
         return
     if lower[0] == upper[0]:
         yield about(
             "limits-zero",
-            "note",
             limit,
             f"lower and upper limit are both {lower[0]:g}: the joint cannot move"
             + ("; random states ignore such limits" if lower[0] == 0 else ""),
-            "write the range",
         )
 
 
@@ -156,42 +127,21 @@ def _rate_limits(joint: etree._Element) -> Iterator[Finding]:
         if limit is None or bound is None:
             continue
         if bound[0] == 0:
-            yield about(
-                f"{name}-zero",
-                "note",
-                limit,
-                f"the {name} limit is 0: a placeholder for an unknown one",
-                "write the limit",
-            )
+            yield about(f"{name}-zero", limit, f"the {name} limit is 0: a placeholder for an unknown one")
         elif bound[0] < 0:
-            yield about(
-                f"{name}-negative", "warning", limit, f"the {name} limit {bound[0]:g} is negative", "write the limit"
-            )
+            yield about(f"{name}-negative", limit, f"the {name} limit {bound[0]:g} is negative")
 
 
 def _dynamics(joint: etree._Element) -> Iterator[Finding]:
     element = joint.find("dynamics")
     friction = values(element, "friction", 1)
     if element is not None and friction is not None and friction[0] < 0:
-        yield about(
-            "friction-negative", "warning", element, f"the friction {friction[0]:g} is negative", "write the friction"
-        )
+        yield about("friction-negative", element, f"the friction {friction[0]:g} is negative")
     others = [] if element is None else [name for name in element.attrib if name not in ("damping", "friction")]
     if element is not None and others:
-        yield about(
-            "unknown-joint-dynamics",
-            "note",
-            element,
-            f"URDF knows no attributes {listed(map(str, others))} of <dynamics>: not read",
-            "correct their names, or give damping and friction",
-        )
+        problem = f"URDF knows no attributes {listed(map(str, others))} of <dynamics>: not read"
+        yield about("unknown-joint-dynamics", element, problem)
     stated = {name: values(element, name, 1) or [0.0] for name in ("damping", "friction")}
     if element is not None and any(value[0] for value in stated.values()):
         said = ", ".join(f"{name} {value[0]:g}" for name, value in stated.items() if value[0])
-        yield about(
-            "joint-dynamics",
-            "note",
-            element,
-            f"{said}: kept with the joint, not part of the rigid dynamics",
-            "add it to the torques, if it matters",
-        )
+        yield about("joint-dynamics", element, f"{said}: kept with the joint, not part of the rigid dynamics")

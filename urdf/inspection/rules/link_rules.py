@@ -10,8 +10,7 @@ from graphdyn.model import TRIANGLE_TOLERANCE_SHARE
 from urdf.document.elements import name_of
 from urdf.document.numbers import values
 from urdf.errors import shortened
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import about, of_file
+from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import LinkInertial, Structure
 
 TRIANGLE_TOLERANCE = 0.02
@@ -53,10 +52,8 @@ def _ground(structure: Structure) -> Iterator[Finding]:
         if structure.still(inertial.link) and (inertial.mass > 0 or inertial.size > 0):
             yield about(
                 "root-inertia",
-                "note",
                 inertial.element,
                 f"a mass of {inertial.mass:g} kg that never moves: load drops it, and no torque regressor contains it",
-                "no action needed",
             )
 
 
@@ -65,13 +62,8 @@ def _missing(structure: Structure) -> Iterator[Finding]:
     for carrier, members in structure.members.items():
         if carrier in links and all(name in links and links[name].find("inertial") is None for name in members):
             fixed = " (nor has any link fixed to it)" if len(members) > 1 else ""
-            yield about(
-                "missing-inertial",
-                "warning",
-                links[carrier],
-                f"the link moves and has no <inertial>{fixed}: its mass is zero",
-                "write an <inertial>",
-            )
+            problem = f"the link moves and has no <inertial>{fixed}: its mass is zero"
+            yield about("missing-inertial", links[carrier], problem)
 
 
 def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
@@ -80,30 +72,16 @@ def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
     if carrier != inertial.link and inertial.mass > 0:
         yield about(
             "fused-mass",
-            "note",
             element,
             f"the link is fixed: its {inertial.mass:g} kg are added to the body of link '{shortened(str(carrier))}'",
-            "no action needed; urdf.fused_links gives the shares",
         )
     origin = element.find("origin")
     if origin is None:
-        yield about(
-            "inertial-origin-missing",
-            "note",
-            element,
-            "without <origin>: the center of mass is the link origin",
-            "write <origin>, if that is not meant",
-        )
+        yield about("inertial-origin-missing", element, "without <origin>: the center of mass is the link origin")
     if any(values(origin, "rpy", 3) or ()):
-        yield about(
-            "inertial-rotated",
-            "note",
-            element,
-            "the inertial frame is rotated: the tensor is turned into link axes",
-            "no action needed",
-        )
+        yield about("inertial-rotated", element, "the inertial frame is rotated: the tensor is turned into link axes")
     if np.abs(np.triu(inertial.tensor, 1)).any():
-        yield about("off-diagonal-inertia", "note", element, "the tensor has off-diagonal entries", "no action needed")
+        yield about("off-diagonal-inertia", element, "the tensor has off-diagonal entries")
 
 
 def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
@@ -111,76 +89,32 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
     if mass == 0:
         members = structure.members[str(structure.carrier[inertial.link])]
         alone = not any(other.mass > 0 and other.link in members for other in structure.inertials)
-        yield about(
-            "zero-mass",
-            "warning" if alone else "note",
-            element,
-            "the mass is zero" if inertial.size == 0 else "the mass is zero but the inertia tensor is not",
-            "give the mass" if alone else "no action needed: the body has mass from other links",
-        )
+        problem = "the mass is zero" if inertial.size == 0 else "the mass is zero but the inertia tensor is not"
+        yield about("zero-mass", element, problem, severity="warning" if alone else "note")
     elif inertial.size == 0:
-        yield about(
-            "zero-inertia",
-            "warning",
-            element,
-            f"{mass:g} kg with an inertia tensor of zero: a point mass",
-            "give the tensor",
-        )
+        yield about("zero-inertia", element, f"{mass:g} kg with an inertia tensor of zero: a point mass")
     distance = float(np.linalg.norm(inertial.center))
     if distance > MAX_CENTER_DISTANCE:
-        yield about(
-            "far-center-of-mass",
-            "warning",
-            element,
-            f"the center of mass is {distance:.3g} m from the origin of the link",
-            "give it in meters, in the link frame; it may be in millimeters",
-        )
+        problem = f"the center of mass is {distance:.3g} m from the origin of the link"
+        yield about("far-center-of-mass", element, problem)
     if 0 < mass < MIN_PLAUSIBLE_MASS:
-        yield about(
-            "tiny-mass",
-            "warning",
-            element,
-            f"the mass is {mass:g} kg",
-            "give the mass in kg; it looks like a placeholder",
-        )
+        yield about("tiny-mass", element, f"the mass is {mass:g} kg")
 
 
 def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
     element, (low, middle, high), size = inertial.element, inertial.moments, inertial.size
     if low < -TRIANGLE_TOLERANCE_SHARE * size:
-        yield about(
-            "indefinite-inertia",
-            "warning",
-            element,
-            f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one",
-            "correct the tensor; a sign may be wrong, or entries swapped",
-        )
+        problem = f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one"
+        yield about("indefinite-inertia", element, problem)
     elif low <= TRIANGLE_TOLERANCE_SHARE * size:
-        yield about(
-            "singular-inertia",
-            "warning",
-            element,
-            f"the tensor is singular: smallest principal moment {low:.3g} kg m²",
-            "give all moments",
-        )
+        yield about("singular-inertia", element, f"the tensor is singular: smallest principal moment {low:.3g} kg m²")
     excess = high - low - middle
     if excess > TRIANGLE_TOLERANCE_SHARE * size:
         rounded = excess < TRIANGLE_TOLERANCE * high
-        yield about(
-            "triangle-inequality",
-            "note" if rounded else "warning",
-            element,
-            f"principal moment {high:.3g} exceeds the sum {low + middle:.3g} kg m² of the others",
-            "write more digits" if rounded else "correct the tensor: it must be about the center of mass, in kg m²",
-        )
+        problem = f"principal moment {high:.3g} exceeds the sum {low + middle:.3g} kg m² of the others"
+        yield about("triangle-inequality", element, problem, severity="note" if rounded else "warning")
     if low > 0 and np.array_equal(inertial.tensor, inertial.tensor[0, 0] * np.eye(3)):
-        yield about(
-            "isotropic-inertia",
-            "note",
-            element,
-            "the same moment about every axis, as of a sphere: probably a guess",
-            "give the measured tensor, if forces matter",
-        )
+        yield about("isotropic-inertia", element, "the same moment about every axis, as of a sphere: probably a guess")
 
 
 def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
@@ -191,13 +125,8 @@ def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
     ends = [inertial.center, *(np.array(place) for place in places if place is not None)]
     size = max(MIN_LINK_SIZE, *(float(np.linalg.norm(end)) for end in ends))
     if radius > MAX_GYRATION_RADIUS or radius > MAX_GYRATION_RATIO * size:
-        yield about(
-            "gyration-radius",
-            "warning",
-            inertial.element,
-            f"the radius of gyration is {radius:.3g} m, the link reaches {size:.3g} m: tensor and mass do not fit",
-            "give kg, m and kg m²; the tensor may be in kg mm² or g mm², or about another point",
-        )
+        problem = f"the radius of gyration is {radius:.3g} m, the link reaches {size:.3g} m: tensor and mass do not fit"
+        yield about("gyration-radius", inertial.element, problem)
 
 
 def _placeholders(moving: list[LinkInertial]) -> Iterator[Finding]:
@@ -205,9 +134,6 @@ def _placeholders(moving: list[LinkInertial]) -> Iterator[Finding]:
     if len(moving) >= MIN_EQUAL_LINKS and len(same) == 1:
         yield of_file(
             "placeholder-inertials",
-            "warning",
-            None,
             f"all {len(moving)} moving links with <inertial> have the same mass, {moving[0].mass:g} kg, and tensor: "
             "placeholders",
-            "give the real ones: the numbers computed from these mean nothing",
         )

@@ -12,8 +12,7 @@ from graphdyn.layout import Array
 from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces
 from urdf.document.elements import name_of
 from urdf.errors import listed, shortened
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import of_file
+from urdf.inspection.findings import Finding, of_file
 from urdf.inspection.structure import Structure
 from urdf.loops.couplings import INDEPENDENT_VALUES
 
@@ -47,18 +46,13 @@ def loop_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
     """Findings about a robot with chords."""
     yield from _massless(model)
     if model.n_chord_rows > MAX_CHORD_ROWS:
-        yield of_file(
-            "loops-not-examined",
-            "note",
-            None,
-            f"the loops have {model.n_chord_rows} rows: more than {MAX_CHORD_ROWS} are not examined",
-            "no action needed",
-        )
+        problem = f"the loops have {model.n_chord_rows} rows: more than {MAX_CHORD_ROWS} are not examined"
+        yield of_file("loops-not-examined", problem)
         return
     try:
         q = closed_states(model)
     except InconsistentState as error:
-        yield of_file("loop-cannot-close", "warning", None, str(error), "correct the loop, or the links on its way")
+        yield of_file("loop-cannot-close", str(error))
         return
     motions = free_motions(model, q)
     yield _rows(model, motions)
@@ -73,10 +67,7 @@ def _massless(model: RobotModel) -> Iterator[Finding]:
     if massless:
         yield of_file(
             "massless-closing-link",
-            "note",
-            None,
             f"loops close at bodies without mass: {listed(massless)}. Pinocchio's constrained dynamics are NaN there",
-            "no action needed, if other bodies of the loop have mass",
         )
 
 
@@ -91,7 +82,7 @@ def _rows(model: RobotModel, motions: list[Array]) -> Finding:
         said.append(f"at q = 0 the loops are open by {gaps.max():.2g} m or rad")
     if motions[0].shape[-1] > degrees_of_freedom:
         said.append("the closed pose next to q = 0 is singular")
-    return of_file("loop-rows", "note", None, "; ".join(said), "no action needed; graphdyn.assemble closes states")
+    return of_file("loop-rows", "; ".join(said))
 
 
 def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
@@ -105,11 +96,8 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
         names = [name for name, row in zip(joints, idle, strict=True) if np.abs(row).max() > LOOP_RANK_TOLERANCE]
         yield of_file(
             "idle-degrees-of-freedom",
-            "warning",
-            None,
             f"degrees of freedom that no motor drives: {idle.shape[-1]}; "
             f"with all motors held, joints {listed(names)} can move",
-            "lock one joint of each (lock=, --lock), or state more motors",
         )
 
 
@@ -128,10 +116,7 @@ def _independent(model: RobotModel, structure: Structure, motion: Array) -> Iter
         named = listed(shortened(joints[k]) for k in stated)
         yield of_file(
             "independent-contradiction",
-            "warning",
-            None,
             f"the loops leave {counted(motion.shape[-1], 'degree', 'degrees')} of freedom, but the motions of the "
             f"{counted(len(stated), 'joint that is', 'joints that are')} not marked "
             f'independent="false" determine {rank} of them: {named}',
-            "mark as independent as many joints as there are degrees of freedom, so that they determine all others",
         )

@@ -10,9 +10,8 @@ import numpy as np
 from graphdyn.layout import Array
 from graphdyn.model import TRIANGLE_TOLERANCE_SHARE
 from urdf.errors import MAX_QUOTED_NAMES, shortened
-from urdf.geometry.filled_links import FilledLink, filled_links
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import about, of_file
+from urdf.geometry.mass_properties import FilledLink, filled_links
+from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import LinkInertial, Structure
 
 MAX_OUTSIDE_SHARE = 0.05
@@ -88,10 +87,8 @@ def _files(structure: Structure, compared: int, failed: dict[str, str]) -> Findi
     lines = [each.line for each in drawings if each.mesh]
     return of_file(
         "mesh-files",
-        "note",
-        lines[0],
         f"mesh files: {len(lines)}; links whose inertials are compared with them: {compared}{left}",
-        "no action needed",
+        lines[0],
     )
 
 
@@ -102,11 +99,9 @@ def _place(each: Compared) -> Iterator[Finding]:
     if outside > MAX_OUTSIDE_SHARE * size:
         yield about(
             "center-outside-mesh",
-            "warning",
             each.inertial.element,
             f"the center of mass lies {outside:.3g} m outside the box around the {each.link.geometry} mesh, whose "
             f"longest side is {size:.3g} m",
-            "give it in the link frame, in meters; or correct the placement or the scale of the mesh",
         )
 
 
@@ -114,11 +109,9 @@ def _density(each: Compared) -> Iterator[Finding]:
     if not MIN_MESH_DENSITY <= each.density <= MAX_MESH_DENSITY:
         yield about(
             "mesh-density",
-            "warning",
             each.inertial.element,
             f"{each.inertial.mass:.3g} kg in {each.link.filled.volume:.3g} m³ ({each.what}) are "
             f"{each.density:.4g} kg/m³",
-            "give the mass in kg and the mesh in meters, with its scale; a part of the link may not be drawn",
         )
 
 
@@ -127,11 +120,8 @@ def _tensors(compared: list[Compared]) -> Iterator[Finding]:
     if far:
         yield of_file(
             "inertia-unlike-mesh",
-            "warning",
-            None,
             f"the tensors of {len(far)} of {len(compared)} links are far from those of their meshes, filled uniformly "
             f"with the same mass: by a factor of {far[0].factor:.3g} for link '{shortened(far[0].inertial.link)}'",
-            "compare them link by link: urdf.inspect(…, meshes='detail'), graphdyn inspect --meshes detail",
         )
 
 
@@ -142,10 +132,7 @@ def _tensor(each: Compared) -> Finding:
     apart = float(np.linalg.norm(each.inertial.center - each.link.filled.center))
     return about(
         "inertia-of-mesh",
-        "note",
         each.inertial.element,
         f"principal moments {own} kg m²; filled uniformly with {each.inertial.mass:.3g} kg ({each.density:.4g} kg/m³), "
         f"the {each.what} has {filled}, a factor of {each.factor:.3g}, and its center of mass {apart:.3g} m away",
-        "correct the inertial where the factor is large, or load with "
-        "repair=[urdf.InertialsFromMeshes(…)] (--repair inertials-from-meshes=…)",
     )

@@ -11,8 +11,7 @@ from graphdyn import InconsistentState, RobotModel, mass_matrix
 from graphdyn.layout import Array
 from urdf.document.elements import name_of
 from urdf.errors import listed
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import about, of_file
+from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.rules.loop_rules import MAX_CHORD_ROWS, closed_states, free_motions, loop_findings
 from urdf.inspection.structure import Structure
 
@@ -51,11 +50,9 @@ def _bodies(model: RobotModel, structure: Structure) -> Iterator[Finding]:
         if eigenvalue < -PSEUDO_INERTIA_TOLERANCE * max(np.abs(body.parameters).max(), 1e-300):
             yield about(
                 "inconsistent-body",
-                "warning",
                 links[body.name],
                 "together with all links fixed to it, no physically possible body: the pseudo-inertia matrix has "
                 f"eigenvalue {eigenvalue:.3g}",
-                "correct mass, center of mass and tensor",
             )
 
 
@@ -66,33 +63,16 @@ def _units(model: RobotModel) -> Iterator[Finding]:
     ends = [along[frame.body] + np.linalg.norm(frame.placement.translation) for frame in model.frames]
     reach, mass = float(max(along.max(), *ends, 0.0)), sum(body.mass for body in model.bodies)
     if not MIN_REACH <= reach <= MAX_REACH:
-        yield of_file(
-            "suspicious-lengths",
-            "warning",
-            None,
-            f"the joints span {reach:.3g} m along the longest branch",
-            "give lengths in meters; they may be in millimeters",
-        )
+        yield of_file("suspicious-lengths", f"the joints span {reach:.3g} m along the longest branch")
     elif mass > 0 and not MIN_LINK_DENSITY <= mass / reach**3 <= MAX_LINK_DENSITY:
-        yield of_file(
-            "suspicious-masses",
-            "warning",
-            None,
-            f"{mass:.3g} kg on a reach of {reach:.3g} m",
-            "give masses in kg; they may be in grams or tonnes",
-        )
+        yield of_file("suspicious-masses", f"{mass:.3g} kg on a reach of {reach:.3g} m")
 
 
 def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
     n = model.n_bodies
     if n > MAX_EXAMINED_BODIES:
-        yield of_file(
-            "mass-matrix-not-examined",
-            "note",
-            None,
-            f"{n} moving bodies: the mass matrix of more than {MAX_EXAMINED_BODIES} is not examined",
-            "no action needed",
-        )
+        problem = f"{n} moving bodies: the mass matrix of more than {MAX_EXAMINED_BODIES} is not examined"
+        yield of_file("mass-matrix-not-examined", problem)
         return
     if model.chords:
         yield from _of_closed_motions(model)
@@ -124,40 +104,21 @@ def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]
     n = matrices.shape[-1]
     ranks, negative = _ranks(matrices)
     if negative.any():
-        yield of_file(
-            "mass-matrix-indefinite",
-            "warning",
-            None,
-            f"the mass matrix has negative eigenvalues {where}: some motion has a negative kinetic energy",
-            "correct the inertials that no real body can have",
-        )
+        problem = f"the mass matrix has negative eigenvalues {where}: some motion has a negative kinetic energy"
+        yield of_file("mass-matrix-indefinite", problem)
     if ranks.min() < n:
         massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
         cause = f"bodies without mass or inertia: {listed(massless)}" if massless else "every body has mass"
         yield of_file(
             "mass-matrix-singular",
-            "warning",
-            None,
             f"the mass matrix has rank {_span(ranks)} of {n} {where}: torques do not determine accelerations ({cause})",
-            "give all moving links mass and inertia",
         )
         return
     conditions = np.linalg.cond(matrices)
-    yield of_file(
-        "mass-matrix",
-        "note",
-        None,
-        f"the mass matrix has rank {n} and condition number {_span(conditions)} {where}",
-        "no action needed",
-    )
+    yield of_file("mass-matrix", f"the mass matrix has rank {n} and condition number {_span(conditions)} {where}")
     if conditions.max() > MIN_ILL_CONDITION:
-        yield of_file(
-            "mass-matrix-ill-conditioned",
-            "warning",
-            None,
-            f"the condition number of the mass matrix reaches {conditions.max():.3g}: accelerations lose digits",
-            "look for inertials that are far too small or too large",
-        )
+        problem = f"the condition number of the mass matrix reaches {conditions.max():.3g}: accelerations lose digits"
+        yield of_file("mass-matrix-ill-conditioned", problem)
 
 
 def _ranks(matrices: Array) -> tuple[Array, Array]:

@@ -17,8 +17,7 @@ from urdf.document.document import Document
 from urdf.document.elements import line_of, tag_of
 from urdf.document.numbers import BadNumber, numbers
 from urdf.errors import shortened
-from urdf.inspection.findings import Finding
-from urdf.inspection.messages import about, of_file
+from urdf.inspection.findings import Finding, about, of_file
 
 _VALUE = re.compile(rb"""=\s*("[^"<\t\n\r]*[\t\n\r][^"<]*"|'[^'<\t\n\r]*[\t\n\r][^'<]*')""")
 _BLANK_BEHIND = re.compile(r"\S\s")
@@ -59,13 +58,7 @@ def reader_findings(document: Document) -> Iterator[Finding]:
     yield from _instructions(document.robot)
     version = document.robot.get("version")
     if version is not None and version not in _VERSIONS:
-        yield about(
-            "urdf-version",
-            "warning",
-            document.robot,
-            f'version="{shortened(version)}" is none of {", ".join(_VERSIONS)}',
-            "remove it",
-        )
+        yield about("urdf-version", document.robot, f'version="{shortened(version)}" is none of {", ".join(_VERSIONS)}')
     verbatim = _verbatim(document)
     for element, written in zip(document.robot, verbatim, strict=True):
         if tag_of(element) in ("link", "joint"):
@@ -82,21 +75,11 @@ def reader_findings(document: Document) -> Iterator[Finding]:
 def _encoding(document: Document) -> Iterator[Finding]:
     encoding = document.robot.getroottree().docinfo.encoding or "UTF-8"
     if b"<robot" not in document.content:
-        yield of_file(
-            "other-encoding",
-            "warning",
-            1,
-            f"the text is encoded in {'UTF-16' if encoding == 'UTF-8' else encoding}. Pinocchio refuses the file",
-            "save it in UTF-8",
-        )
+        problem = f"the text is encoded in {'UTF-16' if encoding == 'UTF-8' else encoding}. Pinocchio refuses the file"
+        yield of_file("other-encoding", problem, 1)
     elif not (_EXTENDS_ASCII if document.content.isascii() else _IS_UTF_8).match(encoding):
-        yield of_file(
-            "other-encoding",
-            "warning",
-            1,
-            f"the text is encoded in {encoding}. Pinocchio reads it as UTF-8, with other names or numbers",
-            "save it in UTF-8",
-        )
+        problem = f"the text is encoded in {encoding}. Pinocchio reads it as UTF-8, with other names or numbers"
+        yield of_file("other-encoding", problem, 1)
 
 
 def _instructions(robot: etree._Element) -> Iterator[Finding]:
@@ -104,13 +87,8 @@ def _instructions(robot: etree._Element) -> Iterator[Finding]:
     nodes = [*reversed(list(robot.itersiblings(preceding=True))), robot, *robot.itersiblings()]
     found = [node for top in dropwhile(_is_instruction, nodes) for node in top.iter() if _is_instruction(node)]
     if found:
-        yield of_file(
-            "processing-instruction",
-            "warning",
-            line_of(found[0]),
-            f"processing instructions <?…?> within the document: {len(found)}",
-            "remove them",
-        )
+        problem = f"processing instructions <?…?> within the document: {len(found)}"
+        yield of_file("processing-instruction", problem, line_of(found[0]))
 
 
 def _is_instruction(node: etree._Element) -> bool:
@@ -144,13 +122,8 @@ def _names(element: etree._Element, written: etree._Element) -> Iterator[Finding
     for part, as_written in ((element, written), *_parts(element, written)):
         for name in _NAMES.get(tag_of(part), ()):
             if part.get(name) != as_written.get(name):
-                yield about(
-                    "name-spacing",
-                    "warning",
-                    part,
-                    f"tabs or line breaks in {name}: an XML parser reads blanks. Pinocchio reads another name",
-                    "write blanks, or none",
-                )
+                problem = f"tabs or line breaks in {name}: an XML parser reads blanks. Pinocchio reads another name"
+                yield about("name-spacing", part, problem)
 
 
 def _spacing(element: etree._Element, written: etree._Element, known: dict[str, tuple[str, ...]]) -> Iterator[Finding]:
@@ -169,13 +142,8 @@ def _spacing(element: etree._Element, written: etree._Element, known: dict[str, 
                 consequence = "Pinocchio gives the link a tensor of zero"
             else:
                 consequence = "Pinocchio gives the link mass 0"
-            yield about(
-                "number-spacing",
-                "warning",
-                part,
-                f"blanks, tabs or line breaks in {name} that not every reader accepts. {consequence}",
-                "separate numbers by blanks, and put none after a single number",
-            )
+            problem = f"blanks, tabs or line breaks in {name} that not every reader accepts. {consequence}"
+            yield about("number-spacing", part, problem)
 
 
 def _is_read(text: str, count: int) -> bool:
@@ -202,4 +170,4 @@ def _incomplete_parts(joint: etree._Element) -> Iterator[Finding]:
 
 
 def _incomplete(part: etree._Element, problem: str) -> Finding:
-    return about("incomplete-joint-part", "warning", part, f"{problem}; dynamics do not need it", "correct it")
+    return about("incomplete-joint-part", part, f"{problem}; dynamics do not need it")
