@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.comparing.compared_states import ComparedStates
-from crosscheck.quantities.system import kkt_batch
-from graphdyn import mass_matrix
+from crosscheck.quantities.system import kkt_system
 from graphdyn.layout import Array
 
 
@@ -40,7 +39,7 @@ def rank_errors(states: ComparedStates) -> tuple[dict[str, Array], Conditioning]
 
     Only where the mass matrix is regular, the matrix of Eq. (111) must have full rank.
     """
-    system = kkt_batch(states.model, states.q, states.v, states.tau)
+    system = kkt_system(states)
     rank, kkt_rank = np.asarray(system.constraint_rank()), np.asarray(system.rank())
     n_rows, size = system.constraint_jacobian.shape[-2], system.matrix.shape[-1]
     errors = {"constraint_rank": 1.0 - rank / n_rows}
@@ -51,7 +50,7 @@ def rank_errors(states: ComparedStates) -> tuple[dict[str, Array], Conditioning]
         _range(np.linalg.cond(system.constraint_jacobian)),
         _range(kkt_rank),
         _range(np.asarray(system.condition_number())),
-        _range(np.linalg.cond(mass_matrix(states.model, states.q))),
+        _range(np.linalg.cond(states.answer("mass_matrix"))),
     )
     return errors, conditioning
 

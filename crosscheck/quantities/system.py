@@ -20,11 +20,13 @@ def kkt_batch(model: RobotModel, q: Array, v: Array, tau: Array) -> KKTSystem:
     )
 
 
+def kkt_system(states: ScaledStates) -> KKTSystem:
+    """Eq. (111) at all states."""
+    found: KKTSystem = states.once("Eq. (111)", lambda: kkt_batch(states.model, states.q, states.v, states.tau))
+    return found
+
+
 def solution(states: ScaledStates) -> KKTSolution:
     """Solution of Eq. (111). Raises LinAlgError for an exactly singular system."""
-
-    def solve() -> KKTSolution:
-        return kkt_batch(states.model, states.q, states.v, states.tau).solve_unchecked()
-
-    found: KKTSolution = states.once("solution of Eq. (111)", solve)
+    found: KKTSolution = states.once("solution of Eq. (111)", lambda: kkt_system(states).solve_unchecked())
     return found

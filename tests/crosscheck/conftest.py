@@ -149,10 +149,12 @@ OURS_PLANTED = "test_can_fail.py"
 """Errors are planted there on our side too."""
 
 
-@pytest.fixture(autouse=True)
-def _our_answers_once(request, monkeypatch):
-    if request.path.name != OURS_PLANTED:
-        remember_our_answers(monkeypatch)
+@pytest.fixture(autouse=True, scope="module")
+def _our_answers_once(request):
+    with pytest.MonkeyPatch.context() as patch:
+        if request.path.name != OURS_PLANTED:
+            remember_our_answers(patch)
+        yield
 
 
 @pytest.fixture

@@ -32,9 +32,12 @@ def chain(masses, kinds="rrrrrr", limits=JointLimits()):  # noqa: B008 (frozen)
     )
 
 
+ARM = chain([1.0, 1.0, 1.0], "rrr")
+
+
 def weightless_wrist(*axes):
     """Three revolute joints through one point; only the last body has inertia."""
-    arm = chain([1.0, 1.0, 1.0], "rrr")
+    arm = ARM
     for k, axis in enumerate(axes, start=1):
         arm = with_joint(arm, k, axis=np.eye(3)[axis], placement=Placement())
     for k in (1, 2):
@@ -45,13 +48,12 @@ def weightless_wrist(*axes):
 @pytest.mark.parametrize("meters", [pytest.param(30, marks=LONG), 1e4])
 def test_far_from_the_origin(meters):
     """A robot on a map: its dynamics do not depend on where it stands."""
-    far = kr500().with_base(Placement(translation=[meters, meters, meters]))
+    far = ARM.with_base(Placement(translation=[meters, meters, meters]))
     assert flagged(crosscheck.compare(far, SAMPLES)) == set()
 
 
 def test_first_joint_far_from_the_base():
-    first = kr500().joints[0]
-    far = with_joint(kr500(), 1, placement=Placement(first.placement.rotation, [300.0, 0.0, 0.0]))
+    far = with_joint(ARM, 1, placement=Placement(ARM.joints[0].placement.rotation, [300.0, 0.0, 0.0]))
     assert flagged(crosscheck.compare(far, SAMPLES)) == set()
 
 
@@ -73,20 +75,20 @@ def test_absurd_velocities(rate):
     assert flagged(crosscheck.compare(chain([1.0] * 4, "rrrr", limits=JointLimits(velocity=rate)), SAMPLES)) == set()
 
 
-@pytest.mark.parametrize("kinds", ["ppprrr", pytest.param("pppppp", marks=LONG), pytest.param("r" * 12, marks=LONG)])
+@pytest.mark.parametrize("kinds", ["pprr", pytest.param("pppppp", marks=LONG), pytest.param("r" * 12, marks=LONG)])
 def test_other_machines(kinds):
     assert flagged(crosscheck.compare(chain([1.0] * len(kinds), kinds), SAMPLES)) == set()
 
 
 def test_negative_principal_moment():
     """Least squares produce such bodies; Pinocchio takes them as parameters only."""
-    arm = with_body(chain([1.0] * 3, "rrr"), 3, inertia=np.diag([-0.1, 0.2, 0.3]))
+    arm = with_body(ARM, 3, inertia=np.diag([-0.1, 0.2, 0.3]))
     assert flagged(crosscheck.compare(arm, SAMPLES)) == set()
 
 
 def test_massless_body_with_a_center():
     """The center of nothing may be anywhere: it enters no equation."""
-    arm = with_body(chain([1.0] * 3, "rrr"), 2, mass=0.0, center_of_mass=[0.5, -0.2, 0.1])
+    arm = with_body(ARM, 2, mass=0.0, center_of_mass=[0.5, -0.2, 0.1])
     assert flagged(crosscheck.compare(arm, SAMPLES)) == set()
 
 
