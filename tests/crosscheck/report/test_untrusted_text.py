@@ -262,7 +262,7 @@ class TestEncodings:
             ("ascii", ("show", "kr500")),
             ("ascii", ("show", "τ")),
             ("latin-1", ("judge", "--help")),
-            ("cp1252", ("judge", "--help")),
+            pytest.param("cp1252", ("judge", "--help"), marks=LONG),
             pytest.param("ascii", ("inspect", "kr500"), marks=LONG),
             pytest.param("latin-1", ("show", "kr500"), marks=LONG),
             pytest.param("latin-1", ("show", "τ"), marks=LONG),
