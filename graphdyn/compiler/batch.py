@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isnan, prod
 from typing import NamedTuple
 
@@ -28,22 +28,6 @@ cautious than the test that decides (graphdyn.equations.projected.singular)."""
 NO_ROWS = np.empty(0, dtype=np.intp)
 
 
-@dataclass(frozen=True)
-class Options:
-    """How a verb runs.
-
-    threads: at most this many; None for one per core
-    check: refuse NaN and infinity in the arguments; otherwise their samples come out as NaN
-    """
-
-    threads: int | None = None
-    check: bool = True
-
-    def __post_init__(self) -> None:
-        if self.threads is not None and (not isinstance(self.threads, int | np.integer) or self.threads < 1):
-            raise InvalidInput(f"threads is {self.threads!r}; give a number from 1, or None for all cores")
-
-
 class Evaluation(NamedTuple):
     """arrays: the outputs by name (…, *trailing); suspects: numbers of samples whose mass matrix may be singular."""
 
@@ -57,16 +41,21 @@ def evaluate(
     outputs: tuple[str, ...],
     x: Mapping[str, Array],
     base: BaseMotion | None,
-    options: Options,
     out: Mapping[str, Array] | None = None,
     frame: FrameChoice | None = None,
+    *,
+    threads: int | None = None,
+    check: bool = True,
 ) -> Evaluation:
     """These outputs of a recursion for arrays of one leading shape, written into out if given.
 
-    Raises InvalidInput for NaN and infinity, unless options.check is False; for outputs of the wrong shape, type or
-    layout, read-only ones, and ones that overlap with an argument or each other. After an error the contents of out
-    are undefined.
+    threads: at most this many; None for one per core
+    check: refuse NaN and infinity in the arguments; otherwise their samples come out as NaN
+
+    Raises InvalidInput for NaN and infinity; for outputs of the wrong shape, type or layout, read-only ones, and ones
+    that overlap with an argument or each other. After an error the contents of out are undefined.
     """
+    check_threads(threads)
     batch = x["q"].shape[:-1]
     count = prod(batch)
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
@@ -78,11 +67,17 @@ def evaluate(
     if count == 0:
         return Evaluation(arrays, NO_ROWS)
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
-    guarded = run(model, request, inputs, rows, options.threads)
-    if options.check and isnan(guarded["finite"]):
+    guarded = run(model, request, inputs, rows, threads)
+    if check and isnan(guarded["finite"]):
         refuse_non_finite(model, x)
     suspicious = guarded.get("minimum", np.inf) < MIN_PIVOT_SHARE
-    return Evaluation(arrays, _suspects(model, request, inputs, options) if suspicious else NO_ROWS)
+    return Evaluation(arrays, _suspects(model, request, inputs, threads) if suspicious else NO_ROWS)
+
+
+def check_threads(threads: int | None) -> None:
+    """Raises InvalidInput for anything but a number from 1, or None."""
+    if threads is not None and (not isinstance(threads, int | np.integer) or threads < 1):
+        raise InvalidInput(f"threads is {threads!r}; give a number from 1, or None for all cores")
 
 
 def _plain(array: Array) -> Array:
@@ -98,10 +93,12 @@ def _as_rows(array: Array, batch: tuple[int, ...]) -> Array:
     return array.reshape(prod(batch), prod(array.shape[len(batch) :]))
 
 
-def _suspects(model: RobotModel, request: Request, inputs: Mapping[str, Array], options: Options) -> NDArray[np.intp]:
+def _suspects(
+    model: RobotModel, request: Request, inputs: Mapping[str, Array], threads: int | None
+) -> NDArray[np.intp]:
     of_pivots = replace(request, outputs=("pivots",))
     pivots = np.empty((len(inputs["q"]), len(prepared(model, of_pivots).program.outputs["pivots"])))
-    run(model, of_pivots, inputs, {"pivots": pivots}, options.threads)
+    run(model, of_pivots, inputs, {"pivots": pivots}, threads)
     return np.flatnonzero((pivots < MIN_PIVOT_SHARE).any(axis=-1))
 
 

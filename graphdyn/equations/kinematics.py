@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.arguments.base_motion import BaseMotion, Ground, ground
 from graphdyn.arguments.choices import Method, is_recursive, with_keywords
-from graphdyn.compiler.batch import Options, evaluate
+from graphdyn.compiler.batch import evaluate
 from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
@@ -117,7 +117,7 @@ def maximal_state(
     rest = np.zeros(model.nv)
     x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
     if is_recursive(method, x):
-        return _recursive_state(model, x, a is not None, base, Options(threads, check=False))
+        return _recursive_state(model, x, a is not None, base, threads)
     return state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], x["v"], None if a is None else x["a"])
 
 
@@ -183,18 +183,16 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
 
 
 def _recursive_state(
-    model: RobotModel, x: dict[str, Array], accelerated: bool, base: BaseMotion | None, options: Options
+    model: RobotModel, x: dict[str, Array], accelerated: bool, base: BaseMotion | None, threads: int | None
 ) -> MaximalState:
     """state_on by graphdyn.recursions."""
     acceleration = None
     if accelerated:
-        there = evaluate(model, "inverse_dynamics", ("body_accelerations",), x, base, options)
+        there = evaluate(model, "inverse_dynamics", ("body_accelerations",), x, base, threads=threads, check=False)
         acceleration = there.arrays["body_accelerations"]
-    state = evaluate(
-        model, "maximal_state", ("position", "rotation", "velocity"), {"q": x["q"], "v": x["v"]}, base, options
-    ).arrays
-    vertex_0 = ground(model, base, x["q"].shape[:-1])
-    return MaximalState(model, state["position"], state["rotation"], state["velocity"], acceleration, vertex_0)
+    outputs, given = ("position", "rotation", "velocity"), {"q": x["q"], "v": x["v"]}
+    state = evaluate(model, "maximal_state", outputs, given, base, threads=threads, check=False).arrays
+    return MaximalState(model, **state, acceleration=acceleration, ground=ground(model, base, x["q"].shape[:-1]))
 
 
 def bias_acceleration(model: RobotModel, q: Array, v: Array, on: Ground | None = None) -> Array:

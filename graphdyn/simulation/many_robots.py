@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats, joint_arrays
-from graphdyn.compiler.batch import Options
+from graphdyn.compiler.batch import check_threads
 from graphdyn.compiler.native import host_lanes
 from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
 from graphdyn.errors import InvalidInput
@@ -238,7 +238,7 @@ def rollout(
     """
     check_model(model)
     refuse_loops("rollout", model, "graphdyn.simulate does")
-    Options(threads)
+    check_threads(threads)
     if method not in FIXED_STEPS:
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(FIXED_STEPS)}")
     if not (step > 0 and np.isfinite(step)):

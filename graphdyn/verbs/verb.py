@@ -20,7 +20,7 @@ from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wren
 from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, Keywords, is_recursive, with_keywords
 from graphdyn.arguments.keywords import refuse_unknown
-from graphdyn.compiler.batch import Evaluation, Options, evaluate
+from graphdyn.compiler.batch import Evaluation, evaluate
 from graphdyn.equations import projected
 from graphdyn.equations.loops.reactions import in_self_stress_usually
 from graphdyn.equations.projected import Arguments, Specification, refuse_singular
@@ -168,9 +168,10 @@ def computed(
         return cast(Answer, verb.packed(specification(model, with_wrenches(model, x), base, method == "dense")))
     if closed:
         verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
-    options = Options(keywords.get("threads"), keywords.get("check", True))
     moving = base if closed or RECURSIONS[verb.recursion].on_moving_base else None
-    answer = evaluate(model, verb.recursion, verb.outputs, x, moving, options, verb.memory(out), frame)
+    threads, check = keywords.get("threads"), keywords.get("check", True)
+    memory = verb.memory(out)
+    answer = evaluate(model, verb.recursion, verb.outputs, x, moving, memory, frame, threads=threads, check=check)
     if answer.suspects.size:
         _decide(model, answer, specification, x, moving)
     if closed:

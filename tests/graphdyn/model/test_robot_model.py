@@ -150,7 +150,7 @@ def test_a_tiny_axis_is_a_direction_like_any_other():
     ("arguments", "message"),
     [
         ({"bodies": (), "joints": ()}, r"robot 'r': no moving body; the dynamics of a model without joints are empty"),
-        ({"joints": ()}, r"robot 'r': 1 bodies but 0 joints; a tree has one each"),
+        ({"joints": ()}, r"robot 'r': 1 body but 0 joints; a tree has one each"),
         ({"bodies": (SOLID, SOLID), "joints": (hinge("a"), hinge("b"))}, r"robot 'r': body name 'solid' is used more"),
         ({"base_name": "solid"}, r"robot 'r': body name 'solid' is used more than once"),
         ({"bodies": (SOLID, POINT), "joints": (hinge(), hinge())}, r"robot 'r': joint name 'hinge' is used more than"),
