@@ -131,11 +131,11 @@ class Runs:
             error = noise[min(tick, len(noise) - 1)]
             return source.tau_from(min(tick * period, self.end), q + error[: len(q)], v + error[len(q) :])
 
-        state = {"q": self.q[run], "v": self.v[run], "work": np.zeros(1), "loss": np.zeros(1)}
+        y = np.concatenate([self.q[run], self.v[run], np.zeros(2)])
         equations = Equations(self.plant.of_run(run))
         with np.errstate(over="ignore", invalid="ignore"):
-            rows = python_steps(equations, tableau(self.method), self.stretch, state, _no_torque, held)
-        return {name: np.array(rows[name]).reshape(self.stretch.records, -1) for name in COURSE_COLUMNS}
+            _, rows = python_steps(equations, tableau(self.method), self.stretch, y, _no_torque, held)
+        return rows
 
     def _columns(self, first: int, last: int) -> Array:
         """Torques or references of the ticks, (runs or 1, ticks, width); the last torque stays."""

@@ -16,9 +16,9 @@ from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.simulation.equations import LoopEquations, equations_of, refuse_dry_friction
-from graphdyn.simulation.integration.adaptive import Ticks, Tolerances, adaptive
-from graphdyn.simulation.integration.events import Event, SimulatedCourse
+from graphdyn.simulation.equations import LoopEquations, refuse_dry_friction
+from graphdyn.simulation.integration.adaptive import adaptive
+from graphdyn.simulation.integration.events import Event, InitialValueProblem, SimulatedCourse, limit_events
 from graphdyn.simulation.integration.fixed import fixed
 from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
 from graphdyn.simulation.integration.maximal import Stabilization, maximal
@@ -33,7 +33,7 @@ from graphdyn.simulation.plant import (
     refuse_loops,
 )
 from graphdyn.simulation.result import Simulation
-from graphdyn.simulation.torques import QUOTIENT_TOLERANCE, Controller, TorqueFunction, Torques, torques
+from graphdyn.simulation.torques import QUOTIENT_TOLERANCE, Controller, TorqueFunction, torques
 from graphdyn.verbs.matrices import mass_matrix
 
 Method = Literal["dop853", "rk8", "rk4", "euler"]
@@ -121,21 +121,23 @@ def simulate(
     checked = (events,) if isinstance(events, Event) else tuple(events)
     if limits == "stop":
         _refuse_outside(model, start[0])
-    report = progress or (lambda time: None)
-    source = torques(torque, model, duration)
     if coordinates == "maximal":
         _refuse_in_maximal(plant, method, limits, checked)
-        assert step is not None
-        course, bodies = maximal(plant, start, duration, source, method, step, times, stabilization, report)
-        return replace(simulation(plant, course), _bodies=bodies)
-    if coordinates != "joint":
+    elif coordinates != "joint":
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'joint' or 'maximal'")
+    looked_for = (*checked, *(limit_events(plant) if limits == "stop" else ()))
+    source, report = torques(torque, model, duration), progress or (lambda time: None)
+    problem = InitialValueProblem(plant, start, duration, source, times, looked_for, report)
     if method == "dop853":
-        course = _adaptive(plant, start, duration, source, Tolerances(rtol, atol), times, checked, limits, report)
-    else:
-        assert step is not None
-        course = fixed(plant, start, duration, source, method, step, times, checked, limits == "stop", report)
-    return simulation(plant, course)
+        for name, value in (("rtol", rtol), ("atol", atol)):
+            if not value > 0:
+                raise InvalidInput(f"{name} is {value!r}; give a tolerance above zero")
+        return simulation(plant, (loop_adaptive if model.chords else adaptive)(problem, rtol, atol))
+    assert step is not None
+    if coordinates == "maximal":
+        course, bodies = maximal(problem, method, step, stabilization)
+        return replace(simulation(plant, course), _bodies=bodies)
+    return simulation(plant, fixed(problem, method, step))
 
 
 def simulation(plant: PlantConstants, course: SimulatedCourse) -> Simulation:
@@ -155,30 +157,6 @@ def simulation(plant: PlantConstants, course: SimulatedCourse) -> Simulation:
         _work=columns["work"][:, 0],
         _loss=columns["loss"][:, 0],
     )
-
-
-def _adaptive(
-    plant: PlantConstants,
-    start: tuple[Array, Array],
-    duration: float,
-    source: Torques,
-    tolerances: Tolerances,
-    times: Array | None,
-    events: Sequence[Event],
-    limits: object,
-    progress: Callable[[float], None],
-) -> SimulatedCourse:
-    for name, value in vars(tolerances).items():
-        if not value > 0:
-            raise InvalidInput(f"{name} is {value!r}; give a tolerance above zero")
-    equations, period = equations_of(plant), source.period
-    torque = source.tau_at if period is None else Ticks(period, lambda k, q, v: source.tau_from(k * period, q, v))
-    if isinstance(equations, LoopEquations):
-        closed_stages, stop = source.function is not None, limits == "stop"
-        return loop_adaptive(
-            equations, start, duration, torque, closed_stages, tolerances, times, events, stop, progress
-        )
-    return adaptive(equations, start, duration, torque, tolerances, times, events, limits == "stop", progress)
 
 
 def _check_times(duration: float, method: str, step: float | None) -> None:

@@ -16,11 +16,9 @@ import numpy as np
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
-from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.equations import Contact, Equations
-from graphdyn.simulation.integration.events import COURSE_COLUMNS, Event, Occurrence, SimulatedCourse
-from graphdyn.simulation.integration.steps import Torque
-from graphdyn.simulation.plant import position_limits
+from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, SimulatedCourse
+from graphdyn.simulation.integration.steps import Torque, derivative, joints_of, recorded
 
 MAX_SLIDING_PASSES = 20
 """How often it is decided again which joints slide: more than ever needed, since each joint changes once or twice."""
@@ -32,59 +30,29 @@ EVALUATIONS_PER_REPORT = 500
 """Evaluations after which progress is reported, a tenth of a second at most."""
 
 
-@dataclass(frozen=True, eq=False)
-class Ticks:
-    """A torque that is held: tau(number, q, v) from number · period on [s]."""
-
-    period: float
-    tau: Callable[[int, Array, Array], Array]
-
-
-@dataclass(frozen=True)
-class Tolerances:
-    """Relative, and absolute in the units of the state."""
-
-    rtol: float
-    atol: float
-
-
-def adaptive(
-    equations: Equations,
-    start: tuple[Array, Array],
-    duration: float,
-    torque: Torque | Ticks,
-    tolerances: Tolerances,
-    at: Array | None,
-    events: Sequence[Event],
-    stop_at_limits: bool,
-    progress: Callable[[float], None],
-) -> SimulatedCourse:
-    """q and v from the start on. Raises IntegrationFailed.
-
-    at: times of the rows; None for those of the steps
-    progress: called with the time reached [s]
-    """
-    n = len(start[0])
-    y = np.concatenate([*start, np.zeros(2)])
+def adaptive(problem: InitialValueProblem, rtol: float, atol: float) -> SimulatedCourse:
+    """q and v from the start on. Raises IntegrationFailed."""
+    equations, at, duration = Equations(problem.plant), problem.at, problem.duration
+    y, n = problem.state, len(problem.start[0])
     t, tick, idle, ended = 0.0, 0, 0, ""
     parts: list[SimulatedCourse] = []
     occurrences: list[Occurrence] = []
     loose: int | None = None
-    tau_at, end = _torque_from(torque, tick, equations, y, duration)
+    tau_at, end = _torque_from(problem, tick, equations, y)
     while True:
-        q, v = y[:n], y[n : 2 * n]
+        q, v = joints_of(y)
         # which joints slide is decided here, and holds until an event ends the stretch
         contact = equations.contact(t, q, v, tau_at(t, q, v), MAX_SLIDING_PASSES, loose)
-        stretch = _Stretch(equations, tau_at, contact, progress)
-        checked = stretch.checks() + (_limit_checks(equations) if stop_at_limits else [])
-        checked += [
-            _EventCheck(_of_state(event.function, n), event.name, event.direction, event.stop) for event in events
+        stretch = _Stretch(equations, tau_at, contact, problem.progress)
+        checked = stretch.checks() + [
+            _EventCheck(_of_state(event.function), event.name, event.direction, event.stop) for event in problem.events
         ]
-        solution = _solve(stretch, (t, end), y, tolerances, checked, dense=at is not None)
+        solution = _solve(stretch, (t, end), y, rtol, atol, checked, dense=at is not None)
         reached = float(solution.t[-1])
         finished = reached >= duration
-        if reached > t or finished:
-            parts.append(stretch.rows(solution, at, t, last=finished))
+        part = stretch.rows(solution, at, t, last=finished)
+        if (reached > t or finished) and part.time.size:
+            parts.append(part)
         y, loose = solution.y[:, -1].copy(), None
         for check, times, states in zip(checked, solution.t_events, solution.y_events, strict=True):
             for time, state in zip(times, states, strict=True):
@@ -93,9 +61,9 @@ def adaptive(
                 elif check.breaks_loose is not None:
                     loose = check.breaks_loose
                 else:
-                    occurrences.append(Occurrence(check.name, float(time), state[:n], state[n : 2 * n]))
+                    occurrences.append(Occurrence(check.name, float(time), *joints_of(state)))
                     ended = check.name if check.stop else ended
-        progress(reached)
+        problem.progress(reached)
         if ended or finished:
             break
         # an event at the very beginning of a stretch is no progress
@@ -107,8 +75,8 @@ def adaptive(
         t = reached
         if reached >= end:
             tick += 1
-            tau_at, end = _torque_from(torque, tick, equations, y, duration)
-    if ended and (at is None or parts[-1].time.size == 0 or parts[-1].time[-1] < reached):
+            tau_at, end = _torque_from(problem, tick, equations, y)
+    if ended and (at is None or not parts or parts[-1].time[-1] < reached):
         parts.append(stretch.row_at(reached, y))
     return SimulatedCourse.joined(parts, occurrences, ended)
 
@@ -139,11 +107,9 @@ class _Stretch:
         if self._evaluations % EVALUATIONS_PER_REPORT == 0 and t > self._reached:
             self._reached = t
             self._progress(t)
-        n = len(self._contact.sign)
-        q, v = y[:n], y[n : 2 * n]
+        q, v = joints_of(y)
         tau = self._tau_at(t, q, v)
-        found = self._equations.rates(t, q, v, tau, self._contact)
-        return np.concatenate([v, found.a, [tau @ v, found.passive @ v]])
+        return derivative(v, tau, self._equations.rates(t, q, v, tau, self._contact))
 
     def checks(self) -> list[_EventCheck]:
         """Event checks: of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
@@ -155,15 +121,14 @@ class _Stretch:
         for j in np.flatnonzero(dry > 0).tolist():
             if self._contact.free[j]:
                 against = -int(self._contact.sign[j])
-                checks.append(_EventCheck(partial(_less, n + j, 0.0), direction=against, rests=j))
+                checks.append(_EventCheck(partial(_entry, n + j), direction=against, rests=j))
             else:
                 checks.append(_EventCheck(partial(self._excess, j, dry[j]), direction=1, breaks_loose=j))
         return checks
 
     def _excess(self, j: int, dry: float, t: float, y: Array) -> float:
         """The excess: by how much more than dry friction a joint at rest would need to be held."""
-        n = len(self._contact.sign)
-        q, v = y[:n], y[n : 2 * n]
+        q, v = joints_of(y)
         held = self._equations.rates(t, q, v, self._tau_at(t, q, v), self._contact).held
         return float(abs(held[j]) - dry)
 
@@ -185,58 +150,37 @@ class _Stretch:
         return self._course(np.array([t]), y[None])
 
     def _course(self, times: Array, states: Array) -> SimulatedCourse:
-        n = len(self._contact.sign)
-        columns: dict[str, list[Array]] = {name: [] for name in COURSE_COLUMNS}
+        rows = []
         for t, y in zip(times.tolist(), states, strict=True):
-            q, v = y[:n], y[n : 2 * n]
+            q, v = joints_of(y)
             tau = self._tau_at(t, q, v)
-            found = self._equations.rates(t, q, v, tau, self._contact)
-            values = (q, v, y[2 * n : 2 * n + 1], y[2 * n + 1 :], tau, found.a, found.passive)
-            for name, value in zip(COURSE_COLUMNS, values, strict=True):
-                columns[name].append(value)
-        widths = {name: 1 if name in ("work", "loss") else n for name in COURSE_COLUMNS}
-        return SimulatedCourse(times, {name: np.reshape(rows, (-1, widths[name])) for name, rows in columns.items()})
+            rows.append(recorded(y, tau, self._equations.rates(t, q, v, tau, self._contact)))
+        return SimulatedCourse.of_rows(times, rows, (), "")
 
 
-def _torque_from(
-    torque: Torque | Ticks, tick: int, equations: Equations, y: Array, duration: float
-) -> tuple[Torque, float]:
+def _torque_from(problem: InitialValueProblem, tick: int, equations: Equations, y: Array) -> tuple[Torque, float]:
     """The torque from this tick on, and until when it is one smooth function."""
-    if not isinstance(torque, Ticks):
-        return lambda t, q, v: equations.clamped(torque(t, q, v)), duration
-    n = (len(y) - 2) // 2
-    held = equations.clamped(torque.tau(tick, y[:n], y[n : 2 * n]))
-    return lambda t, q, v: held, min((tick + 1) * torque.period, duration)
+    source, period = problem.source, problem.source.period
+    if period is None:
+        return lambda t, q, v: equations.clamped(source.tau_at(t, q, v)), problem.duration
+    held = equations.clamped(source.tau_from(tick * period, *joints_of(y)))
+    return lambda t, q, v: held, min((tick + 1) * period, problem.duration)
 
 
-def _limit_checks(equations: Equations) -> list[_EventCheck]:
-    """Every joint with limits stops the simulation where it reaches one."""
-    model = equations.plant.model
-    checks = []
-    for side, limits, direction in zip(("lower", "upper"), position_limits(model), (-1, 1), strict=True):
-        for j in np.flatnonzero(np.isfinite(limits)).tolist():
-            name = f"{side} limit of joint '{model.joint_names[j]}'"
-            checks.append(_EventCheck(partial(_beyond, model, j, float(limits[j])), name, direction))
-    return checks
+def _entry(k: int, t: float, y: Array) -> float:
+    return float(y[k])
 
 
-def _less(k: int, level: float, t: float, y: Array) -> float:
-    return float(y[k] - level)
-
-
-def _beyond(model: RobotModel, j: int, limit: float, t: float, y: Array) -> float:
-    return float(model.joint_positions(y[: model.nv])[j] - limit)
-
-
-def _of_state(function: Callable[[float, Array, Array], float], n: int) -> Callable[[float, Array], float]:
-    return lambda t, y: float(function(t, y[:n], y[n : 2 * n]))
+def _of_state(function: Callable[[float, Array, Array], float]) -> Callable[[float, Array], float]:
+    return lambda t, y: float(function(t, *joints_of(y)))
 
 
 def _solve(
     stretch: _Stretch,
     span: tuple[float, float],
     y: Array,
-    tolerances: Tolerances,
+    rtol: float,
+    atol: float,
     checked: Sequence[_EventCheck],
     dense: bool,
 ) -> Any:
@@ -247,16 +191,16 @@ def _solve(
         function.terminal, function.direction = check.stop, check.direction  # type: ignore[attr-defined]
         return function
 
-    atol = np.full(len(y), tolerances.atol)
-    atol[-2:] = np.inf  # the work follows from the motion, and does not control the steps
+    absolute = np.full(len(y), atol)
+    absolute[-2:] = np.inf  # the work follows from the motion, and does not control the steps
     with np.errstate(over="ignore", invalid="ignore"):
         solution = solve_ivp(
             stretch.derivative,
             span,
             y,
             method="DOP853",
-            rtol=tolerances.rtol,
-            atol=atol,
+            rtol=rtol,
+            atol=absolute,
             events=[scipy_event(check) for check in checked] or None,
             dense_output=dense,
         )

@@ -1,4 +1,4 @@
-"""Events between steps of fixed width, and what an integration hands over: rows of numbers, and why it ended.
+"""What is integrated, events between steps, and what an integration hands over: rows of numbers, and why it ended.
 
 An event is found where a function changes its sign from one step to the next. Between two steps q and v are cubic, from
 the values and rates at both (Hermite).
@@ -11,13 +11,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.equations import LoopEquations, equations_of
 from graphdyn.simulation.plant import PlantConstants, position_limits
 from graphdyn.simulation.torques import Torques
+
+Rows = dict[str, Array]
 
 COURSE_COLUMNS = ("q", "v", "work", "loss", "tau", "a", "passive")
 
@@ -66,6 +68,13 @@ class SimulatedCourse:
     ended: str = ""
 
     @staticmethod
+    def of_rows(
+        times: ArrayLike, rows: Sequence[Rows], occurrences: Sequence[Occurrence], ended: str
+    ) -> SimulatedCourse:
+        columns = {name: np.array([row[name] for row in rows]) for name in COURSE_COLUMNS}
+        return SimulatedCourse(np.asarray(times), columns, tuple(occurrences), ended)
+
+    @staticmethod
     def joined(parts: list[SimulatedCourse], occurrences: list[Occurrence], ended: str) -> SimulatedCourse:
         columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in COURSE_COLUMNS}
         return SimulatedCourse(np.concatenate([part.time for part in parts]), columns, tuple(occurrences), ended)
@@ -76,7 +85,28 @@ class SimulatedCourse:
         return SimulatedCourse(self.time[chosen], columns, self.occurrences, self.ended)
 
 
-Rows = dict[str, Array]
+@dataclass(frozen=True, eq=False)
+class InitialValueProblem:
+    """A plant under torques, from a state on.
+
+    start: q and v at time zero                             (n,) each
+    at: times of the rows, increasing; None for those of all steps   (N,)  [s]
+    events: what is looked for, with the position limits that end the simulation
+    progress: called with the time reached [s]
+    """
+
+    plant: PlantConstants
+    start: tuple[Array, Array]
+    duration: float
+    source: Torques
+    at: Array | None
+    events: tuple[Event, ...]
+    progress: Callable[[float], None]
+
+    @property
+    def state(self) -> Array:
+        """q, v, work and loss at time zero (2n + 2,)."""
+        return np.concatenate([*self.start, np.zeros(2)])
 
 
 class Scan:
@@ -85,16 +115,11 @@ class Scan:
     occurrences: what was found; ended: name of the event that ends the simulation, "" as long as there was none
     """
 
-    def __init__(self, plant: PlantConstants, source: Torques, events: Sequence[Event], stop_at_limits: bool) -> None:
-        self._plant, self._source = plant, source
-        self._events = [*events, *(limit_events(plant) if stop_at_limits else [])]
+    def __init__(self, problem: InitialValueProblem) -> None:
+        self._plant, self._source, self._events = problem.plant, problem.source, problem.events
         self._before: SimulatedCourse | None = None
         self.occurrences: list[Occurrence] = []
         self.ended = ""
-
-    @property
-    def needed(self) -> bool:
-        return bool(self._events)
 
     def searched(self, course: SimulatedCourse) -> SimulatedCourse:
         """The rows up to the first event that stops, whose own row is the last."""
@@ -132,10 +157,12 @@ class Scan:
 def limit_events(plant: PlantConstants) -> list[Event]:
     """The position limits of all joints, each of which ends a simulation."""
     events = []
-    for side, limits, direction in zip(("lower", "upper"), position_limits(plant.model), (-1, 1), strict=True):
+    lower, upper = position_limits(plant.model)
+    sides: tuple[tuple[str, Array, Literal[-1, 1]], ...] = (("lower", lower, -1), ("upper", upper, 1))
+    for side, limits, direction in sides:
         for j in np.flatnonzero(np.isfinite(limits)).tolist():
             name = f"{side} limit of joint '{plant.model.joint_names[j]}'"
-            events.append(Event(_beyond(plant.model, j, limits[j]), name, True, 1 if direction > 0 else -1))
+            events.append(Event(_beyond(plant.model, j, limits[j]), name, direction=direction))
     return events
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from math import gcd
 
 import numpy as np
@@ -21,14 +21,12 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.events import COURSE_COLUMNS, Event, Scan, SimulatedCourse
-from graphdyn.simulation.integration.steps import LoopSteps, python_steps, tableau
-from graphdyn.simulation.plant import PlantConstants
+from graphdyn.simulation.integration.events import COURSE_COLUMNS, InitialValueProblem, Rows, Scan, SimulatedCourse
+from graphdyn.simulation.integration.steps import LoopSteps, joints_of, python_steps, tableau
 from graphdyn.simulation.torques import (
     CONSTANT_TORQUE_STEPS,
     QUOTIENT_TOLERANCE,
     SMALLER_STEPS_REMEDY,
-    Torques,
     whole_steps,
 )
 
@@ -38,45 +36,29 @@ CHUNK_STEPS = 4096
 LOOP_CHUNK_STEPS = 64
 """The same for robots with loops, whose steps take milliseconds."""
 
-Rows = dict[str, Array]
 
-
-def fixed(
-    plant: PlantConstants,
-    start: tuple[Array, Array],
-    duration: float,
-    source: Torques,
-    method: str,
-    step: float,
-    at: Array | None,
-    events: Sequence[Event],
-    stop_at_limits: bool,
-    progress: Callable[[float], None],
-    compiled: bool = True,
-) -> SimulatedCourse:
-    """Rows at the times asked for. Raises InvalidInput, IntegrationFailed.
-
-    compiled: whether compiled steps may be used
-    """
-    steps = whole_steps("the duration", duration, step)
+def fixed(problem: InitialValueProblem, method: str, step: float) -> SimulatedCourse:
+    """Rows at the times asked for. Raises InvalidInput, IntegrationFailed."""
+    plant, at = problem.plant, problem.at
+    steps = whole_steps("the duration", problem.duration, step)
     wanted = np.arange(steps + 1) if at is None else _numbers_of_steps(at, step)
-    scan = Scan(plant, source, events, stop_at_limits)
-    every = 1 if scan.needed else max(gcd(*wanted.tolist()), 1)
-    hold = source.steps_held(step, steps)
+    scan = Scan(problem)
+    every = 1 if problem.events else max(gcd(*wanted.tolist()), 1)
+    hold = problem.source.steps_held(step, steps)
     if plant.model.chords:
         run = loop_chunks
     else:
-        run = compiled_chunks if compiled and source.function is None and can_compile(plant) else python_chunks
+        run = compiled_chunks if problem.source.function is None and can_compile(plant) else python_chunks
     parts, done = [], 0
     size = LOOP_CHUNK_STEPS if plant.model.chords else CHUNK_STEPS
-    for stretch, rows in run(plant, start, source, method, stretches(steps, every, hold, step, size)):
+    for stretch, rows in run(problem, method, stretches(steps, every, hold, step, size)):
         numbers = np.arange(-(-stretch.start // every) * every, stretch.start + stretch.count, every)
         times = numbers.astype(float) * step
         _refuse_infinite(times, rows)
-        course = scan.searched(SimulatedCourse(times, rows)) if scan.needed else SimulatedCourse(times, rows)
-        parts.append(course)
+        course = SimulatedCourse(times, rows)
+        parts.append(scan.searched(course) if problem.events else course)
         done = stretch.start + stretch.count
-        progress(min(done * step, duration))
+        problem.progress(min(done * step, problem.duration))
         if scan.ended:
             break
     whole = SimulatedCourse.joined(parts, scan.occurrences, scan.ended)
@@ -97,11 +79,10 @@ def stretches(steps: int, every: int, hold: int, h: float, size: int = CHUNK_STE
 
 
 def python_chunks(
-    plant: PlantConstants, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[StepRange]
+    problem: InitialValueProblem, method: str, chunks: Iterator[StepRange]
 ) -> Iterator[tuple[StepRange, Rows]]:
     """Every chunk with its records."""
-    equations = Equations(plant)
-    state = {"q": start[0], "v": start[1], "work": np.zeros(1), "loss": np.zeros(1)}
+    equations, source, y = Equations(problem.plant), problem.source, problem.state
     for stretch in chunks:
         period = stretch.hold * stretch.h
 
@@ -109,19 +90,19 @@ def python_chunks(
             return source.tau_from(tick * period, q, v)
 
         with np.errstate(over="ignore", invalid="ignore"):
-            rows = python_steps(
-                equations, tableau(method), stretch, state, source.tau_at, None if source.function else held
+            y, rows = python_steps(
+                equations, tableau(method), stretch, y, source.tau_at, None if source.function else held
             )
-        yield stretch, {name: np.array(rows[name]).reshape(stretch.records, -1) for name in COURSE_COLUMNS}
+        yield stretch, rows
 
 
 def loop_chunks(
-    plant: PlantConstants, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[StepRange]
+    problem: InitialValueProblem, method: str, chunks: Iterator[StepRange]
 ) -> Iterator[tuple[StepRange, Rows]]:
     """The same of a robot with loops, after few steps each."""
-    equations = LoopEquations(plant)
+    equations, source, y = LoopEquations(problem.plant), problem.source, problem.state
     steps = LoopSteps(equations, tableau(method), closed_stages=source.function is not None)
-    y, n, tau = np.concatenate([*start, np.zeros(2)]), len(start[0]), np.zeros(len(start[0]))
+    tau = np.zeros(len(problem.start[0]))
 
     def torque(t: float, q: Array, v: Array) -> Array:
         return tau if source.function is None else equations.clamped(source.tau_at(t, q, v))
@@ -132,7 +113,7 @@ def loop_chunks(
             t = step * stretch.h
             if source.function is None and (step % stretch.hold == 0 or step == stretch.start):
                 tick = step // stretch.hold
-                tau = equations.clamped(source.tau_from(tick * stretch.hold * stretch.h, y[:n], y[n : 2 * n]))
+                tau = equations.clamped(source.tau_from(tick * stretch.hold * stretch.h, *joints_of(y)))
             if step % stretch.every == 0:
                 rows.append(steps.row(t, y, torque))
             y = steps.advanced(t, y, stretch.h, torque).y
@@ -140,11 +121,12 @@ def loop_chunks(
 
 
 def compiled_chunks(
-    plant: PlantConstants, start: tuple[Array, Array], source: Torques, method: str, chunks: Iterator[StepRange]
+    problem: InitialValueProblem, method: str, chunks: Iterator[StepRange]
 ) -> Iterator[tuple[StepRange, Rows]]:
     """The same from compiled steps."""
+    plant, source, (q, v) = problem.plant, problem.source, problem.start
     steps = compiled_steps(plant, method, source.controller, lanes=fitting_lanes(1))
-    state = state_blocks(steps, start[0][None], start[1][None])
+    state = state_blocks(steps, q[None], v[None])
     constants = constants_of(steps, plant, source.gains, 1)
     memory = steps.memory(1)
     for stretch in chunks:

@@ -7,23 +7,13 @@ worse: there steps do not become narrower than a part of those before.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.simulation.equations import LoopEquations
-from graphdyn.simulation.integration.adaptive import Ticks, Tolerances
-from graphdyn.simulation.integration.events import (
-    COURSE_COLUMNS,
-    Event,
-    Occurrence,
-    SimulatedCourse,
-    changes,
-    limit_events,
-)
-from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, tableau
+from graphdyn.simulation.integration.events import Event, InitialValueProblem, Occurrence, SimulatedCourse, changes
+from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, joints_of, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
 """Constants of the choice of the next width, as in scipy.integrate."""
@@ -38,21 +28,9 @@ FIRST_STEP_SHARE = 1e-3
 """Width of the first step that is tried, as a part of the duration."""
 
 
-def loop_adaptive(
-    equations: LoopEquations,
-    start: tuple[Array, Array],
-    duration: float,
-    torque: Torque | Ticks,
-    closed_stages: bool,
-    tolerances: Tolerances,
-    at: Array | None,
-    events: Sequence[Event],
-    stop_at_limits: bool,
-    progress: Callable[[float], None],
-) -> SimulatedCourse:
+def loop_adaptive(problem: InitialValueProblem, rtol: float, atol: float) -> SimulatedCourse:
     """Integrate like adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
-    run = _AdaptiveRun(equations, start, torque, closed_stages, tolerances, duration)
-    checked = [*events, *(limit_events(equations.plant) if stop_at_limits else [])]
+    run, at, duration, checked = _AdaptiveRun(problem, rtol, atol), problem.at, problem.duration, problem.events
     rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""
     targets = np.append(duration if at is None else at[at > 0], duration)
     if at is None or at[0] == 0:
@@ -68,56 +46,43 @@ def loop_adaptive(
             if changes(np.array(values, dtype=float), event.direction):
                 found.append((*run.crossing(origin, event), event))
         for time, y, event in sorted(found, key=lambda item: item[0]):
-            q, v = run.split(y)
-            occurrences.append(Occurrence(event.name, time, q, v))
+            occurrences.append(Occurrence(event.name, time, *joints_of(y)))
             if event.stop:
                 run.t, run.y, ended = time, y, event.name
                 break
         before = after
         if ended or at is None or run.t in at:
             times, rows = [*times, run.t], [*rows, run.row()]
-        progress(run.t)
-    columns = {name: np.array([row[name] for row in rows]) for name in COURSE_COLUMNS}
-    return SimulatedCourse(np.array(times), columns, tuple(occurrences), ended)
+        problem.progress(run.t)
+    return SimulatedCourse.of_rows(times, rows, occurrences, ended)
 
 
 class _AdaptiveRun:
     """One integration; t and y = (q, v, work, loss) are where it has come to."""
 
-    def __init__(
-        self,
-        equations: LoopEquations,
-        start: tuple[Array, Array],
-        torque: Torque | Ticks,
-        closed_stages: bool,
-        tolerances: Tolerances,
-        duration: float,
-    ) -> None:
+    def __init__(self, problem: InitialValueProblem, rtol: float, atol: float) -> None:
         from scipy.integrate import DOP853
 
-        self._equations, self._torque, self._tolerances = equations, torque, tolerances
+        self._equations, self._source, self._tolerances = LoopEquations(problem.plant), problem.source, (rtol, atol)
         errors = np.array([DOP853.E3[: DOP853.n_stages], DOP853.E5[: DOP853.n_stages]])
-        self._steps = LoopSteps(equations, tableau("rk8"), closed_stages, errors)
-        self._n, self._tick, self._width, self._duration = len(start[0]), -1, FIRST_STEP_SHARE * duration, duration
-        self._far_width = self._width
-        self.t, self.y = 0.0, np.concatenate([*start, np.zeros(2)])
+        closed_stages = problem.source.function is not None
+        self._steps = LoopSteps(self._equations, tableau("rk8"), closed_stages, errors)
+        self._tick, self._duration = -1, problem.duration
+        self._far_width = self._width = FIRST_STEP_SHARE * problem.duration
+        self.t, self.y = 0.0, problem.state
         self._hold()
 
     @property
     def state(self) -> tuple[Array, Array]:
-        return self.split(self.y)
-
-    def split(self, y: Array) -> tuple[Array, Array]:
-        return y[: self._n], y[self._n : 2 * self._n]
+        return joints_of(self.y)
 
     def row(self) -> dict[str, Array]:
         return self._steps.row(self.t, self.y, self._tau)
 
     def advance(self, target: float) -> None:
         """One step, to the target at most, and to the next new torque."""
-        end = target
-        if isinstance(self._torque, Ticks):
-            end = min(end, (self._tick + 1) * self._torque.period)
+        period = self._source.period
+        end = target if period is None else min(target, (self._tick + 1) * period)
         while True:
             h = min(self._width, end - self.t)
             if h < min(MIN_STEP_WIDTH_SHARE * self._duration, end - self.t):
@@ -153,7 +118,7 @@ class _AdaptiveRun:
             return self._steps.advanced(t, y, h, self._tau).y if h else y
 
         def value(h: float) -> float:
-            return float(event.function(t + h, *self.split(state(h))))
+            return float(event.function(t + h, *joints_of(state(h))))
 
         last = self.t - t
         h = last if event.function(self.t, *self.state) == 0 else float(brentq(value, 0.0, last, xtol=1e-15))
@@ -169,22 +134,21 @@ class _AdaptiveRun:
 
     def _error(self, step: Stepped) -> float:
         """Relative to the tolerances; the work follows from the motion, and does not control the steps."""
-        moving = slice(0, 2 * self._n)
-        size = np.maximum(np.abs(self.y), np.abs(step.y))[moving]
+        relative, absolute = self._tolerances
+        size = np.maximum(np.abs(self.y), np.abs(step.y))[:-2]
         # the estimate of the error combines formulas of the third and fifth order, as DOP853 does
-        third, fifth = step.errors[:, moving] / (self._tolerances.atol + self._tolerances.rtol * size)
+        third, fifth = step.errors[:, :-2] / (absolute + relative * size)
         squares = fifth @ fifth, third @ third
         if not squares[0]:
             return 0.0
-        return float(squares[0] / np.sqrt((squares[0] + 0.01 * squares[1]) * 2 * self._n))
+        return float(squares[0] / np.sqrt((squares[0] + 0.01 * squares[1]) * len(size)))
 
     def _hold(self) -> None:
         """Asks for the torque of the next tick, where it is held."""
-        torque = self._torque
-        if not isinstance(torque, Ticks):
-            self._tau: Torque = lambda t, q, v: self._equations.clamped(torque(t, q, v))
-            return
-        if self.t >= (self._tick + 1) * torque.period:
+        source, period = self._source, self._source.period
+        if period is None:
+            self._tau: Torque = lambda t, q, v: self._equations.clamped(source.tau_at(t, q, v))
+        elif self.t >= (self._tick + 1) * period:
             self._tick += 1
-            held = self._equations.clamped(torque.tau(self._tick, *self.state))
+            held = self._equations.clamped(source.tau_from(self._tick * period, *self.state))
             self._tau = lambda t, q, v: held

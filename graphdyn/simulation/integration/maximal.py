@@ -8,7 +8,7 @@ positions and velocities back onto φ = 0 and φ̇ = 0 after each step, by the l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Literal, NamedTuple
 
@@ -25,10 +25,9 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body, stacked
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.equations import Equations
-from graphdyn.simulation.integration.events import COURSE_COLUMNS, SimulatedCourse
+from graphdyn.simulation.integration.events import COURSE_COLUMNS, InitialValueProblem, SimulatedCourse
 from graphdyn.simulation.integration.steps import Tableau, tableau
-from graphdyn.simulation.plant import PlantConstants
-from graphdyn.simulation.torques import Torques, whole_steps
+from graphdyn.simulation.torques import whole_steps
 
 Stabilization = Literal["projection", "baumgarte", "none"]
 
@@ -52,55 +51,38 @@ class Pose(NamedTuple):
 
 
 def maximal(
-    plant: PlantConstants,
-    start: tuple[Array, Array],
-    duration: float,
-    source: Torques,
-    method: str,
-    step: float,
-    at: Array | None,
-    stabilization: Stabilization,
-    progress: Callable[[float], None],
+    problem: InitialValueProblem, method: str, step: float, stabilization: Stabilization
 ) -> tuple[SimulatedCourse, MaximalState]:
     """The course, with q and v as the bodies show them, and where the bodies are. Raises InvalidInput."""
     if stabilization not in ("projection", "baumgarte", "none"):
         raise InvalidInput(f"stabilization is '{stabilization}'; use 'projection', 'baumgarte' or 'none'")
-    steps = whole_steps("the duration", duration, step)
-    wanted = None if at is None else {round(time / step) for time in at.tolist()}
-    run = _MaximalRun(plant, start, source, tableau(method), step, source.steps_held(step, steps), stabilization)
-    rows: dict[str, list[Array]] = {name: [] for name in COURSE_COLUMNS}
-    times, states = [], []
-    for number, state, values in run.steps(steps):
-        progress(number * step)
-        if wanted is None or number in wanted:
+    steps = whole_steps("the duration", problem.duration, step)
+    wanted = range(steps + 1) if problem.at is None else {round(time / step) for time in problem.at.tolist()}
+    run = _MaximalRun(problem, tableau(method), step, problem.source.steps_held(step, steps), stabilization)
+    times, states, rows = [], [], []
+    for number, state, row in run.steps(steps):
+        problem.progress(number * step)
+        if number in wanted:
             times.append(number * step)
             states.append(state)
-            for name in COURSE_COLUMNS:
-                rows[name].append(values[name])
+            rows.append(row)
     position, rotation, velocity = (
         np.stack([getattr(state, name) for state in states]) for name in ("position", "rotation", "velocity")
     )
-    bodies = MaximalState(plant.model, position, rotation, velocity)
-    return SimulatedCourse(np.array(times), {name: np.array(column) for name, column in rows.items()}), bodies
+    bodies = MaximalState(problem.plant.model, position, rotation, velocity)
+    return SimulatedCourse.of_rows(times, rows, (), ""), bodies
 
 
 class _MaximalRun:
     """One integration."""
 
     def __init__(
-        self,
-        plant: PlantConstants,
-        start: tuple[Array, Array],
-        source: Torques,
-        method: Tableau,
-        step: float,
-        hold: int,
-        stabilization: Stabilization,
+        self, problem: InitialValueProblem, method: Tableau, step: float, hold: int, stabilization: Stabilization
     ) -> None:
-        self._plant, self._source, self._method, self._step, self._hold = plant, source, method, step, hold
-        self._equations, self._stabilization = Equations(plant), stabilization
-        self._q, self._tau = start[0], np.zeros(len(start[0]))
-        state = maximal_state(plant.model, *start)
+        self._plant, self._source, self._method, self._step = problem.plant, problem.source, method, step
+        self._hold, self._equations, self._stabilization = hold, Equations(problem.plant), stabilization
+        self._q, self._tau = problem.start[0], np.zeros(len(problem.start[0]))
+        state = maximal_state(problem.plant.model, *problem.start)
         self._pose = Pose(state.position, Rotation.from_matrix(state.rotation).as_quat(), state.velocity, 0.0)
 
     def steps(self, count: int) -> Iterator[tuple[int, MaximalState, dict[str, Array]]]:

@@ -23,7 +23,8 @@ import numpy as np
 from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
-from graphdyn.simulation.equations import Contact, Equations, LoopEquations
+from graphdyn.simulation.equations import Contact, Equations, LoopEquations, Rates
+from graphdyn.simulation.integration.events import COURSE_COLUMNS
 from graphdyn.simulation.torques import SMALLER_STEPS_REMEDY
 
 FIXED_STEPS = ("rk8", "rk4", "euler")
@@ -56,50 +57,62 @@ def tableau(name: str) -> Tableau:
 Torque = Callable[[float, Array, Array], Array]
 
 
+def joints_of(y: Array) -> tuple[Array, Array]:
+    """q and v of a state q, v, work, loss (2n + 2,)."""
+    n = (len(y) - 2) // 2
+    return y[:n], y[n : 2 * n]
+
+
+def derivative(v: Array, tau: Array, rates: Rates) -> Array:
+    """Of q, v, work and loss (2n + 2,)."""
+    return np.concatenate([v, rates.a, [tau @ v, rates.passive @ v]])
+
+
+def recorded(y: Array, tau: Array, rates: Rates) -> dict[str, Array]:
+    """A row of COURSE_COLUMNS."""
+    work, loss = y[-2:-1], y[-1:]
+    return dict(zip(COURSE_COLUMNS, (*joints_of(y), work, loss, tau, rates.a, rates.passive), strict=True))
+
+
 def python_steps(
     equations: Equations,
     tableau: Tableau,
     stretch: StepRange,
-    state: dict[str, Array],
+    y: Array,
     torque: Torque,
     held: Callable[[int, Array, Array], Array] | None = None,
-) -> dict[str, list[Array]]:
-    """Advance the state (q, v, work, loss) in place; answers the recorded rows by name.
+) -> tuple[Array, dict[str, Array]]:
+    """The state after a stretch of steps, from q, v, work, loss (2n + 2,) before it, and the recorded columns by name.
 
     torque: of t, q and v, asked at every stage
     held: instead, of the number of the tick, q and v: asked at every tick and held in between
     """
-    rows: dict[str, list[Array]] = {name: [] for name in ("q", "v", "work", "loss", "tau", "a", "passive")}
-    h, tau_held = stretch.h, np.zeros(len(state["q"]))
+    rows, h, tau = list[dict[str, Array]](), stretch.h, np.zeros(len(y) // 2 - 1)
     for step in range(stretch.start, stretch.start + stretch.count):
-        t, q, v = step * h, state["q"], state["v"]
-        if held is not None and (step % stretch.hold == 0 or step == stretch.start):
-            tau_held = equations.clamped(held(step // stretch.hold, q, v))
-
-        def tau_at(time: float, position: Array, velocity: Array, tau: Array = tau_held) -> Array:
-            return equations.clamped(torque(time, position, velocity)) if held is None else tau
-
-        tau = tau_at(t, q, v)
+        t, (q, v) = step * h, joints_of(y)
+        if held is None:
+            tau = equations.clamped(torque(t, q, v))
+        elif step % stretch.hold == 0 or step == stretch.start:
+            tau = equations.clamped(held(step // stretch.hold, q, v))
         contact = equations.contact(t, q, v, tau)
         rates: list[Array] = []
         for c, weights in zip(tableau.c, tableau.a, strict=True):
-            moved = [_weighted(weights, rates, k) for k in (0, 1)] if rates else [0.0, 0.0]
-            at_q, at_v = q + h * moved[0], v + h * moved[1]
-            there = tau if not rates else tau_at(t + c * h, at_q, at_v)
-            found = equations.rates(t + c * h, at_q, at_v, there, contact)
+            q, v = joints_of(y + h * _weighted(weights, rates))
+            if held is None and rates:
+                tau = equations.clamped(torque(t + c * h, q, v))
+            found = equations.rates(t + c * h, q, v, tau, contact)
             if not rates and step % stretch.every == 0:
-                for name, value in {**state, "tau": there, "a": found.a, "passive": found.passive}.items():
-                    rows[name].append(np.array(value))
-            rates.append(np.array([at_v, found.a, there * at_v, found.passive * at_v]))
-        change = h * _weighted(tableau.b, rates)
-        state["q"], state["v"] = q + change[0], _at_rest(equations, v + change[1], contact)
-        state["work"], state["loss"] = state["work"] + change[2].sum(), state["loss"] + change[3].sum()
-    return rows
+                rows.append(recorded(y, tau, found))
+            rates.append(derivative(v, tau, found))
+        y = y + h * _weighted(tableau.b, rates)
+        y[len(v) : -2] = _at_rest(equations, y[len(v) : -2], contact)
+    columns = {name: np.array([row[name] for row in rows]).reshape(stretch.records, -1) for name in COURSE_COLUMNS}
+    return y, columns
 
 
-def _weighted(weights: Array, rates: list[Array], row: int | slice = slice(None)) -> Array:
-    total = sum(weight * rate[row] for weight, rate in zip(weights, rates, strict=False))
-    return np.asarray(total)
+def _weighted(weights: Array, rates: list[Array]) -> Array:
+    """The sum of the rates so far, times their weights; zero at the first stage."""
+    return np.asarray(weights[: len(rates)] @ np.array(rates))
 
 
 def _at_rest(equations: Equations, v: Array, contact: Contact) -> Array:
@@ -173,12 +186,9 @@ class LoopSteps:
 
     def row(self, t: float, y: Array, torque: Torque) -> dict[str, Array]:
         """What is recorded of a state."""
-        n = (len(y) - 2) // 2
-        q, v = y[:n], y[n : 2 * n]
+        q, v = joints_of(y)
         tau = torque(t, q, v)
-        found = self.equations.rates(t, q, v, tau, self._contact(v))
-        values = (q, v, y[2 * n : 2 * n + 1], y[2 * n + 1 :], tau, found.a, found.passive)
-        return dict(zip(("q", "v", "work", "loss", "tau", "a", "passive"), values, strict=True))
+        return recorded(y, tau, self.equations.rates(t, q, v, tau, self._contact(v)))
 
     def _divided(self, t: float, y: Array, parts: list[float], torque: Torque) -> Stepped:
         nearest, errors = np.inf, np.zeros((len(self._errors), len(y)))
@@ -188,25 +198,20 @@ class LoopSteps:
         return Stepped(y, nearest, errors)
 
     def _stepped(self, t: float, y: Array, h: float, torque: Torque, careful: bool) -> Stepped:
-        n, rates, nearest = (len(y) - 2) // 2, list[Array](), np.inf
+        rates, nearest = list[Array](), np.inf
         for c, weights in zip(self._tableau.c, self._tableau.a, strict=True):
-            there = y + h * _weighted_rates(weights, rates) if rates else y
-            q, v = there[:n], there[n : 2 * n]
+            q, v = joints_of(y + h * _weighted(weights, rates))
             if (careful or self._closed_stages) and rates:
                 q, v = self.equations.closed(q, v)
             tau = torque(t + c * h, q, v)
             found = self.equations.rates(t + c * h, q, v, tau, self._contact(v))
             if rates or not careful:  # where a step begins is decided already
                 nearest = min(nearest, self.equations.distance)
-            rates.append(np.concatenate([v, found.a, [tau @ v, found.passive @ v]]))
-        after = y + h * _weighted_rates(self._tableau.b, rates)
-        q, v = self.equations.closed(after[:n], after[n : 2 * n])
+            rates.append(derivative(v, tau, found))
+        after = y + h * _weighted(self._tableau.b, rates)
+        q, v = self.equations.closed(*joints_of(after))
         errors = h * self._errors @ np.array(rates)
-        return Stepped(np.concatenate([q, v, after[2 * n :]]), min(nearest, self.equations.distance), errors)
+        return Stepped(np.concatenate([q, v, after[-2:]]), min(nearest, self.equations.distance), errors)
 
     def _contact(self, v: Array) -> Contact:
         return Contact(np.sign(v), np.ones(len(v), dtype=bool))
-
-
-def _weighted_rates(weights: Array, rates: list[Array]) -> Array:
-    return np.asarray(weights[: len(rates)] @ np.array(rates))
