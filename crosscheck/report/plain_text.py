@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.errors import counted
+from graphdyn.layout import Array
 
 CELL = 3
 """Characters of an entry of a 0/±1 matrix."""
@@ -39,7 +40,7 @@ def _escape(character: str) -> str:
     return character.encode("unicode_escape").decode()
 
 
-def vector_text(values: Sequence[float]) -> str:
+def vector_text(values: Sequence[float] | Array) -> str:
     """Components with four digits each."""
     small = ZERO_COMPONENT_SHARE * np.abs(values).max(initial=0.0)
     return " ".join(f"{0.0 if abs(value) <= small else value:.4g}" for value in values)

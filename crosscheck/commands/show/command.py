@@ -60,9 +60,9 @@ def run(options: ShowOptions) -> None:
     if options.state is None and (frame is not None or options.reference is not None):
         raise typer.BadParameter("--frame and --reference say whose Jacobian is shown; it takes a --state")
     import urdf
-    from crosscheck.commands.show.describing import describe
-    from crosscheck.commands.show.describing_state import describe_state
+    from crosscheck.commands.show.description import describe
     from crosscheck.commands.show.report import show_report
+    from crosscheck.commands.show.state import describe_state
     from crosscheck.reference.subject import tip
     from crosscheck.report.report import with_stage
 
@@ -72,7 +72,7 @@ def run(options: ShowOptions) -> None:
     if options.state is not None:
         q, v = given_state(options.state, model)
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
-    report = show_report(describe(model, robot, reading.locked, there), model)
+    report = show_report(describe(model, robot, reading.locked, there))
     if options.three_d:
         report = with_stage(report, [figure_at_rest(robot, model, reading, q)])
     deliver(report, options.html_file, options.json_file)

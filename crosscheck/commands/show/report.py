@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import astuple
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from crosscheck.commands.show.character_pattern import Pattern
-from crosscheck.commands.show.character_pattern import picture as character_pattern
 from crosscheck.commands.show.description import RobotDescription
-from crosscheck.commands.show.loops_report import loops_section
+from crosscheck.commands.show.loops import loops_section
+from crosscheck.commands.show.matrix_pattern import characters, squares
 from crosscheck.commands.show.record import record
-from crosscheck.commands.show.state_report import state_section
+from crosscheck.commands.show.state import rpy_in_degrees, state_section
 from crosscheck.report.plain_text import matrix_lines, vector_text
 from crosscheck.report.report import (
     Block,
@@ -36,59 +35,58 @@ from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel
 from graphdyn.errors import counted
 
-if TYPE_CHECKING:
-    from markupsafe import Markup
-
 VECTOR_FORMAT: dict[str, Any] = {"kind": "vector", "form": vector_text}
 NUMBER_FORMAT: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 
-def show_report(robot: RobotDescription, model: RobotModel) -> Report:
+def show_report(robot: RobotDescription) -> Report:
+    model = robot.model
     return Report(
         Path(robot.robot).name,
         None,
         (
-            Section("robot", "", (*_overview(robot, model), _bodies(robot))),
+            Section("robot", "", (*_overview(robot), _bodies(model))),
             *([] if robot.state is None else [state_section(robot.state, model)]),
-            Section("joints", "Joints", (_joints(robot, model), *_couplings(robot), _limits(robot), _frames(robot))),
-            *([] if robot.loops is None else [loops_section(robot, robot.loops)]),
-            Section("graph", "Graph", _graph(robot)),
+            Section("joints", "Joints", (_joints(model), *_couplings(model), _limits(model), _frames(model))),
+            *([] if robot.loops is None else [loops_section(robot.loops, given=robot.state is not None)]),
+            Section("graph", "Graph", _graph(model)),
             Section("equations", f"Eq. (111): {robot.system.size} equations", _equations(robot)),
         ),
         record=lambda _: record(robot),
     )
 
 
-def _overview(robot: RobotDescription, model: RobotModel) -> tuple[Block, ...]:
-    name = Path(robot.robot).name
+def _overview(robot: RobotDescription) -> tuple[Block, ...]:
+    name, model = Path(robot.robot).name, robot.model
     facts = (
         (
             "robot",
-            f"{robot.robot}: {counted(len(robot.bodies), 'body', 'bodies')}, {counted(len(robot.joints), 'joint')}"
+            f"{robot.robot}: {counted(model.n_bodies, 'body', 'bodies')}, {counted(model.n_bodies, 'joint')}"
             f"{reading_text(robot.locked)}",
         ),
         ("total mass", f"{robot.total_mass:.6g} kg"),
-        ("gravity", f"{vector_text(robot.gravity)} m/s², world axes"),
+        ("gravity", f"{vector_text(model.gravity)} m/s², world axes"),
         (
             "ground",
-            f"'{robot.base}', in the world at {vector_text(robot.base_xyz)} m, rpy {vector_text(robot.base_rpy)}°",
+            f"'{model.base_name}', in the world at {vector_text(model.base.translation)} m, "
+            f"rpy {vector_text(rpy_in_degrees(model.base))}°",
         ),
     )
-    q = None if robot.state is None else np.array(robot.state.q)
-    return robot_picture(model, name, q), Group((Facts(facts), _consistency(robot)))
+    q = None if robot.state is None else robot.state.q
+    return robot_picture(model, name, q), Group((Facts(facts), _consistency(model)))
 
 
-def _consistency(robot: RobotDescription) -> Notes:
+def _consistency(model: RobotModel) -> Notes:
     """A note per body that no real body can be, or one for all."""
-    impossible = [body for body in robot.bodies if not body.consistent]
     notes = [
-        Note(f"not physically consistent: {'; '.join(body.problems)}", where=f"body '{body.name}'", state="disagrees")
-        for body in impossible
+        Note(f"not physically consistent: {'; '.join(one.problems)}", where=f"body '{one.body}'", state="disagrees")
+        for one in model.physical_consistency()
+        if not one.consistent
     ]
     return Notes(tuple(notes) or (Note("every body is physically consistent", state="agrees"),))
 
 
-def _bodies(robot: RobotDescription) -> Table:
+def _bodies(model: RobotModel) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -99,17 +97,19 @@ def _bodies(robot: RobotDescription) -> Table:
         ),
         tuple(
             Row(
-                (body.number, body.name, body.mass, body.center_of_mass, body.principal_moments),
-                "plain" if body.consistent else "disagrees",
+                (number, body.name, body.mass, body.center_of_mass, np.linalg.eigvalsh(body.inertia)),
+                "plain" if verdict.consistent else "disagrees",
             )
-            for body in robot.bodies
+            for number, (body, verdict) in enumerate(
+                zip(model.bodies, model.physical_consistency(), strict=True), start=1
+            )
         ),
         title="Bodies",
         failures_first=False,
     )
 
 
-def _joints(robot: RobotDescription, model: RobotModel) -> Table:
+def _joints(model: RobotModel) -> Table:
     return Table(
         (
             Column("no.", "number"),
@@ -123,37 +123,41 @@ def _joints(robot: RobotDescription, model: RobotModel) -> Table:
             Column("rpy", unit="°", **VECTOR_FORMAT),
         ),
         tuple(
-            Row((j.number, j.name, j.kind, f"{edge.inside} → {j.number}", j.axis, j.xyz, j.rpy))
-            for j, edge in zip(robot.joints, model.joints, strict=True)
+            Row((k, j.name, j.kind, f"{j.inside} → {k}", j.axis, j.placement.translation, rpy_in_degrees(j.placement)))
+            for k, j in enumerate(model.joints, start=1)
         ),
         caption="from body → to body, 0 is the ground",
     )
 
 
-def _couplings(robot: RobotDescription) -> list[Block]:
-    if not robot.couplings:
+def _couplings(model: RobotModel) -> list[Block]:
+    if not model.couplings:
         return []
     rows = [
         Row((c.joint, " + ".join(f"{ratio:.6g} {name}" for name, ratio in c.ratios.items()), c.offset))
-        for c in robot.couplings
+        for c in model.couplings
     ]
     columns = (Column("joint", "name"), Column("driven as", "name"), Column("offset", **NUMBER_FORMAT))
     return [Table(columns, tuple(rows), title="Couplings", caption="rad or m; q, v and τ have no entries for them")]
 
 
-def _limits(robot: RobotDescription) -> Table:
+def _limits(model: RobotModel) -> Table:
     names = ("lower", "upper", "velocity", "effort", "damping", "friction")
     return Table(
         (Column("no.", "number"), Column("joint", "name"), *(Column(name, **NUMBER_FORMAT) for name in names)),
-        tuple(Row((joint.number, joint.name, *(getattr(joint, name) for name in names))) for joint in robot.joints),
+        tuple(
+            Row((number, joint.name, *astuple(joint.limits), joint.damping, joint.friction))
+            for number, joint in enumerate(model.joints, start=1)
+        ),
         title="Limits, damping and friction",
         caption="rad or m, …/s, N m or N",
         repeated=2,
     )
 
 
-def _frames(robot: RobotDescription) -> Block:
-    if not robot.frames:
+def _frames(model: RobotModel) -> Block:
+    names = (model.base_name, *model.body_names)
+    if not model.frames:
         return Prose("No named frames", soft=True)
     return Table(
         (
@@ -163,23 +167,21 @@ def _frames(robot: RobotDescription) -> Block:
             Column("xyz", unit="m", **VECTOR_FORMAT),
             Column("rpy", unit="°", **VECTOR_FORMAT),
         ),
-        tuple(Row((frame.name, ", ".join(frame.aliases), frame.body, frame.xyz, frame.rpy)) for frame in robot.frames),
+        tuple(
+            Row((f.name, ", ".join(f.aliases), names[f.body], f.placement.translation, rpy_in_degrees(f.placement)))
+            for f in model.frames
+        ),
         title="Frames",
     )
 
 
-def _graph(robot: RobotDescription) -> tuple[Block, ...]:
-    graph = robot.graph
-    matrices = (
-        Lines(tuple(matrix_lines(graph.incidence)), title="incidence S"),
-        Lines(tuple(matrix_lines(graph.path)), title="path matrix T"),
-        Lines(tuple(matrix_lines(graph.force_element)), title="force elements S^e"),
-    )
+def _graph(model: RobotModel) -> tuple[Block, ...]:
+    incidence, names = model.graph.incidence(), (model.body_names, model.joint_names)
+    matrices = {"incidence S": incidence, "path matrix T": model.graph.path_matrix(), "force elements S^e": incidence}
+    vectors = model.body_joint_vectors()
     rows = [
-        Row((body.number, body.name, joint.number, joint.name, sign, vector))
-        for body, signs, vectors in zip(robot.bodies, graph.incidence, graph.body_joint_vectors, strict=True)
-        for joint, sign, vector in zip(robot.joints, signs, vectors, strict=True)
-        if sign != 0
+        Row((i + 1, names[0][i], j + 1, names[1][j], int(incidence[i, j]), vectors[i, j]))
+        for i, j in np.argwhere(incidence).tolist()
     ]
     table = Table(
         (
@@ -195,14 +197,14 @@ def _graph(robot: RobotDescription) -> tuple[Block, ...]:
         caption="S_ij times the vector from the center of mass of body i to joint j, in axes of i",
     )
     words = Prose("Row = body, column = joint; of T: row = joint, column = body.", soft=True)
-    return words, *matrices, table
+    lines = (Lines(tuple(matrix_lines(matrix.tolist())), title=title) for title, matrix in matrices.items())
+    return words, *lines, table
 
 
 def _equations(robot: RobotDescription) -> tuple[Block, ...]:
     system = robot.system
-    size, n = system.size, len(robot.bodies)
-    chords = [] if robot.loops is None else [len(chord.rows) for chord in robot.loops.chords]
-    pattern = np.array([[entry == "1" for entry in row] for row in system.pattern])
+    size, n, pattern = system.size, robot.model.n_bodies, system.pattern
+    chords = [len(chord.rows) for chord in robot.model.chords]
     entries = int(pattern.sum())
     rank = f"{system.rank} of {size}"
     if robot.loops is not None and system.rank < size:
@@ -216,13 +218,7 @@ def _equations(robot: RobotDescription) -> tuple[Block, ...]:
     caption = "Upper left A, upper right φ_qᵀ, lower left φ_q; b: body, j: joint"
     caption += ", c: chord." if chords else "."
     return (
-        CharacterPicture(lambda width: character_pattern(pattern, n, width, chords)),
-        Picture(partial(_drawn, pattern=pattern, n=n, chords=chords), caption, wide=False),
+        CharacterPicture(lambda width: characters(pattern, n, width, chords)),
+        Picture(partial(squares, pattern=pattern, n=n, chords=chords), caption, wide=False),
         Group((Facts(facts),)),
     )
-
-
-def _drawn(key: str, pattern: Pattern, n: int, chords: Sequence[int]) -> Markup:
-    from crosscheck.commands.show.matrix_pattern import matrix_pattern
-
-    return matrix_pattern(key, pattern, n, chords)

@@ -20,7 +20,7 @@ from crosscheck.commands.errata import record as errata_records
 from crosscheck.commands.judge import record as judge_records
 from crosscheck.commands.program import own_process
 from crosscheck.commands.show import record as show_records
-from crosscheck.commands.show.describing import describe
+from crosscheck.commands.show.description import describe
 from crosscheck.paper.errata import Effect
 from crosscheck.report.json import plain
 

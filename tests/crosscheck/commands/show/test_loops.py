@@ -11,7 +11,8 @@ from typer.testing import CliRunner
 import graphdyn
 import urdf
 from crosscheck.commands import app
-from crosscheck.commands.show.describing import describe
+from crosscheck.commands.show.description import describe
+from crosscheck.commands.show.record import record as record_of
 from crosscheck.commands.show.report import show_report
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
@@ -37,7 +38,7 @@ def file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def record():
-    return plain(describe(LINKAGE, "four-bar", {}))
+    return plain(record_of(describe(LINKAGE, "four-bar", {})))
 
 
 def test_analysis(record):
@@ -77,7 +78,7 @@ def test_chord_rows_stand_after_couplings_in_the_equations():
     )
     system = describe(model, "linkage", {}).system
     assert (system.size, len(system.q)) == (11 * 5 + 2 + 15, 3)
-    pattern = np.array([[entry == "1" for entry in row] for row in system.pattern])
+    pattern = system.pattern
     assert np.array_equal(pattern, pattern.T)
     bodies = np.array([[row[6 * k : 6 * k + 6].any() for k in range(5)] for row in pattern])
     assert np.array_equal(bodies[57:], 15 * [[False, True, True, False, False]])  # coupler and rocker
@@ -96,7 +97,7 @@ def test_terminal_and_page(file):
     ):
         assert said in done.stdout
     model = urdf.load(file)
-    text = page(show_report(describe(model, "linkage", {}), model), ["graphdyn", "show", "linkage"], versions())
+    text = page(show_report(describe(model, "linkage", {})), ["graphdyn", "show", "linkage"], versions())
     for said in ("A pose that closes the loops", "◇ and c: chords", ">c1<"):
         assert said in text
 

@@ -14,11 +14,11 @@ import graphdyn
 import urdf
 from crosscheck.commands import app
 from crosscheck.commands.program import console
-from crosscheck.commands.show.character_pattern import BRAILLE, HALF_BLOCKS, picture
-from crosscheck.commands.show.describing import describe
-from crosscheck.commands.show.describing_state import describe_state
+from crosscheck.commands.show.description import describe
+from crosscheck.commands.show.matrix_pattern import BRAILLE, HALF_BLOCKS, characters
 from crosscheck.commands.show.record import record as record_of
 from crosscheck.commands.show.report import show_report
+from crosscheck.commands.show.state import describe_state
 from crosscheck.reference.subject import tip
 from crosscheck.report.html import page
 from crosscheck.report.json import plain
@@ -40,6 +40,12 @@ def tree():
 
 
 @pytest.fixture(scope="module")
+def written(tree):
+    """What the JSON file says of the tree."""
+    return plain(record_of(tree))
+
+
+@pytest.fixture(scope="module")
 def arm():
     return describe(ARM, "kr500", {})
 
@@ -48,57 +54,52 @@ def show(*arguments):
     return CliRunner().invoke(app, ["show", *map(str, arguments)])
 
 
-def shown(description, model, width, monkeypatch):
+def shown(description, width, monkeypatch):
     """What the terminal shows at this width."""
     monkeypatch.setattr(console.out, "width", width)
     with console.out.capture() as captured:
-        for part in renderables(show_report(description, model), width):
+        for part in renderables(show_report(description), width):
             console.out.print(part)
     return captured.get()
 
 
-def page_of(description, model, robot="kr500"):
-    return page(show_report(description, model), ["graphdyn", "show", robot], versions())
-
-
-def bits(system):
-    """The pattern of the equations as an array (11n, 11n)."""
-    return np.array([[entry == "1" for entry in row] for row in system.pattern])
+def page_of(description, robot="kr500"):
+    return page(show_report(description), ["graphdyn", "show", robot], versions())
 
 
 class TestDescription:
-    def test_bodies(self, tree):
-        for number, (record, body) in enumerate(zip(tree.bodies, TREE.bodies, strict=True), start=1):
-            assert (record.number, record.name, record.mass) == (number, body.name, body.mass)
-            assert np.array_equal(record.center_of_mass, body.center_of_mass)
-            assert np.sum(record.principal_moments) == pytest.approx(np.trace(body.inertia))
-            assert list(record.principal_moments) == sorted(record.principal_moments)
-        assert tree.total_mass == pytest.approx(sum(body.mass for body in TREE.bodies))
+    def test_bodies(self, written):
+        for number, (record, body) in enumerate(zip(written["bodies"], TREE.bodies, strict=True), start=1):
+            assert (record["number"], record["name"], record["mass"]) == (number, body.name, body.mass)
+            assert np.array_equal(record["center_of_mass"], body.center_of_mass)
+            assert np.sum(record["principal_moments"]) == pytest.approx(np.trace(body.inertia))
+            assert record["principal_moments"] == sorted(record["principal_moments"])
+        assert written["total_mass"] == pytest.approx(sum(body.mass for body in TREE.bodies))
 
-    def test_joints(self, tree):
-        names = (tree.base, *TREE.body_names)
-        for j, (record, joint) in enumerate(zip(tree.joints, TREE.joints, strict=True), start=1):
-            assert (record.number, record.name, record.kind) == (j, joint.name, joint.kind)
-            assert (record.inside, record.body) == (names[joint.inside], names[j])
-            assert (record.lower, record.upper) == (joint.limits.lower, joint.limits.upper)
-            assert (record.velocity, record.effort) == (joint.limits.velocity, joint.limits.effort)
-            assert (record.damping, record.friction) == (joint.damping, joint.friction)
-            roll, pitch, yaw = np.deg2rad(record.rpy)
+    def test_joints(self, written):
+        names = (written["base"], *TREE.body_names)
+        for j, (record, joint) in enumerate(zip(written["joints"], TREE.joints, strict=True), start=1):
+            assert (record["number"], record["name"], record["kind"]) == (j, joint.name, joint.kind)
+            assert (record["inside"], record["body"]) == (names[joint.inside], names[j])
+            for limit in ("lower", "upper", "velocity", "effort"):
+                assert record[limit] == getattr(joint.limits, limit)
+            assert (record["damping"], record["friction"]) == (joint.damping, joint.friction)
+            roll, pitch, yaw = np.deg2rad(record["rpy"])
             x, y, z = np.eye(3)
             rotation = rotation_about(z, yaw) @ rotation_about(y, pitch) @ rotation_about(x, roll)
             assert np.allclose(rotation, joint.placement.rotation, rtol=0, atol=1e-12)
-            assert np.array_equal(record.xyz, joint.placement.translation)
+            assert np.array_equal(record["xyz"], joint.placement.translation)
 
-    def test_graph(self, tree):
-        graph = tree.graph
-        assert np.array_equal(-np.array(graph.incidence) @ graph.path, np.eye(3))
-        assert np.array_equal(graph.force_element, graph.incidence)
-        assert np.array_equal(graph.body_joint_vectors, TREE.body_joint_vectors())
+    def test_graph(self, written):
+        graph = written["graph"]
+        assert np.array_equal(-np.array(graph["incidence"]) @ graph["path"], np.eye(3))
+        assert graph["force_element"] == graph["incidence"]
+        assert np.array_equal(graph["body_joint_vectors"], TREE.body_joint_vectors())
 
     def test_system(self, arm):
         """The pattern is that of the matrix: nothing large is left out, rounding is."""
         system = arm.system
-        q, pattern = np.array(system.q), bits(system)
+        q, pattern = system.q, system.pattern
         matrix = kkt_system(ARM, q, np.zeros(6), np.zeros(6)).matrix
         assert np.array_equal(q, ARM.random_state(np.random.default_rng(0))[0])
         assert system.size == 66
@@ -111,29 +112,30 @@ class TestDescription:
 
     def test_frames_and_locked(self, small_arm):
         description = describe(urdf.load(small_arm, lock={"y_elbow": 0.3}), "small", {"y_elbow": 0.3})
-        names = {name for frame in description.frames for name in (frame.name, *frame.aliases)}
+        found = plain(record_of(description))
+        names = {name for frame in found["frames"] for name in (frame["name"], *frame["aliases"])}
         assert {"tool", "flange", "fore", "y_elbow"} <= names
-        assert description.locked == {"y_elbow": 0.3}
-        assert len(description.bodies) == 2
+        assert found["locked"] == {"y_elbow": 0.3}
+        assert len(found["bodies"]) == 2
 
 
 class TestPicture:
     def test_every_entry_is_drawn_once(self, arm):
         """Half blocks hold two rows of one column."""
-        lines = picture(bits(arm.system), 6, NARROW)
+        lines = characters(arm.system.pattern, 6, NARROW)
         drawn = "".join(lines)
-        assert 2 * drawn.count("█") + drawn.count("▀") + drawn.count("▄") == bits(arm.system).sum()
+        assert 2 * drawn.count("█") + drawn.count("▀") + drawn.count("▄") == arm.system.pattern.sum()
         assert {len(line) for line in lines} == {len(lines[0])}
         assert len(lines[0]) <= NARROW
 
     def test_braille_has_every_entry_too(self, arm):
-        lines = picture(bits(arm.system), 6, 60)
+        lines = characters(arm.system.pattern, 6, 60)
         dots = sum((ord(character) - 0x2800).bit_count() for character in "".join(lines) if character >= "\u2800")
-        assert dots == bits(arm.system).sum()
+        assert dots == arm.system.pattern.sum()
         assert len(lines[0]) <= 60
 
     def test_no_room(self, arm):
-        assert picture(bits(arm.system), 6, 40) == []
+        assert characters(arm.system.pattern, 6, 40) == []
 
     def test_characters(self):
         cell = np.array([[1, 0], [0, 1], [0, 0], [1, 1]], dtype=bool)
@@ -142,7 +144,7 @@ class TestPicture:
         assert HALF_BLOCKS.lines(cell[:3]) == ["▀▄", "  "]
 
     def test_labels(self, arm):
-        lines = picture(bits(arm.system), 6, NARROW)
+        lines = characters(arm.system.pattern, 6, NARROW)
         assert [line.split("│")[0].strip() for line in lines if "│" in line and line[0] != " "] == [
             *(f"body {i}" for i in range(1, 7)),
             *(f"joint {j}" for j in range(1, 7)),
@@ -160,18 +162,18 @@ class TestText:
     @pytest.mark.parametrize("robot", ["kr500", "ur5", "z1"])
     def test_fits_into_80_characters(self, robot, monkeypatch):
         model = urdf.load(robot)
-        lines = shown(describe(model, robot, {}), model, NARROW, monkeypatch).splitlines()
+        lines = shown(describe(model, robot, {}), NARROW, monkeypatch).splitlines()
         assert max(map(len, lines)) <= NARROW
         assert any("┼" in line and "├───" in line for line in lines[-30:])
 
     def test_too_large_to_draw(self, monkeypatch):
         model = urdf.load("tiago")
-        said = shown(describe(model, "tiago", {}), model, NARROW, monkeypatch)
+        said = shown(describe(model, "tiago", {}), NARROW, monkeypatch)
         assert "incidence S: too wide for 80 characters; --json and --html have it" in said
         assert "too wide for 80 characters; --json and --html have it" in said
 
     def test_no_frames(self, tree, arm, monkeypatch):
-        assert "No named frames" in shown(arm, ARM, NARROW, monkeypatch)
+        assert "No named frames" in shown(arm, NARROW, monkeypatch)
 
 
 class TestCommand:
@@ -322,7 +324,7 @@ class TestState:
         model = urdf.load(robot)
         q, v = model.random_state(np.random.default_rng(0))
         state = describe_state(model, q, v, tip(model), "world")
-        lines = shown(describe(model, robot, {}, state), model, NARROW, monkeypatch).splitlines()
+        lines = shown(describe(model, robot, {}, state), NARROW, monkeypatch).splitlines()
         assert max(map(len, lines)) <= NARROW
         assert any(f"{state.kinetic_energy:.6g} J" in line for line in lines)
 
@@ -331,7 +333,7 @@ class TestState:
         model = urdf.load("ur5")
         q = np.array([0, -1.2, 1.5, 0, 0.3, 0])
         state = describe_state(model, q, 0 * q, "tool0", "local_world_aligned")
-        text = shown(describe(model, "ur5", {}, state), model, 120, monkeypatch)
+        text = shown(describe(model, "ur5", {}, state), 120, monkeypatch)
         torques = graphdyn.gravity_torque(model, q)
         assert np.abs(torques[[0, 4, 5]]).max() < 1e-12
         assert re.search(rf"shoulder_lift_joint │ +-1.2 │ 0 │ +{torques[1]:.6g} │", text)
@@ -447,25 +449,27 @@ class TestPage:
 
     def test_needs_nothing_else(self, arm):
         """One file: no address is loaded."""
-        tags = self.Text(page_of(arm, ARM)).tags
+        tags = self.Text(page_of(arm)).tags
         assert not [tag for tag, attributes in tags if tag in ("link", "img", "iframe") or "src" in attributes]
 
     def test_names_are_escaped(self, tree):
         strange = dataclasses.replace(tree, robot="<b>&.urdf")
-        text = page_of(strange, TREE, "<b>&.urdf")
+        text = page_of(strange, "<b>&.urdf")
         assert "<b>&.urdf" not in text
         assert "&lt;b&gt;&amp;.urdf" in text
 
     def test_same_arguments_same_page(self, arm):
-        assert page_of(arm, ARM) == page_of(arm, ARM)
+        assert page_of(arm) == page_of(arm)
 
 
 def test_couplings():
     driven = {TREE.joint_names[2]: 1.5, TREE.joint_names[0]: -2.0}
     model = dataclasses.replace(TREE, couplings=(graphdyn.Coupling(TREE.joint_names[1], driven, 0.25),))
     described = describe(model, "tree", {})
-    assert plain(described)["couplings"] == [{"joint": TREE.joint_names[1], "ratios": driven, "offset": 0.25}]
+    assert plain(record_of(described))["couplings"] == [
+        {"joint": TREE.joint_names[1], "ratios": driven, "offset": 0.25}
+    ]
     assert described.system.size == 11 * model.n_bodies + 1
-    text = page(show_report(described, model), ["graphdyn", "show"], versions())
+    text = page(show_report(described), ["graphdyn", "show"], versions())
     assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in text
-    assert "Couplings" not in page(show_report(describe(TREE, "tree", {}), TREE), ["graphdyn", "show"], versions())
+    assert "Couplings" not in page(show_report(describe(TREE, "tree", {})), ["graphdyn", "show"], versions())
