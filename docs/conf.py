@@ -15,7 +15,7 @@ import signatures  # noqa: E402
 from sphinx.util import logging  # noqa: E402
 
 import graphdyn  # noqa: E402
-from crosscheck.report.docstrings import names_of  # noqa: E402
+from crosscheck.report.records.docstrings import names_of  # noqa: E402
 
 project = "graphdyn"
 author = "the graphdyn authors"

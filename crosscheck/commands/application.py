@@ -68,7 +68,7 @@ def options(
     debug: Annotated[bool, typer.Option("--debug", help="Show errors with their traceback.")] = False,
 ) -> None:
     if show_version:
-        from crosscheck.report.versions import versions
+        from crosscheck.report.records.record import versions
 
         for name, number in versions().items():
             typer.echo(f"{name} {number}")

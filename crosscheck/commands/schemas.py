@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 import crosscheck.commands
-from crosscheck.report.json import as_bytes
-from crosscheck.report.json_schema import schema_of
-from crosscheck.report.record import Record
+from crosscheck.report.records.json import as_bytes
+from crosscheck.report.records.json_schema import schema_of
+from crosscheck.report.records.record import Record
 from urdf.document import write_whole
 
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from crosscheck.quantities.derivatives import DerivativeFunctions
-from crosscheck.quantities.dynamics import DynamicsFunctions
-from crosscheck.quantities.energies import EnergyFunctions
-from crosscheck.quantities.frames import FrameFunctions
-from crosscheck.quantities.matrices import MatrixFunctions
-from crosscheck.quantities.regressors import RegressorFunctions
+from crosscheck.quantities.rows.derivatives import DerivativeFunctions
+from crosscheck.quantities.rows.dynamics import DynamicsFunctions
+from crosscheck.quantities.rows.energies import EnergyFunctions
+from crosscheck.quantities.rows.frames import FrameFunctions
+from crosscheck.quantities.rows.matrices import MatrixFunctions
+from crosscheck.quantities.rows.regressors import RegressorFunctions
 from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE, Tolerance
 from crosscheck.reference.subject import Robot
 from urdf import Reading, ReadingKeywords

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from crosscheck.quantities.derivatives import DERIVATIVES
-from crosscheck.quantities.dynamics import DYNAMICS, SOLVED_SCALE, TORQUE
-from crosscheck.quantities.energies import ENERGIES, MOMENTA
-from crosscheck.quantities.frames import FRAMES
-from crosscheck.quantities.matrices import MATRICES
 from crosscheck.quantities.quantity import Form, Quantity
-from crosscheck.quantities.regressors import BY_TYPE, REGRESSORS
+from crosscheck.quantities.rows.derivatives import DERIVATIVES
+from crosscheck.quantities.rows.dynamics import DYNAMICS, SOLVED_SCALE, TORQUE
+from crosscheck.quantities.rows.energies import ENERGIES, MOMENTA
+from crosscheck.quantities.rows.frames import FRAMES
+from crosscheck.quantities.rows.matrices import MATRICES
+from crosscheck.quantities.rows.regressors import BY_TYPE, REGRESSORS
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, IDENTIFICATION, RANK, Tolerance
 from graphdyn import InvalidInput
 from graphdyn.arguments import closest

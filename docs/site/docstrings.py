@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Mapping
 
-from crosscheck.report.docstrings import taken_apart
+from crosscheck.report.records.docstrings import taken_apart
 
 
 def as_rst(lines: list[str], names: Collection[str], title: str, links: Mapping[str, str]) -> list[str]:

@@ -15,7 +15,7 @@ import typer
 
 import graphdyn
 from crosscheck.commands import app
-from crosscheck.report.docstrings import DocstringEntry, names_of, taken_apart
+from crosscheck.report.records.docstrings import DocstringEntry, names_of, taken_apart
 from graphdyn.identification import Estimator
 
 

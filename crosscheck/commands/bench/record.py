@@ -12,8 +12,7 @@ from crosscheck.bench.identification import IdentificationRun, Identifications
 from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.timing import Ratio, Times
 from crosscheck.bench.works import WORK_DESCRIPTIONS
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Keywords
+from crosscheck.report.records.record import CommandRecord, Keywords, Record, attribute, written
 
 Quartiles = Annotated[Sequence[float], Keywords(minItems=2, maxItems=2)]
 Repeats = Annotated[Sequence[float], Keywords(minItems=1)]

@@ -16,8 +16,7 @@ from crosscheck.bench.machine.floor import Floor
 from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Load, Times
 from crosscheck.commands.bench.curves import curve_section
 from crosscheck.commands.bench.record import record
-from crosscheck.report.pictures.colors import BAR, FAINT_COLOR, INK
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import BAR, FAINT_COLOR, INK, picture
 from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, threads_text, time_text
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,

@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal
 from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.comparing.conditioning import Conditioning
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Count, Index, Keywords, Number
+from crosscheck.report.records.record import CommandRecord, Count, Index, Keywords, Number, Record, attribute, written
 
 Route = Literal["urdf", "model"]
 Pair = Annotated[Sequence[Number], Keywords(minItems=2, maxItems=2)]

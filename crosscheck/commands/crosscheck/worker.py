@@ -9,7 +9,7 @@ from typing import Any, Literal
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import Comparison
-from crosscheck.report.json import plain
+from crosscheck.report.records.json import plain
 from graphdyn import GraphDynError
 
 Details = Literal["none", "disagreeing", "all"]

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any
 
 from crosscheck.paper.errata import Effect
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Keywords, Number, Versions
+from crosscheck.report.records.record import Keywords, Number, Record, Versions, attribute, written
 
 
 class EffectRecord(Record, of=Effect, leave_out=("errors", "corrected_errors", "cosine")):

@@ -11,9 +11,8 @@ from markupsafe import Markup
 from crosscheck.commands.errata.record import record
 from crosscheck.paper.errata import COSINES, ERRATA, Effect
 from crosscheck.paper.reproduction import CORRECTED_FORM_BOUND
-from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.spread import SpreadRow, spread
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, picture
 from crosscheck.report.plain_text import superscript
 from crosscheck.report.report import Column, Facts, Report, Row, Section, Table
 from graphdyn.layout import Array

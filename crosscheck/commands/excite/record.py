@@ -7,8 +7,7 @@ from typing import Any, Literal
 
 from crosscheck.exciting.excited import Excited, PlannedMotion
 from crosscheck.exciting.self_collision import Hit, SelfCollision
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Count, Index, Number
+from crosscheck.report.records.record import CommandRecord, Count, Index, Number, Record, attribute, written
 from graphdyn import RobotModel
 from graphdyn.excitation import CHECK_RATE, ExcitationPlan, FourierBasis, Trajectory, Usage
 

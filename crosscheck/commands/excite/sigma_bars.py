@@ -8,9 +8,8 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.exciting.excited import Excited
-from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.parameter_rows import put_key, put_rows, size
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import BAR, CURVES, FAINT_COLOR, INK, picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -59,7 +59,7 @@ def run(options: ExportOptions) -> None:
     from crosscheck.commands.export.c_model import c_text
     from crosscheck.commands.export.matlab_model import matlab_text
     from crosscheck.commands.export.record import exported, record
-    from crosscheck.report.json import as_bytes, plain
+    from crosscheck.report.records.json import as_bytes, plain
 
     with warnings_shown():
         model = urdf.load(robot, reading=reading)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from crosscheck.commands.export.record import ExportedModel
 from crosscheck.report.plain_text import printable
-from crosscheck.report.versions import versions
+from crosscheck.report.records.record import versions
 
 
 def head(model: ExportedModel, numbering: str) -> list[str]:

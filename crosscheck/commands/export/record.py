@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
-from crosscheck.report.record import Record, written
-from crosscheck.report.record_fields import Count, Index, Keywords, Versions
+from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, written
 from graphdyn import RobotModel
 
 

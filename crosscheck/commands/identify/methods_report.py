@@ -12,8 +12,7 @@ from markupsafe import Markup
 from crosscheck.identifying import Candidate, Identified
 from crosscheck.identifying.methods.candidate_models import CAD_NAME
 from crosscheck.identifying.results.recommending import joint_errors, mean_error, real
-from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR, picture
 from crosscheck.report.plain_text import superscript
 from crosscheck.report.report import NO_VALUE, Column, Note, Notes, Picture, Row, Section, Table, Verdict
 from graphdyn.errors import counted

@@ -10,9 +10,8 @@ from markupsafe import Markup
 
 from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.results.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
-from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK
 from crosscheck.report.pictures.parameter_rows import put_key, put_rows, size
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, picture
 from crosscheck.report.plain_text import superscript
 from crosscheck.report.report import (
     NO_VALUE,

@@ -20,8 +20,7 @@ from crosscheck.identifying.results.parameters import (
 from crosscheck.identifying.results.recommending import joint_errors, mean_error
 from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import RecordingFinding
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Keywords, Number, Numbers
+from crosscheck.report.records.record import CommandRecord, Keywords, Number, Numbers, Record, attribute, written
 from graphdyn.identification import MethodComparison, MethodResult, ResidualSizes
 from graphdyn.identification.data_quality import Excitation, excitation
 from graphdyn.layout import Array

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Index, Keywords
+from crosscheck.report.records.record import CommandRecord, Index, Keywords, Record, attribute, written
 from urdf import Finding, Inspection
 
 

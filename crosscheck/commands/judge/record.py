@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from crosscheck.judging.judgment import Diagnosis, FittedNumber, JudgedFunction, Judgment, WorstCall
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Keywords, Number
+from crosscheck.report.records.record import CommandRecord, Keywords, Number, Record, attribute, written
 from graphdyn.layout import Array
 
 LEVELS = {

@@ -14,8 +14,7 @@ from markupsafe import Markup
 from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS, error_text, misprints, printed_text, value_text
 from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4
 from crosscheck.paper.tables import WHY_TABLE_3, PaperIdentification
-from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, picture
 from crosscheck.report.plain_text import superscript
 from crosscheck.report.report import WIDE_LINE_CHARACTERS, Column, Picture, Prose, Row, Section, Table
 from graphdyn.layout import Array

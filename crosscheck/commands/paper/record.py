@@ -12,8 +12,7 @@ from crosscheck.paper.multipliers import WHY_PRINTED, Multiplier, printed_ratios
 from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
 from crosscheck.paper.reproduction import WHY_CORRECTED, Check, Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, WHY_TABLE_3, GeometryTable, PaperIdentification, PaperTrial
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Count, Keywords, Number
+from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Record, attribute, written
 from graphdyn.layout import Array
 
 SIX = Keywords(minItems=6, maxItems=6)

@@ -19,10 +19,9 @@ from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS
 from crosscheck.paper.printed import POSE_TIMES
 from crosscheck.paper.reproduction import EXPERIMENT_NOTE, WHY_ERRATA, Check, Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable, joint_motion, rail
-from crosscheck.report.pictures import colors
-from crosscheck.report.pictures.colors import CURVES, INK
+from crosscheck.report.pictures import svg as colors
 from crosscheck.report.pictures.stick_figure import AZIMUTH, ELEVATION, FAINT, GROUND, JOINT, LINK
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, INK, picture
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
     Block,

@@ -25,10 +25,10 @@ def deliver(report: Report, html_file: OutputFile | None = None, json_file: Outp
 def _write(report: Report, html_file: OutputFile | None, json_file: OutputFile | None) -> None:
     if html_file is not None:
         from crosscheck.report.html import page
-        from crosscheck.report.versions import versions
+        from crosscheck.report.records.record import versions
 
         html_file.write(page(report, command_line(), versions()).encode())
     if json_file is not None and report.record is not None:
-        from crosscheck.report.json import as_bytes, plain
+        from crosscheck.report.records.json import as_bytes, plain
 
         json_file.write(as_bytes(plain(report.record(command_line()))))

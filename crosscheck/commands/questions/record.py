@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 from crosscheck.judging.exchange.questions import Question
 from crosscheck.quantities import FUNCTIONS
-from crosscheck.report.record import Record, written
-from crosscheck.report.record_fields import Keywords, Versions
+from crosscheck.report.records.record import Keywords, Record, Versions, written
 
 Numbers = Sequence[float] | Sequence[Sequence[float]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from crosscheck.report.record import Record, written
+from crosscheck.report.records.record import Record, written
 from urdf import RobotEntry
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from crosscheck.commands.show.loops import LoopsDescription, describe_loops
 from crosscheck.commands.show.state import StateDescription
-from crosscheck.report.record_fields import Count, Keywords
+from crosscheck.report.records.record import Count, Keywords
 from graphdyn import RobotModel, kkt_system
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS, Array
 

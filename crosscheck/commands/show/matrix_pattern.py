@@ -11,8 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from crosscheck.report.pictures.colors import CURVES, MIDDLE_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, MIDDLE_COLOR, picture
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
 if TYPE_CHECKING:

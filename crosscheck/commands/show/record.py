@@ -10,8 +10,7 @@ import numpy as np
 from crosscheck.commands.show.description import RobotDescription, SystemDescription
 from crosscheck.commands.show.loops import LoopsDescription
 from crosscheck.commands.show.state import rpy_in_degrees
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Index, Keywords, Versions
+from crosscheck.report.records.record import Index, Keywords, Record, Versions, attribute, written
 from graphdyn import Body, Chord, Frame, Joint, RobotModel
 
 Vector = Annotated[Sequence[float], Keywords(minItems=3, maxItems=3)]

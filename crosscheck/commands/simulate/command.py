@@ -193,7 +193,7 @@ def _check_suffix(out: OutputFile) -> None:
 def _write(motion: Simulation, out: OutputFile, settings: dict[str, Any]) -> None:
     """The motion as a recording, with the robot as URDF, and what it was simulated with."""
     from crosscheck.recordings.formats.table import motion_document
-    from crosscheck.report.versions import versions
+    from crosscheck.report.records.record import versions
     from urdf.writing import urdf_document
 
     told = {**settings, "gravity": motion.model.gravity.tolist(), "command": command_line(), "versions": versions()}

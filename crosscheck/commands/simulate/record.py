@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.reference.subject import OfReading
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Count, Index, Number
+from crosscheck.report.records.record import CommandRecord, Count, Index, Number, Record, attribute, written
 from graphdyn import Simulation
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.simulation import Occurrence

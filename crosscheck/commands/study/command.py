@@ -56,7 +56,7 @@ def run(options: StudyOptions) -> None:
 
     Exit code 0: done; 2: bad input.
     """
-    from crosscheck.report.versions import versions
+    from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study
     from crosscheck.study.settings.configuration import read_configuration
 

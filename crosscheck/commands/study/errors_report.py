@@ -12,8 +12,7 @@ from markupsafe import Markup
 
 from crosscheck.commands.study.scenarios_report import ShownRuns
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
-from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR, picture
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, View
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL

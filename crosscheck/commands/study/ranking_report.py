@@ -16,8 +16,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, interval_text
-from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import BAR, CURVES, FAINT_COLOR, INK, MIDDLE_COLOR, picture
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Table
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median
 from crosscheck.study.statistics.ranking import Ranking

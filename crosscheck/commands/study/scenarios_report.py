@@ -15,8 +15,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.commands.study.words import METHOD_CLASSES, interval_text, percent_text
-from crosscheck.report.pictures.colors import BAR, CURVES, INK, MIDDLE_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import BAR, CURVES, INK, MIDDLE_COLOR, picture
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, Picture, Prose, Row, Section, Table
 from crosscheck.study.statistics.grid import Grid, with_unit

@@ -7,8 +7,7 @@ from hashlib import sha256
 from typing import Any
 
 from crosscheck.judging.exchange.vectors import VectorTable
-from crosscheck.report.record import CommandRecord, Record, attribute, written
-from crosscheck.report.record_fields import Count, Index
+from crosscheck.report.records.record import CommandRecord, Count, Index, Record, attribute, written
 from graphdyn import RobotModel
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from crosscheck.report.pictures.colors import INK
+from crosscheck.report.pictures.svg import INK
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

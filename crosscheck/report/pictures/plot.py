@@ -11,8 +11,7 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from crosscheck.report.pictures.colors import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, MIDDLE_COLOR, picture
 from crosscheck.report.plain_text import printable, superscript
 from crosscheck.report.report import Panel, Plot, Series
 from graphdyn.layout import Array

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import BAR, CURVES, FAINT_COLOR, INK
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures.svg import BAR, CURVES, FAINT_COLOR, INK, picture
 from crosscheck.report.plain_text import superscript
 from graphdyn.layout import Array
 

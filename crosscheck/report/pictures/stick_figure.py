@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.report.pictures import colors
-from crosscheck.report.pictures.colors import CURVES, MIDDLE_COLOR, SOFT_COLOR
-from crosscheck.report.pictures.svg import picture
+from crosscheck.report.pictures import svg as colors
+from crosscheck.report.pictures.svg import CURVES, MIDDLE_COLOR, SOFT_COLOR, picture
 from graphdyn import RobotModel, frame_placement, maximal_state
 from graphdyn.equations import joint_axes, link_origins
 from graphdyn.layout import Array

@@ -11,11 +11,27 @@ from typing import TYPE_CHECKING, cast
 from lxml import etree
 from markupsafe import Markup
 
-from crosscheck.report.pictures.colors import INK, VARIABLES
 from crosscheck.report.plain_text import printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+INK, SOFT_COLOR, MIDDLE_COLOR = "#222222", "#39424e", "#8a8f96"
+FAINT_COLOR, GROUND, BAR = "#d9d9d9", "#eef0f2", "#7d96ad"
+CURVES = ("#14507f", "#a3161a", "#2f7d32", "#7a5200", "#5b2a86", "#00707a", "#b0487a", "#8b9096")
+"""Colors of the curves of a plot and of other marks, in order."""
+
+VARIABLES = {
+    INK: "--ink",
+    FAINT_COLOR: "--faint",
+    MIDDLE_COLOR: "--middle",
+    BAR: "--bar",
+    SOFT_COLOR: "--soft",
+    GROUND: "--ground",
+    "#000000": "--ink",
+    "#ffffff": "--paper",
+    **{color: f"--c{k}" for k, color in enumerate(CURVES)},
+}
+"""Variables of page/style.css, so that pictures on a page follow dark mode."""
 
 _SVG = "{http://www.w3.org/2000/svg}"
 _XLINK = "{http://www.w3.org/1999/xlink}"

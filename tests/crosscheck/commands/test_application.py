@@ -26,7 +26,7 @@ from crosscheck.comparing import compare as comparing
 from crosscheck.paper import errata
 from crosscheck.paper.errata import ERRATA, N_EFFECTS, measure
 from crosscheck.quantities import COMPARED
-from crosscheck.report.versions import versions
+from crosscheck.report.records.record import versions
 from graphdyn import __version__
 
 COMMANDS = (

@@ -21,7 +21,7 @@ from crosscheck.commands.export.matlab_model import matlab_text
 from crosscheck.commands.export.record import exported as exported_model
 from crosscheck.commands.export.record import record
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
-from crosscheck.report.json import plain
+from crosscheck.report.records.json import plain
 from graphdyn.model.spatial import rotation_about
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")

@@ -25,10 +25,10 @@ from crosscheck.commands.program import console
 from crosscheck.paper.printed import TABLE_2, Printed
 from crosscheck.paper.reproduction import PROGRESS_STEPS, REFERENCE_BOUND, Check, reproduce
 from crosscheck.report.html import page as html_page
-from crosscheck.report.json import plain
+from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import versions
 from crosscheck.report.report import Plot
 from crosscheck.report.text import renderables
-from crosscheck.report.versions import versions
 
 ROOT = REPOSITORY
 SCHEMA = json.loads((ROOT / "docs/schemas/paper-1.schema.json").read_text(encoding="utf-8"))

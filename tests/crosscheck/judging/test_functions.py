@@ -20,9 +20,9 @@ from crosscheck.commands.program.judged_functions import function_list
 from crosscheck.judging import judge as judging
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.html import page as page_of
+from crosscheck.report.records.record import versions
 from crosscheck.report.snippets import worst_call
 from crosscheck.report.text import as_text
-from crosscheck.report.versions import versions
 from graphdyn import InvalidInput, UnknownFrame
 
 SAMPLES = 20

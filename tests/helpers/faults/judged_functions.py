@@ -10,7 +10,7 @@ from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment, WorstCall
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.html import page as page_of
-from crosscheck.report.versions import versions
+from crosscheck.report.records.record import versions
 
 STATES = 40
 

@@ -7,7 +7,7 @@ from lxml import etree
 
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.report.html import page as page_of
-from crosscheck.report.versions import versions
+from crosscheck.report.records.record import versions
 
 COMMAND = ["graphdyn", "crosscheck", "my arm.urdf", "--html", "page.html"]
 VOID = {"meta", "br", "hr", "img", "link", "input", "wbr"}

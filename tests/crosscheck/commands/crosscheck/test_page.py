@@ -23,7 +23,7 @@ import crosscheck
 import urdf
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.report.html import page as page_of
-from crosscheck.report.versions import versions
+from crosscheck.report.records.record import versions
 
 LARGEST = 400_000
 """Characters of the page of one small robot."""

@@ -11,9 +11,9 @@ import graphdyn
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.comparing.comparison import QUANTILES
 from crosscheck.quantities import COMPARED
-from crosscheck.report.json import plain
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT_ANGLE, pose, pose_text, stick_figure
+from crosscheck.report.records.json import plain
 from graphdyn import Joint, Placement
 
 

@@ -14,7 +14,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.quantities import COMPARED
 from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
-from crosscheck.report.versions import versions
+from crosscheck.report.records.record import versions
 from graphdyn import inverse_dynamics
 
 REPRODUCED = 1e-3

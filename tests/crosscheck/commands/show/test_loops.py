@@ -15,9 +15,9 @@ from crosscheck.commands.show.description import describe
 from crosscheck.commands.show.record import record as record_of
 from crosscheck.commands.show.report import show_report
 from crosscheck.report.html import page
-from crosscheck.report.json import plain
 from crosscheck.report.pictures.stick_figure import pose, pose_text
-from crosscheck.report.versions import versions
+from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import versions
 from graphdyn import Chord, Coupling, Joint
 
 LINKAGE = four_bar()

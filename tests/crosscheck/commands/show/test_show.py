@@ -21,10 +21,10 @@ from crosscheck.commands.show.report import show_report
 from crosscheck.commands.show.state import describe_state
 from crosscheck.reference.subject import tip
 from crosscheck.report.html import page
-from crosscheck.report.json import plain
 from crosscheck.report.plain_text import matrix_lines, vector_text
+from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import versions
 from crosscheck.report.text import renderables
-from crosscheck.report.versions import versions
 from graphdyn import kkt_system, kr500
 from graphdyn.model.spatial import rotation_about
 

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crosscheck.report.json import plain
-from crosscheck.report.json_schema import schema_of
-from crosscheck.report.record import Record, attribute, written
-from crosscheck.report.record_fields import Count
+from crosscheck.report.records.json import plain
+from crosscheck.report.records.json_schema import schema_of
+from crosscheck.report.records.record import Count, Record, attribute, written
 
 
 @dataclass(frozen=True)

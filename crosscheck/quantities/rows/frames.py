@@ -8,9 +8,9 @@ from typing import TypedDict
 import numpy as np
 
 import graphdyn
-from crosscheck.quantities.dynamics import PLACED
 from crosscheck.quantities.measures import ORDER, Chosen, Measure, linear_first
 from crosscheck.quantities.quantity import USUAL, Ours, Quantity, frame_verb
+from crosscheck.quantities.rows.dynamics import PLACED
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import Sizes, by_part, center_offset, largest, relative
 from crosscheck.quantities.tested_function import TestedFunction

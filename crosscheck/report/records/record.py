@@ -26,14 +26,48 @@ dictionary.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
+from importlib.metadata import version
 from inspect import get_annotations
-from typing import Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, ClassVar, NamedTuple, get_args, get_origin, get_type_hints
 
-from crosscheck.report.record_fields import Command, Versions
-from crosscheck.report.versions import versions
+REPORTED_LIBRARIES = ("graphdyn", "numpy", "scipy", "yourdfpy", "example-robot-data")
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that takes part in a comparison."""
+    from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION
+
+    return {**{name: version(name) for name in REPORTED_LIBRARIES}, "pinocchio": PINOCCHIO_VERSION}
+
+
+class Keywords:
+    """JSON Schema keywords of a type, for instance Annotated[int, Keywords(minimum=1)]."""
+
+    def __init__(self, **keywords: Any):
+        self.keywords = keywords
+
+
+Number = float | None
+"""A number that may not exist or not be finite: NaN and ±∞ are written as null."""
+
+Numbers = Sequence[Number]
+
+Count = Annotated[int, Keywords(minimum=0)]
+
+Index = Annotated[int, Keywords(minimum=1)]
+
+Versions = Annotated[
+    Mapping[str, str],
+    Keywords(
+        description="Versions of graphdyn and of the libraries that took part, by name.",
+        required=[*REPORTED_LIBRARIES, "pinocchio"],
+    ),
+]
+
+Command = Annotated[Sequence[str], Keywords(description="The arguments as given.")]
 
 
 class Attribute(NamedTuple):

@@ -6,8 +6,6 @@ from typing import TypedDict
 
 import numpy as np
 
-from crosscheck.quantities.dynamics import TORQUE
-from crosscheck.quantities.matrices import BY_RATE, SOLVED_INVERSE, solved_errors
 from crosscheck.quantities.measures import (
     Chosen,
     Measure,
@@ -20,6 +18,8 @@ from crosscheck.quantities.measures import (
     total_mass,
 )
 from crosscheck.quantities.quantity import Quantity, verb
+from crosscheck.quantities.rows.dynamics import TORQUE
+from crosscheck.quantities.rows.matrices import BY_RATE, SOLVED_INVERSE, solved_errors
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, by_part, largest, largest_tensor, ratio, relative
 from crosscheck.quantities.tested_function import TestedFunction

@@ -18,9 +18,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 
 import numpy as np
 
-from crosscheck.report.docstrings import TAIL, names_of, taken_apart
-from crosscheck.report.record import Record
-from crosscheck.report.record_fields import Keywords
+from crosscheck.report.records.docstrings import TAIL, names_of, taken_apart
+from crosscheck.report.records.record import Keywords, Record
 
 FORMAT = "What this file is; the number grows when a field changes its meaning or disappears. New fields may appear."
 

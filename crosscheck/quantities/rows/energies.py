@@ -7,7 +7,6 @@ from typing import TypedDict
 
 import numpy as np
 
-from crosscheck.quantities.frames import VELOCITY
 from crosscheck.quantities.measures import (
     ORDER,
     Chosen,
@@ -20,6 +19,7 @@ from crosscheck.quantities.measures import (
     total_mass,
 )
 from crosscheck.quantities.quantity import Quantity, verb
+from crosscheck.quantities.rows.frames import VELOCITY
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import by_part, center_offset, largest, largest_tensor, relative
 from crosscheck.quantities.tested_function import TestedFunction
