@@ -7,7 +7,7 @@ modules may change without notice.
 from graphdyn.identification import estimators
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
-from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, weighted_solution
 from graphdyn.identification.algebra.least_squares import LeastSquares, one_thread, ordinary_least_squares
 from graphdyn.identification.algebra.rank_revealing import EPS, ParameterEstimate
 from graphdyn.identification.closed_loop import ClosedLoop
@@ -25,7 +25,6 @@ from graphdyn.identification.estimation.comparison import (
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
 from graphdyn.identification.estimators import *  # noqa: F403
 from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
-from graphdyn.identification.estimators.weighted import joint_noise, weighted_solution
 from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
 from graphdyn.identification.online.recursive import RecursiveLeastSquares
 from graphdyn.identification.problem.prior import Prior, model_prior

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.algebra.base_parameters import MIN_COLUMN_SHARE, RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import triangle
 from graphdyn.layout import Array
 
@@ -155,3 +156,24 @@ def residual_deviations(equations: CompressedEquations, squares: Array, used: Ar
         )
     floor = EPS**2 * equations.measured_squares + np.finfo(float).tiny
     return np.sqrt(np.maximum(squares, floor) / spare)
+
+
+def weighted_solution(equations: CompressedEquations) -> tuple[Solution, Array]:
+    """The solution, whose inverse is its covariance, and the noise of each group (g,)."""
+    noise = joint_noise(equations)
+    return solve(equations, noise), noise
+
+
+def joint_noise(equations: CompressedEquations) -> Array:
+    """σ_g (g,) of the torque of each joint: as given, or from its own equations alone."""
+    if equations.noise is not None:
+        return equations.noise
+    squares, used = np.empty(equations.n_groups), np.empty(equations.n_groups)
+    for g, factor in enumerate(equations.factors):
+        w, right = factor[:, :-1], factor[:, -1]
+        length = np.linalg.norm(w, axis=0)
+        seen = length > MIN_COLUMN_SHARE * length.max(initial=0.0)  # the rest is rounding, and stays so if not scaled
+        unit = w[:, seen] / length[seen]
+        x, _, used[g], _ = np.linalg.lstsq(unit, right, rcond=RANK_TOLERANCE)
+        squares[g] = np.sum((unit @ x - right) ** 2)
+    return residual_deviations(equations, squares, used)

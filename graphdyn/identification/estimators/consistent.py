@@ -19,11 +19,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import ClassVar
 
+from graphdyn.identification.algebra.compressed import joint_noise
 from graphdyn.identification.consistent.bodies import PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import prior_coordinates
 from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem, consistent_estimate
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem
 

@@ -21,14 +21,13 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.algebra.compressed import CompressedEquations
+from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise
 from graphdyn.identification.consistent.bodies import PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem, consistent_estimate
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem
 

@@ -14,9 +14,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.algebra.compressed import CompressedEquations, Solution, solve
+from graphdyn.identification.algebra.compressed import CompressedEquations, Solution, solve, weighted_solution
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
-from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 

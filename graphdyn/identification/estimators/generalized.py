@@ -16,9 +16,15 @@ import numpy as np
 
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.accumulator import Accumulator
-from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, leverages, merged, solve
+from graphdyn.identification.algebra.compressed import (
+    EPS,
+    CompressedEquations,
+    leverages,
+    merged,
+    solve,
+    weighted_solution,
+)
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
-from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.algebra.compressed import weighted_solution
 from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY_SETTING, exogeneity
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
-from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array

@@ -19,6 +19,7 @@ from typing import ClassVar
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
+from graphdyn.identification.algebra.compressed import joint_noise
 from graphdyn.identification.consistent.bodies import Bodies, PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.fit import (
@@ -29,7 +30,6 @@ from graphdyn.identification.consistent.fit import (
 )
 from graphdyn.identification.consistent.log_cholesky import PRIOR_STRENGTH, log_cholesky_fit
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array

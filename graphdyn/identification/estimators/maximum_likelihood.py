@@ -35,11 +35,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.accumulator import Accumulator
-from graphdyn.identification.algebra.compressed import CompressedEquations, merged, residual_deviations, solve
+from graphdyn.identification.algebra.compressed import (
+    CompressedEquations,
+    merged,
+    residual_deviations,
+    solve,
+    weighted_solution,
+)
 from graphdyn.identification.data.rows import Rows, runs
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
-from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel

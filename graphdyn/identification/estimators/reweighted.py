@@ -22,9 +22,15 @@ import numpy as np
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.accumulator import Accumulator
-from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, Solution, leverages, solve
+from graphdyn.identification.algebra.compressed import (
+    EPS,
+    CompressedEquations,
+    Solution,
+    leverages,
+    solve,
+    weighted_solution,
+)
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
-from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.layout import Array

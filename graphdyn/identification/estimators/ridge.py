@@ -15,10 +15,9 @@ from typing import ClassVar
 import numpy as np
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
-from graphdyn.identification.algebra.compressed import EPS, CompressedEquations
+from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, joint_noise
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array

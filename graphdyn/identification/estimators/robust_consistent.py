@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from graphdyn.identification.algebra.compressed import CompressedEquations, merged
+from graphdyn.identification.algebra.compressed import CompressedEquations, merged, weighted_solution
 from graphdyn.identification.consistent.bodies import Bodies, Inequalities, PhysicalLimits, inequalities, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.fit import (
@@ -41,7 +41,6 @@ from graphdyn.identification.estimators.reweighted import (
     robust_scale,
     weighted_blocks,
 )
-from graphdyn.identification.estimators.weighted import weighted_solution
 from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem, together
 from graphdyn.layout import Array

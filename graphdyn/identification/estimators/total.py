@@ -17,9 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.algebra.compressed import EPS
+from graphdyn.identification.algebra.compressed import EPS, joint_noise
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.compressed import joint_noise
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.term import Term, TermParameter

@@ -24,9 +24,9 @@ from graphdyn.identification import (
     WeightedLeastSquares,
     model_prior,
 )
+from graphdyn.identification.algebra.compressed import joint_noise
 from graphdyn.identification.estimators.generalized import error_covariance
 from graphdyn.identification.estimators.ridge import RidgePath
-from graphdyn.identification.estimators.weighted import joint_noise
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Offset, RigidBodies
 
 EXACT = 1e-8
