@@ -23,8 +23,8 @@ from graphdyn.identification.estimation.comparison import (
     plausibility,
 )
 from graphdyn.identification.estimation.estimate import Estimate, Estimator
+from graphdyn.identification.estimation.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.estimators import *  # noqa: F403
-from graphdyn.identification.estimators.tuning import Tunable, Tuned, tuned
 from graphdyn.identification.online.extended_kalman import ExtendedKalmanFilter
 from graphdyn.identification.online.recursive import RecursiveLeastSquares
 from graphdyn.identification.problem.prior import Prior, model_prior

@@ -47,22 +47,76 @@ MAX_COST_EXCESS = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class ConsistentFit:
-    """Parameters of a physically consistent fit, and its properties.
+    """A physically consistent fit.
 
-    parameters: x                                           (p,)
-    excess: ‖A u - b‖² above that of unconstrained least squares, in variances of one residual
-    eigenvalues: smallest of S of each body, 1 at the prior (n,)
+    u: in the coordinates of the prior                      (p,)
     best_fit: among the best fits; no constraint costs anything
+    """
+
+    coordinates: PriorCoordinates
+    u: Array
+    best_fit: bool
+
+    @property
+    def parameters(self) -> Array:
+        """Parameters x (p,)."""
+        return self.coordinates.fitting_parameters(self.u) if self.best_fit else self.coordinates.parameters(self.u)
+
+    @property
+    def excess(self) -> float:
+        """‖A u - b‖² above that of unconstrained least squares, in variances of one residual."""
+        return 0.0 if self.best_fit else self.coordinates.excess(self.u)
+
+    @property
+    def smallest_part(self) -> float:
+        """Smallest eigenvalue of S over all bodies, 1 at the prior."""
+        return float(self.coordinates.smallest_eigenvalues(self.u).min())
+
+    def estimate(self, noise: Array, iterations: int, settings: Mapping[str, float], *remarks: str) -> Estimate:
+        """The estimate, with a remark on the constraints.
+
+        If the base parameters equal those of weighted least squares, so does the covariance. Otherwise there is none:
+        the constraints or the prior bias the estimate and reduce its scatter.
+        """
+        if self.best_fit:
+            told = (
+                "consistent parameters are among the best fits: base parameters and their covariance are those of WLS"
+            )
+        else:
+            told = (
+                f"no best fit is consistent, or the prior counts: {self.excess:.4g} variances of one residual above WLS"
+            )
+        return Estimate(
+            parameters=self.parameters,
+            covariance=self.coordinates.base_covariance if self.best_fit else None,
+            noise=noise,
+            iterations=iterations,
+            settings={**settings, "smallest part of prior": self.smallest_part, "excess": self.excess},
+            remarks=(*remarks, told),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ConicFit(ConsistentFit):
+    """A fit by the cone solver.
+
     suboptimality: bound on the cost above the minimum; 0 among the best fits
     answer: of the solver
     """
 
-    parameters: Array
-    excess: float
-    eigenvalues: Array
-    best_fit: bool
     suboptimality: float
     answer: ConicAnswer
+
+    def told(self, noise: Array, settings: Mapping[str, float], *remarks: str) -> Estimate:
+        """The estimate, with a remark on a solver status other than "optimal"."""
+        answer = self.answer
+        if answer.status != "optimal":
+            remarks += (
+                f"Clarabel stopped with '{answer.status}'; the answer passed the checks: its cost "
+                f"{answer.objective:.4g} is at most {self.suboptimality:.1g} above the minimum, every body keeps "
+                f"{self.smallest_part:.1g} of its prior",
+            )
+        return self.estimate(noise, answer.iterations, settings, *remarks)
 
 
 class ConsistentProblem:
@@ -83,7 +137,7 @@ class ConsistentProblem:
         self._g, self._h = g / size[:, None], inequalities.right / size
         self._programs: dict[Metric, SemidefiniteProgram] = {}
 
-    def solve(self, strength: float = 0.0) -> ConsistentFit:
+    def solve(self, strength: float = 0.0) -> ConicFit:
         """Fit with this strength of the prior.
 
         Raises EstimationFailed if no bodies keep the limits, which it names, or if no solution passes the checks.
@@ -92,7 +146,7 @@ class ConsistentProblem:
             return self._best_fit() or self._whole(WEAK_STRENGTH, "pullback")
         return self._whole(strength, self._metric)
 
-    def _best_fit(self) -> ConsistentFit | None:
+    def _best_fit(self) -> ConicFit | None:
         """The consistent best fit nearest to the prior, None if there is none."""
         c = self._coordinates
         found = None
@@ -101,10 +155,10 @@ class ConsistentProblem:
             answer = program.solve(1.0)
             if answer.u is None or self._violations(answer.u):
                 break
-            found = ConsistentFit(c.fitting_parameters(answer.u), 0.0, self._eigenvalues(answer.u), True, 0.0, answer)
+            found = ConicFit(c, answer.u, True, 0.0, answer)
         return found
 
-    def _whole(self, strength: float, metric: Metric) -> ConsistentFit:
+    def _whole(self, strength: float, metric: Metric) -> ConicFit:
         if metric not in self._programs:
             self._programs[metric] = SemidefiniteProgram(
                 self._coordinates, (self._g, self._h), metric=metric, margin=self._margin
@@ -123,13 +177,10 @@ class ConsistentProblem:
             problems += (f"its cost {answer.objective:.4g} may be {above:.2g} above the minimum",)
         if problems:
             raise EstimationFailed(f"Clarabel's answer ({answer.status}) is not good enough: {'; '.join(problems)}")
-        return ConsistentFit(c.parameters(u), c.excess(u), self._eigenvalues(u), False, above, answer)
-
-    def _eigenvalues(self, u: Array) -> Array:
-        return self._coordinates.smallest_eigenvalues(u)
+        return ConicFit(c, u, False, above, answer)
 
     def _violations(self, u: Array) -> tuple[str, ...]:
-        low = self._eigenvalues(u)
+        low = self._coordinates.smallest_eigenvalues(u)
         said = [
             f"body {i + 1} has eigenvalue {low[i]:.2g}"
             for i in np.flatnonzero(~(low >= MIN_MARGIN_SHARE * self._margin))
@@ -146,37 +197,3 @@ class ConsistentProblem:
             f"no bodies with at least {self._margin:g} of the prior inertia keep all limits; "
             f"relax {' or '.join(broken) if broken else 'the limits'}"
         )
-
-
-def consistent_estimate(
-    coordinates: PriorCoordinates,
-    fit: ConsistentFit,
-    noise: Array,
-    remarks: tuple[str, ...],
-    settings: Mapping[str, float] | None = None,
-) -> Estimate:
-    """The estimate, with remarks on the constraints and on a solver status other than "optimal".
-
-    If the base parameters equal those of weighted least squares, so does the covariance. Otherwise there is none: the
-    constraints or the prior bias the estimate and reduce its scatter.
-    """
-    answer, low = fit.answer, float(fit.eigenvalues.min())
-    if answer.status != "optimal":
-        remarks += (
-            f"Clarabel stopped with '{answer.status}'; the answer passed the checks: its cost {answer.objective:.4g} "
-            f"is at most {fit.suboptimality:.1g} above the minimum, every body keeps {low:.1g} of its prior",
-        )
-    return Estimate(
-        parameters=fit.parameters,
-        covariance=coordinates.base_covariance if fit.best_fit else None,
-        noise=noise,
-        iterations=answer.iterations,
-        settings={**(settings or {}), "smallest part of prior": low, "excess": fit.excess},
-        remarks=(*remarks, constraint_remark(fit.best_fit, fit.excess)),
-    )
-
-
-def constraint_remark(best_fit: bool, excess: float) -> str:
-    if best_fit:
-        return "consistent parameters are among the best fits: base parameters and their covariance are those of WLS"
-    return f"no best fit is consistent, or the prior counts: {excess:.4g} variances of one residual above WLS"

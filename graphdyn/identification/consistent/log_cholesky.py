@@ -28,7 +28,6 @@ Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Roboti
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +35,7 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates
-from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, VIOLATION_TOLERANCE
+from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, VIOLATION_TOLERANCE, ConsistentFit
 from graphdyn.identification.consistent.manifold import upper_factor
 from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT, Cost, polished, suboptimality
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -209,21 +208,14 @@ class LocalMinimum:
 
 
 @dataclass(frozen=True, eq=False)
-class LogCholeskyFit:
-    """Result of the fit from all starts.
+class LogCholeskyFit(ConsistentFit):
+    """The fit from all starts.
 
-    parameters: x (p,); excess, eigenvalues, best_fit: see ConsistentFit
     starts: all of them, the chosen one first; agreeing: how many found its cost
-    seconds: of all starts
     """
 
-    parameters: Array
-    excess: float
-    eigenvalues: Array
-    best_fit: bool
     starts: tuple[LocalMinimum, ...]
     agreeing: int
-    seconds: float
 
 
 def log_cholesky_fit(
@@ -242,13 +234,13 @@ def log_cholesky_fit(
     """
     if starts < 1 or not strength > 0:
         raise InvalidInput(f"{starts} starts with strength {strength:g}; at least one, and a strength > 0 needed")
-    c, begin = coordinates, time.perf_counter()
+    c = coordinates
     bounded = np.concatenate([np.zeros(c.width, dtype=bool), nonnegative])
     random = np.random.default_rng(seed).normal(scale=START_DEVIATION, size=(starts - 1, c.width))
     tried = [_from(c, theta, bounded, strength, margin) for theta in (np.zeros(c.width), *random)]
     # the cost is not convex in θ: the cheapest of all starts counts
     tried.sort(key=lambda start: start.cost)
-    seconds, best = time.perf_counter() - begin, tried[0]
+    best = tried[0]
     if not best.accepted:
         raise EstimationFailed(
             f"log-Cholesky: the cheapest of {starts} starts may be {best.suboptimality:.2g} above the minimal cost, it "
@@ -260,10 +252,7 @@ def log_cholesky_fit(
     best_fit = bool(
         np.all(c.smallest_eigenvalues(u) >= MIN_MARGIN_SHARE * margin) and np.all(u[bounded] >= -ZERO_COLUMN_NORM)
     )
-    u = u if best_fit else best.u
-    x = c.fitting_parameters(u) if best_fit else c.parameters(u)
-    excess = 0.0 if best_fit else c.excess(u)
-    return LogCholeskyFit(x, excess, c.smallest_eigenvalues(u), best_fit, tuple(tried), agreeing, seconds)
+    return LogCholeskyFit(c, u if best_fit else best.u, best_fit, tuple(tried), agreeing)
 
 
 def _from(

@@ -34,7 +34,7 @@ class ConicAnswer:
     multipliers: of G u ≥ h, not negative                   (m,)
     status: of the solver ("optimal", "optimal_inaccurate", "infeasible", …), or its error message
     objective: ‖A u - b‖² + strength d(u)
-    iterations, seconds: of the solver, without writing the program
+    iterations: of the solver
     """
 
     u: Array | None
@@ -42,7 +42,6 @@ class ConicAnswer:
     status: str
     objective: float
     iterations: int
-    seconds: float
 
 
 class SemidefiniteProgram:
@@ -63,25 +62,23 @@ class SemidefiniteProgram:
         on_best_fits: bool = False,
     ):
         cp = _cvxpy()
-        columns = len(coordinates.origin)
         if on_best_fits:
             # all best fits: one of them, and whatever the data do not determine
             y = cp.Variable(coordinates.null.shape[1])
             self._u: Any = coordinates.fitting + coordinates.null @ y
         else:
-            self._u = cp.Variable(columns)
+            self._u = cp.Variable(len(coordinates.origin))
         self._strength = cp.Parameter(nonneg=True)
-        n = coordinates.n_bodies
-        bodies = _bodies(self._u, n)
+        bodies = _bodies(self._u, coordinates.n_bodies)
         from_prior = self._u - coordinates.origin
-        width = BODY_PARAMETERS * n
+        width = coordinates.width
         if metric == "entropic":
             # tr S - log det S - 4, the entropic divergence of S from E
             distance = cp.sum([cp.trace(s) - cp.log_det(s) - 4 for s in bodies])
         else:
             # ½ ‖S - E‖²: the entries off the diagonal are scaled by √2 in u, so that norms agree
             distance = cp.sum_squares(from_prior[:width]) / 2
-        if columns > width:
+        if len(coordinates.origin) > width:
             # without it the minimum would not be unique where data determine no friction
             distance = distance + FURTHER_COLUMN_WEIGHT / 2 * cp.sum_squares(from_prior[width:])
         cost = self._strength * distance
@@ -109,8 +106,8 @@ class SemidefiniteProgram:
             try:
                 self._problem.solve(solver="CLARABEL", max_iter=MAX_SOLVER_ITERATIONS, **settings)
             except _cvxpy().SolverError as error:
-                return ConicAnswer(None, np.zeros(0), f"failed: {error}", np.nan, 0, 0.0)
-        value, stats = self._u.value, self._problem.solver_stats
+                return ConicAnswer(None, np.zeros(0), f"failed: {error}", np.nan, 0)
+        value = self._u.value
         usable = value is not None and bool(np.all(np.isfinite(value)))
         # the solver's multipliers of an inactive row may be slightly negative
         multipliers = [np.maximum(limit.dual_value, 0.0) for limit in self._limits if usable]
@@ -119,8 +116,7 @@ class SemidefiniteProgram:
             multipliers=np.concatenate([np.zeros(0), *multipliers]),
             status=self._problem.status,
             objective=float(self._problem.value) if usable else np.nan,
-            iterations=int(stats.num_iters or 0),
-            seconds=float(stats.solve_time or 0.0),
+            iterations=int(self._problem.solver_stats.num_iters or 0),
         )
 
 

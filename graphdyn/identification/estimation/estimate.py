@@ -15,7 +15,8 @@ from graphdyn.layout import Array
 class Estimate:
     """Result of an estimator.
 
-    parameters: x of all columns of the torque model        (p,)
+    parameters: x of all columns of the torque model; of a method that finds base parameters alone, those that are
+        nearest to the model's                              (p,)
     covariance: of the base parameters of the problem (Problem.base), None if the method gives none      (r, r)
     block_covariance: the same, allowing for correlation in time within each time block
     noise: standard deviation of the torque of each joint by this method, None likewise                  (n,) [N m or N]

@@ -1,20 +1,23 @@
-"""Estimators, one per file. Each states its reference, its assumptions and its needs."""
+"""Estimators. Each states its reference, its assumptions and its needs."""
 
-from graphdyn.identification.estimators.consistent import ConsistentLeastSquares
-from graphdyn.identification.estimators.consistent_prior import ConsistentWithPrior
-from graphdyn.identification.estimators.direct_inverse import DirectInverse
-from graphdyn.identification.estimators.essential import EssentialParameters
+from graphdyn.identification.estimators.consistent import (
+    ConsistentLeastSquares,
+    ConsistentWithPrior,
+    LogCholesky,
+    RobustConsistent,
+)
 from graphdyn.identification.estimators.generalized import GeneralizedLeastSquares
 from graphdyn.identification.estimators.instrumental import InstrumentalVariables
-from graphdyn.identification.estimators.log_cholesky import LogCholesky
+from graphdyn.identification.estimators.least_squares import (
+    EssentialParameters,
+    OrdinaryLeastSquares,
+    TotalLeastSquares,
+    WeightedLeastSquares,
+)
 from graphdyn.identification.estimators.maximum_likelihood import MaximumLikelihood
-from graphdyn.identification.estimators.ordinary import OrdinaryLeastSquares
-from graphdyn.identification.estimators.output_error import ClosedLoopOutputError
+from graphdyn.identification.estimators.output_error import ClosedLoopOutputError, DirectInverse
 from graphdyn.identification.estimators.reweighted import ReweightedLeastSquares
 from graphdyn.identification.estimators.ridge import Ridge
-from graphdyn.identification.estimators.robust_consistent import RobustConsistent
-from graphdyn.identification.estimators.total import TotalLeastSquares
-from graphdyn.identification.estimators.weighted import WeightedLeastSquares
 
 __all__ = [
     "ClosedLoopOutputError",

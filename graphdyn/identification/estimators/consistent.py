@@ -12,20 +12,120 @@ Sousa and Cortesão, "Physical feasibility of robot base inertial parameter iden
 approach", International Journal of Robotics Research 33(6), 2014. Wensing, Kim and Slotine, "Linear matrix inequalities
 for physically consistent inertial parameter identification: a statistical perspective on the mass distribution", IEEE
 Robotics and Automation Letters 3(1), 2018.
+
+ConsistentWithPrior adds a prior on the manifold of physically consistent inertias.
+
+    minimize Σ_g ‖W_g x - τ_g‖² / σ_g² + strength Σ_i d(P_i(x), P₀_i)
+    subject to P_i ⪰ margin · P₀_i for every body,  F_v, F_c, I_a ≥ 0
+
+d is the entropic divergence (log-det Bregman divergence), or its quadratic approximation near the prior, the pullback
+metric. Unlike a ridge in kg, kg m and kg m², both are independent of units and of the choice of link frames, and
+measure every body by its own size. A strength γ expects the entries of a body within √(2/γ) of the prior, relative: 200
+trusts it to 10 %. Cross-validation over time blocks chooses the strength. Strength 0 is the limit: the prior then
+decides only what the data do not determine.
+
+Lee, Wensing and Park, "Geometric robot dynamic identification: a convex programming approach", IEEE Transactions on
+Robotics 36(2), 2020.
+
+In RobustConsistent samples with large residuals count less, by Huber's norm.
+
+    minimize Σ_g Σ_t 2 ρ(e_gt / σ_g) + strength Σ_i d(P_i(x), P₀_i)
+    subject to P_i ⪰ margin · P₀_i for every body,  F_v, F_c, I_a ≥ 0
+
+by iterative reweighting: with the weights w(u) = ρ'(u) / u of the last residuals it is the program of
+ConsistentWithPrior (ConsistentLeastSquares without a metric). At a given σ the cost is convex, and each step lowers it.
+Stiction at standstill, slips and collisions then distort neither friction nor links. Cross-validation chooses the
+strength of the prior, with the weights that were found without a prior.
+
+Huber, Annals of Mathematical Statistics 35(1), 1964; Wensing, Kim and Slotine, IEEE Robotics and Automation Letters
+3(1), 2018; Lee, Wensing and Park, IEEE Transactions on Robotics 36(2), 2020.
+
+LogCholesky needs no constraints: it is nonlinear least squares in log-Cholesky coordinates.
+
+    minimize Σ_g ‖W_g x(θ) - τ_g‖² / σ_g² + strength · ½ ‖S(θ) - E‖²
+
+Every θ is a physically consistent body, so that no cone solver is needed. In return the cost is not convex. It is
+minimized from several starts around the prior, with the analytic Jacobian, and the result states how many of them
+agree. The quadratic prior keeps directions finite that the data do not determine. If the cheapest start does not pass
+the certificate of the convex problem with the same cost, the convex problem is solved instead (it needs cvxpy and
+Clarabel), and a remark says so.
+
+Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Robotics and Automation Letters 7(2), 2022.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import ClassVar
 
-from graphdyn.identification.algebra.compressed import joint_noise
-from graphdyn.identification.consistent.bodies import PhysicalLimits, inequalities, unknown_bodies
-from graphdyn.identification.consistent.coordinates import prior_coordinates
-from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem, consistent_estimate
+import numpy as np
+
+from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, merged, weighted_solution
+from graphdyn.identification.consistent.bodies import Bodies, PhysicalLimits, inequalities, unknown_bodies
+from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
+from graphdyn.identification.consistent.fit import (
+    PRIOR_MARGIN,
+    WEAK_STRENGTH,
+    ConsistentProblem,
+)
+from graphdyn.identification.consistent.log_cholesky import PRIOR_STRENGTH, log_cholesky_fit
+from graphdyn.identification.consistent.polishing import Metric
+from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
 from graphdyn.identification.estimation.estimate import Estimate
+from graphdyn.identification.estimators.reweighted import (
+    HUBER_THRESHOLD,
+    huber,
+    residuals_of,
+    robust_scale,
+    weighted_blocks,
+)
 from graphdyn.identification.problem.prior import Prior
-from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.problem import Problem, together
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Program:
+    """The convex program of a problem, for all of its equations or for some folds of them."""
+
+    problem: Problem
+    prior: Prior | None
+    metric: Metric
+    margin: float
+    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
+
+    @cached_property
+    def bodies(self) -> Bodies:
+        return unknown_bodies(self.problem.torque_model, self.prior)
+
+    def coordinates(self, equations: CompressedEquations, noise: Array) -> PriorCoordinates:
+        """The equations, weighted by the noise σ_g (n,), in coordinates in which the prior is the unit matrix."""
+        informed = equations.informed(noise)
+        return prior_coordinates(self.problem.base, *informed, self.bodies.prior, self.bodies.columns)
+
+    def convex(self, equations: CompressedEquations, noise: Array) -> ConsistentProblem:
+        """The program, to be solved with one or many strengths."""
+        names = [column.name for column in self.problem.torque_model.columns]
+        limits = inequalities(self.limits, self.bodies, names)
+        return ConsistentProblem(self.coordinates(equations, noise), limits, metric=self.metric, margin=self.margin)
+
+    def strength(
+        self, given: float | None, tried: Sequence[float], noise: Array, folds: Sequence[CompressedEquations]
+    ) -> tuple[float, tuple[str, ...]]:
+        """The given strength of the prior, or that of cross-validation over the folds, with remarks on the choice."""
+        if given is not None:
+            return given, ()
+
+        def trained(equations: CompressedEquations) -> Trained:
+            program = self.convex(equations, noise)
+            return lambda strength: program.solve(strength).parameters
+
+        choice = cross_validation(self.problem, noise, tried, trained, folds=folds)
+        return choice.best, choice.remarks
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +149,192 @@ class ConsistentLeastSquares:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
-        bodies = unknown_bodies(problem.torque_model, self.prior)
-        limits = inequalities(self.limits, bodies, [column.name for column in problem.torque_model.columns])
+        program = _Program(problem, self.prior, "pullback", self.margin, self.limits)
         noise = joint_noise(problem.equations)
-        coordinates = prior_coordinates(problem.base, *problem.equations.informed(noise), bodies.prior, bodies.columns)
-        fit = ConsistentProblem(coordinates, limits, metric="pullback", margin=self.margin).solve()
-        return consistent_estimate(coordinates, fit, noise, bodies.remarks)
+        return program.convex(problem.equations, noise).solve().told(noise, {}, *program.bodies.remarks)
+
+
+PRIOR_STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
+
+
+@dataclass(frozen=True, eq=False)
+class ConsistentWithPrior:
+    """Weighted least squares over physically consistent bodies, drawn towards a prior by a distance between inertias.
+
+    metric: "entropic" or "pullback"
+    strength: of the prior; chosen by cross-validation from strengths if left out
+    prior: the model's parameters if left out
+    limits, margin: as in ConsistentLeastSquares
+
+    Raises InvalidInput for another metric, or strengths that are negative or not increasing.
+    """
+
+    metric: Metric = "entropic"
+    strength: float | None = None
+    strengths: Sequence[float] = PRIOR_STRENGTHS
+    prior: Prior | None = None
+    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
+    margin: float = PRIOR_MARGIN
+    reference: str = "Lee, Wensing and Park 2020"
+    assumptions: str = "as WLS; every body is a real one, and about as likely to be lighter as heavier than the prior"
+    needs: str = "q, v, a and actuator torques; a prior (CAD); cvxpy and Clarabel"
+    takes_expected: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        tried = list(self.strengths if self.strength is None else (self.strength,))
+        if self.metric not in ("entropic", "pullback"):
+            raise InvalidInput(f"metric is '{self.metric}'; use 'entropic' or 'pullback'")
+        if not tried or not tried[0] >= 0 or any(not b > a for a, b in itertools.pairwise(tried)):
+            raise InvalidInput(f"strengths are {tried}; increasing numbers ≥ 0 needed")
+
+    @property
+    def name(self) -> str:
+        return f"consistent, {self.metric} prior"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
+        program = _Program(problem, self.prior, self.metric, self.margin, self.limits)
+        noise = joint_noise(problem.equations)
+        strength, remarks = program.strength(self.strength, self.strengths, noise, problem.folds)
+        fit = program.convex(problem.equations, noise).solve(strength)
+        return fit.told(noise, {"strength": strength}, *program.bodies.remarks, *remarks)
+
+
+MAX_TORQUE_CHANGE = 1e-2
+"""Root mean square change of a joint's predicted torque, relative to its noise, below which the iteration has
+converged."""
+
+MAX_ROBUST_ITERATIONS = 30
+
+
+@dataclass(frozen=True, eq=False)
+class RobustConsistent:
+    """Huber's norm over physically consistent bodies. Every iteration reads the recording and solves a cone program.
+
+    metric: distance from the prior, "entropic" or "pullback"; none without a prior
+    strength: of the prior; chosen by cross-validation from strengths if left out
+    prior, limits, margin: as in ConsistentLeastSquares
+    threshold: residual, in units of the noise, from which samples count less
+    """
+
+    metric: Metric | None = None
+    strength: float | None = None
+    strengths: Sequence[float] = PRIOR_STRENGTHS
+    prior: Prior | None = None
+    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
+    margin: float = PRIOR_MARGIN
+    threshold: float = HUBER_THRESHOLD
+    reference: str = "Huber 1964; Wensing, Kim and Slotine 2018; Lee, Wensing and Park 2020"
+    assumptions: str = "most noise white, of its own size per joint, the rest outliers; every body is a real one"
+    needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+
+    @property
+    def name(self) -> str:
+        return f"consistent, {self.metric} prior, Huber" if self.metric else "consistent, Huber"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
+        program = _Program(problem, self.prior, self.metric or "pullback", self.margin, self.limits)
+        start, _ = weighted_solution(problem.equations)
+        # weights without a prior first, so that cross-validation compares strengths with the same outliers left out
+        state = self._settled(program, residuals_of(problem, start.x), WEAK_STRENGTH)
+        given, ones = 0.0 if self.metric is None else self.strength, np.ones(problem.n_joints)
+        strength, remarks = program.strength(given, self.strengths, ones, together(state.blocks))
+        iterations = state.iterations
+        if strength > 0:
+            state = self._settled(program, state.residuals, strength)
+            iterations += state.iterations
+        if not state.converged:
+            remarks += (f"stopped after {MAX_ROBUST_ITERATIONS} reweightings before the torques had settled",)
+        settings = {"strength": strength} if self.metric else {}
+        settings["mean weight"] = state.mean_weight
+        fit = program.convex(merged(state.blocks), ones).solve(strength)
+        found = fit.told(state.scale, settings, *program.bodies.remarks, *remarks)
+        return replace(found, covariance=None, iterations=iterations)
+
+    def _settled(self, program: _Program, residuals: Array, strength: float) -> _State:
+        """Iterate from these residuals until the fit converges."""
+        problem, norm, ones = program.problem, huber(self.threshold), np.ones(program.problem.n_joints)
+        used = problem.base.rank / problem.equations.counts.sum()
+        iteration, converged = 0, False
+        while not converged and iteration < MAX_ROBUST_ITERATIONS:
+            iteration += 1
+            # noise from the residuals, then weights from both, then the fit, until the torques settle
+            scale = robust_scale(problem, residuals, used * problem.equations.counts)
+            weights = norm.weight(np.nan_to_num(residuals / scale))
+            blocks = weighted_blocks(problem, np.sqrt(weights) / scale)
+            x = problem.base.values(program.convex(merged(blocks), ones).solve(strength).parameters)
+            before, residuals = residuals, residuals_of(problem, x)
+            step = np.sqrt(np.nanmean((residuals - before) ** 2, axis=0))
+            converged = bool(np.all(step <= MAX_TORQUE_CHANGE * scale))
+        mean_weight = float(np.mean(weights, where=np.isfinite(before)))
+        return _State(residuals, blocks, scale, mean_weight, iteration, converged)
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """State of the iteration.
+
+    residuals (N, n), blocks with the weights of the previous residuals, scale (n,) [N m or N]
+    """
+
+    residuals: Array
+    blocks: tuple[CompressedEquations, ...]
+    scale: Array
+    mean_weight: float
+    iterations: int
+    converged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class LogCholesky:
+    """Nonlinear least squares in log-Cholesky parameters, whose every value is a physically consistent body.
+
+    prior: the model's parameters if left out
+    starts: number of starts; the first from the prior, the others drawn around it
+    strength: of the quadratic prior, > 0
+    margin: as in ConsistentLeastSquares
+    seed: of the starts
+    """
+
+    prior: Prior | None = None
+    starts: int = 3
+    strength: float = PRIOR_STRENGTH
+    margin: float = PRIOR_MARGIN
+    seed: int = 0
+    name: str = "log-Cholesky"
+    reference: str = "Rucker and Wensing 2022"
+    assumptions: str = "as WLS; every body is a real one; one of the starts leads to the lowest minimum"
+    needs: str = "q, v, a and actuator torques; a rough prior (CAD); for the fallback cvxpy and Clarabel"
+    takes_expected: ClassVar[bool] = True
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Estimate of a problem. Raises EstimationFailed, and InvalidInput without a start or with a strength of 0."""
+        program = _Program(problem, self.prior, "pullback", self.margin)
+        bodies, noise = program.bodies, joint_noise(problem.equations)
+        nonnegative = np.array([name in bodies.nonnegative for name in bodies.further], dtype=bool)
+        try:
+            fit = log_cholesky_fit(
+                program.coordinates(problem.equations, noise),
+                nonnegative,
+                strength=self.strength,
+                starts=self.starts,
+                margin=self.margin,
+                seed=self.seed,
+            )
+        except EstimationFailed as failure:
+            return self._fallback(program, noise, failure)
+        missed = self.starts - fit.agreeing
+        remarks = (f"{missed} of {self.starts} starts ended higher",) if missed else ()
+        settings = {"strength": self.strength, "starts that agree": float(fit.agreeing)}
+        evaluations = sum(start.evaluations for start in fit.starts)
+        return fit.estimate(noise, evaluations, settings, *bodies.remarks, *remarks)
+
+    def _fallback(self, program: _Program, noise: Array, failure: EstimationFailed) -> Estimate:
+        """Solution of the convex program with the same cost."""
+        try:
+            fit = program.convex(program.problem.equations, noise).solve(self.strength)
+        except EstimationFailed as second:
+            raise EstimationFailed(f"{failure}; and the convex fallback failed: {second}") from second
+        remark = f"{failure}; this is the answer of the convex program with the same cost"
+        return fit.told(noise, {"strength": self.strength}, *program.bodies.remarks, remark)

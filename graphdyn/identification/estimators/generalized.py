@@ -38,10 +38,7 @@ MIN_CORRELATION_EIGENVALUE = 1e-6
 
 @dataclass(frozen=True)
 class GeneralizedLeastSquares:
-    """Generalized least squares.
-
-    The standard parameters are those with the estimated base parameters that are nearest to the model's.
-    """
+    """Generalized least squares."""
 
     name: str = "GLS"
     reference: str = "Zellner, J. of the American Statistical Association 57, 1962"

@@ -20,18 +20,18 @@ import numpy as np
 
 from graphdyn.identification.algebra.compressed import residual_deviations
 from graphdyn.identification.closed_loop.equations import Crossed, CrossedEquations, beside
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
 class InstrumentalVariables:
-    """IDIM-IV. The standard parameters are those with the estimated base parameters that are nearest to the model's.
+    """IDIM-IV.
 
     loop: the controller of the recording and its reference; without it there is no estimate
     start: of the iteration: "wls", "cad", or parameters of all columns of the torque model (p,)

@@ -216,8 +216,6 @@ LARGEST_SHARE_SETTING = "residual by errors of the motion"
 class MaximumLikelihood:
     """Maximum likelihood with noisy positions.
 
-    The standard parameters are those with the estimated base parameters that are nearest to the model's.
-
     torque_noise: Σ^½ of the filtered torques, one for all or (n,); if left out, the part of each joint's residual that
         the errors of the motion do not explain   [N m or N]
     most: iterations after which an estimate that still moves counts as diverged

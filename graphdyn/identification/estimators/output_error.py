@@ -1,15 +1,28 @@
-"""Output error of the simulated loop: on positions (CLOE), or on torques, the input of the robot (CLIE).
+"""Output errors of the simulated loop.
+
+Direct and inverse dynamic identification (DIDIM) takes the torque, and for its sensitivities the regressor:
+
+    minimize Σ_g ‖τ_g - τ_g(x)‖² / σ_g²,   dτ_g(x)/dx ≈ W_g of the simulated motion
+
+τ(x) is the torque of the simulated loop. The controller makes the robot follow the reference whatever its parameters:
+the motion hardly depends on them, and the torque depends on them as in the inverse dynamics. One simulation is
+therefore enough for a Gauss-Newton step. Measured positions serve only as the start, so their noise and its
+differentiation do not matter.
+
+Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
+IEEE Transactions on Control Systems Technology 21(2), 2013.
+
+Output errors on positions (CLOE), or on torques, the input of the robot (CLIE), take those of whole simulations:
 
     minimize Σ_g ‖y_g - y_g(x)‖² / σ_g²,    y = q or τ
 
-by the Gauss-Newton method with the sensitivities of whole simulations. No measurement is differentiated, and
-none enters an equation twice: for white noise on the output this is maximum likelihood. Each iteration simulates the
-loop 2 r + 1 times.
+by the Gauss-Newton method. No measurement is differentiated, and none enters an equation twice: for white noise on the
+output this is maximum likelihood. Each iteration simulates the loop 2 r + 1 times.
 
 Landau and Karimi, Automatica 33(8), 1997; Gautier, Janot and Vandanjon, IEEE Transactions on Control Systems Technology
 21(2), 2013, with a comparison with DIDIM.
 
-The sensitivities are central differences of whole simulations. Each parameter takes two simulations; as many run at
+These sensitivities are central differences. Each parameter takes two simulations; as many run at
 once as there are lanes and cores. The step changes the torque by RELATIVE_PARAMETER_STEP of itself. The error of the
 differences, the step squared from their curvature and 1e-13 over the step from rounding, is about 1e-8. The changes go
 through the same low-pass as the measured output.
@@ -24,15 +37,41 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.closed_loop.equations import OutputFit, RowBlock, output_step
+from graphdyn.identification.closed_loop.equations import OutputFit, RowBlock, beside, output_step
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
 from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.estimators.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class DirectInverse:
+    """DIDIM.
+
+    loop, start, most: as in InstrumentalVariables
+    """
+
+    loop: ClosedLoop | None = None
+    start: Beginning = "wls"
+    most: int = MAX_LOOP_ITERATIONS
+    name: str = "DIDIM"
+    reference: str = "Gautier, Janot and Vandanjon, IEEE Trans. Control Systems Technology 21(2), 2013"
+    assumptions: str = "white noise of its own size on the torque of each joint; a loop that follows its reference"
+    needs: str = "actuator torques; the controller of the loop, and the reference that it followed; all of the friction"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Estimate of a problem. Raises EstimationFailed if the loop is not known, or the iteration diverges."""
+        loop = SimulatedLoop(problem, self.loop)
+
+        def step(x: Array, simulated: list[Samples]) -> OutputFit:
+            return output_step(problem, x, beside(problem, simulated), problem.equations.noise)
+
+        return told(loop, iterated(loop, starts(problem, self.start), step, self.most))
+
 
 OutputName = Literal["position", "torque"]
 
@@ -99,8 +138,6 @@ def _output(loop: SimulatedLoop, samples: Samples, name: OutputName) -> Array:
 @dataclass(frozen=True, eq=False)
 class ClosedLoopOutputError:
     """Output error of the simulated loop.
-
-    The standard parameters are those with the estimated base parameters that are nearest to the model's.
 
     output: "position" or "torque"
     loop, start, most: as in InstrumentalVariables

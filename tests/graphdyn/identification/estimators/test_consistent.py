@@ -27,7 +27,7 @@ from graphdyn.identification.consistent import fit as fitting
 from graphdyn.identification.consistent import semidefinite
 from graphdyn.identification.consistent.coordinates import MAX_TRUSTED_DEVIATIONS
 from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
-from graphdyn.identification.estimators.robust_consistent import MAX_TORQUE_CHANGE
+from graphdyn.identification.estimators.consistent import MAX_TORQUE_CHANGE
 from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
 from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
@@ -409,7 +409,7 @@ class TestRobust:
         assert found.covariance is None
 
     def test_stops_and_says_so(self, outliers, monkeypatch):
-        monkeypatch.setattr("graphdyn.identification.estimators.robust_consistent.MAX_ROBUST_ITERATIONS", 1)
+        monkeypatch.setattr("graphdyn.identification.estimators.consistent.MAX_ROBUST_ITERATIONS", 1)
         assert (
             "stopped after 1 reweightings before the torques had settled"
             in RobustConsistent().estimate(outliers).remarks

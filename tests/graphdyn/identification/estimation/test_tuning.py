@@ -92,7 +92,7 @@ def test_a_model_without_settings_stays(arm):
 
 def test_too_large(arm, monkeypatch):
     model, samples = arm
-    monkeypatch.setattr("graphdyn.identification.estimators.tuning.MAX_EQUATION_BYTES", 1e4)
+    monkeypatch.setattr("graphdyn.identification.estimation.tuning.MAX_EQUATION_BYTES", 1e4)
     term = Tunable("coulomb", Coulomb, {"width": 0.1})
     with pytest.raises(InvalidInput, match="do not fit in memory for settings that are to be found; decimate more"):
         tuned(Problem(TorqueModel(model, [term, Offset()]), recorded(model, samples, [], [])))
