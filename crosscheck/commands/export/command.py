@@ -56,9 +56,8 @@ def run(options: ExportOptions) -> None:
             f"--to {to.name}: a function of MATLAB has the name of its file; use letters, digits and _ alone"
         )
     import urdf
-    from crosscheck.commands.export.c_model import c_text
-    from crosscheck.commands.export.matlab_model import matlab_text
-    from crosscheck.commands.export.record import exported, record
+    from crosscheck.commands.export.languages import c_text, matlab_text
+    from crosscheck.commands.export.record import ExportedModel, record
     from crosscheck.report.records.json import as_bytes, plain
 
     with warnings_shown():
@@ -66,10 +65,10 @@ def run(options: ExportOptions) -> None:
     if model.chords:
         names = ", ".join(f"'{chord.name}'" for chord in model.chords)
         warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
-    numbers = exported(model, robot, reading.locked)
+    exported = ExportedModel(model, robot, reading.locked)
     if ending == ".json":
-        to.write(as_bytes(plain(record(numbers))))
+        to.write(as_bytes(plain(record(exported))))
     elif ending == ".m":
-        to.write(matlab_text(numbers, to.path.stem).encode())
+        to.write(matlab_text(exported, to.path.stem).encode())
     else:
-        to.write(c_text(numbers).encode())
+        to.write(c_text(exported).encode())

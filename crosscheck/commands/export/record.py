@@ -4,17 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
-from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, written
-from graphdyn import RobotModel
+from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, attribute, written
+from graphdyn import Body, Frame, Joint, RobotModel
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExportedBody:
+@dataclass(frozen=True, eq=False)
+class JointedBody:
     """A body and the joint that carries it.
 
     number: 1 … n; entry `number` of q, v, a and τ belongs to its joint
+    """
+
+    number: Index
+    body: Body
+    joint: Joint
+
+
+@dataclass(frozen=True, eq=False)
+class ExportedModel:
+    """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need.
+
+    robot: name or path as given
+    locked: joints that were frozen, and where [rad or m]
+    """
+
+    model: RobotModel
+    robot: str
+    locked: Mapping[str, float]
+
+    @property
+    def bodies(self) -> list[JointedBody]:
+        """Bodies 1 … n, parents first."""
+        parts = zip(self.model.bodies, self.model.joints, strict=True)
+        return [JointedBody(number, *part) for number, part in enumerate(parts, start=1)]
+
+
+class ExportedBodyRecord(Record, of=JointedBody, only=("number",)):
+    """A body and the joint that carries it.
+
     name: of the link
     joint: name of the joint
     kind: revolute and continuous joints turn about the axis by q [rad], prismatic ones slide along it by q [m]
@@ -23,26 +52,21 @@ class ExportedBody:
         at q = 0 the link frame coincides with the joint frame (3, 3)
     translation: t (3,) [m]
     axis: unit axis, in joint axes, which is the same in link axes (3,)
-    mass: [kg]
-    center_of_mass: in the link frame (3,) [m]
-    inertia: tensor about the center of mass, in link axes (3, 3) [kg m²]
     """
 
-    number: Index
-    name: str
-    joint: str
-    kind: Literal["revolute", "continuous", "prismatic"]
-    parent: Count
-    rotation: Sequence[Sequence[float]]
-    translation: Sequence[float]
-    axis: Sequence[float]
-    mass: Annotated[float, Keywords(minimum=0)]
-    center_of_mass: Sequence[float]
-    inertia: Sequence[Sequence[float]]
+    name: str = attribute("body.name")
+    joint: str = attribute("joint.name")
+    kind = attribute("joint.kind")
+    parent: Count = attribute("joint.inside")
+    rotation = attribute("joint.placement.rotation")
+    translation = attribute("joint.placement.translation")
+    axis = attribute("joint.axis")
+    mass: Annotated[float, Keywords(minimum=0)] = attribute("body.mass")
+    center_of_mass = attribute("body.center_of_mass")
+    inertia = attribute("body.inertia")
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExportedFrame:
+class ExportedFrameRecord(Record, of=Frame, only=("name", "body")):
     """A named frame fixed in a body.
 
     name: of the frame
@@ -51,79 +75,27 @@ class ExportedFrame:
     translation: t (3,) [m]
     """
 
-    name: str
     body: Count
-    rotation: Sequence[Sequence[float]]
-    translation: Sequence[float]
+    rotation = attribute("placement.rotation")
+    translation = attribute("placement.translation")
 
 
-@dataclass(frozen=True, kw_only=True)
-class ExportedModel:
+class ExportRecord(Record, of=ExportedModel, only=("robot", "locked"), format="graphdyn export 1"):
     """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need.
 
-    robot: name or path as given
-    locked: joints that were frozen, and where [rad or m]
     n: number of bodies and of joints
-    gravity: in world axes (3,) [m/s²]
     base_rotation: R: a point with coordinates x in the ground frame has R x + t in the world (3, 3)
     base_translation: t (3,) [m]
-    bodies: bodies 1 … n, parents first
     frames: named frames beside the link frames
     """
 
-    robot: str
-    locked: Mapping[str, float]
-    n: Index
-    gravity: Sequence[float]
-    base_rotation: Sequence[Sequence[float]]
-    base_translation: Sequence[float]
-    bodies: Annotated[Sequence[ExportedBody], Keywords(minItems=1)]
-    frames: Sequence[ExportedFrame]
-
-
-def exported(model: RobotModel, robot: str, locked: Mapping[str, float]) -> ExportedModel:
-    """robot: as given; locked: the joints that were frozen"""
-    bodies = [
-        ExportedBody(
-            number=number,
-            name=body.name,
-            joint=joint.name,
-            kind=joint.kind,
-            parent=joint.inside,
-            rotation=joint.placement.rotation.tolist(),
-            translation=joint.placement.translation.tolist(),
-            axis=joint.axis.tolist(),
-            mass=body.mass,
-            center_of_mass=body.center_of_mass.tolist(),
-            inertia=body.inertia.tolist(),
-        )
-        for number, (body, joint) in enumerate(zip(model.bodies, model.joints, strict=True), start=1)
-    ]
-    frames = [
-        ExportedFrame(
-            name=frame.name,
-            body=frame.body,
-            rotation=frame.placement.rotation.tolist(),
-            translation=frame.placement.translation.tolist(),
-        )
-        for frame in model.frames
-    ]
-    return ExportedModel(
-        robot=robot,
-        locked=locked,
-        n=model.n_bodies,
-        gravity=model.gravity.tolist(),
-        base_rotation=model.base.rotation.tolist(),
-        base_translation=model.base.translation.tolist(),
-        bodies=bodies,
-        frames=frames,
-    )
-
-
-class ExportRecord(Record, of=ExportedModel, format="graphdyn export 1"):
-    """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need."""
-
     versions: Versions
+    n: Index = attribute("model.n_bodies")
+    gravity = attribute("model.gravity")
+    base_rotation = attribute("model.base.rotation")
+    base_translation = attribute("model.base.translation")
+    bodies: Annotated[Sequence[ExportedBodyRecord], Keywords(minItems=1)] = attribute()
+    frames: Sequence[ExportedFrameRecord] = attribute("model.frames")
 
 
 def record(model: ExportedModel) -> dict[str, Any]:

@@ -16,10 +16,8 @@ from shared_data import REPOSITORY
 
 import graphdyn
 import urdf
-from crosscheck.commands.export.c_model import c_text
-from crosscheck.commands.export.matlab_model import matlab_text
-from crosscheck.commands.export.record import exported as exported_model
-from crosscheck.commands.export.record import record
+from crosscheck.commands.export.languages import c_text, matlab_text
+from crosscheck.commands.export.record import ExportedModel, record
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.report.records.json import plain
 from graphdyn.model.spatial import rotation_about
@@ -41,7 +39,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def exported(model):
-    return exported_model(model, AWKWARD, {"gripper": 0.5})
+    return ExportedModel(model, AWKWARD, {"gripper": 0.5})
 
 
 def constants_of_c(text):
@@ -108,16 +106,17 @@ class TestNumbers:
 
     @staticmethod
     def same(found, exported, first):
-        bodies, frames = exported.bodies, exported.frames
+        written = plain(record(exported))
+        bodies, frames = written["bodies"], written["frames"]
         expected = {
-            name: [getattr(body, name) for body in bodies]
+            name: [body[name] for body in bodies]
             for name in ("rotation", "translation", "axis", "mass", "center_of_mass", "inertia")
         }
-        expected |= {f"frame_{name}": [getattr(x, name) for x in frames] for name in ("rotation", "translation")}
-        expected |= {name: getattr(exported, name) for name in ("gravity", "base_rotation", "base_translation")}
-        expected["prismatic"] = [body.kind == "prismatic" for body in bodies]
-        expected["parent"] = [body.parent + first - 1 for body in bodies]
-        expected["frame_body"] = [frame.body + first - 1 for frame in frames]
+        expected |= {f"frame_{name}": [frame[name] for frame in frames] for name in ("rotation", "translation")}
+        expected |= {name: written[name] for name in ("gravity", "base_rotation", "base_translation")}
+        expected["prismatic"] = [body["kind"] == "prismatic" for body in bodies]
+        expected["parent"] = [body["parent"] + first - 1 for body in bodies]
+        expected["frame_body"] = [frame["body"] + first - 1 for frame in frames]
         assert set(found) - {"n"} == set(expected)
         for name, value in expected.items():
             np.testing.assert_array_equal(found[name], value, err_msg=name)
@@ -136,7 +135,7 @@ class TestText:
         text = matlab_text(exported, "arm")
         awkward, second, *_ = re.search(r"model.joint_name = \{(.*)\};", text)[1].split(", ")
         assert bytes(map(int, re.fullmatch(r"char\(\[(.*)\]\)", awkward)[1].split())).decode() == AWKWARD
-        assert second == f"'{exported.bodies[1].joint}'"
+        assert second == f"'{exported.model.joint_names[1]}'"
 
     def test_head(self, exported):
         for text, numbering in (
@@ -157,7 +156,7 @@ class TestText:
         assert (comment.count("/*"), comment.count("*/")) == (1, 1)
 
     def test_no_frames(self, model):
-        assert "frame_name" not in c_text(exported_model(dataclasses.replace(model, frames=()), "arm", {}))
+        assert "frame_name" not in c_text(ExportedModel(dataclasses.replace(model, frames=()), "arm", {}))
 
 
 class TestCommand:
@@ -167,7 +166,7 @@ class TestCommand:
         assert (done.code, done.out) == (AGREED, "")
         text = (tmp_path / f"arm.{ending}").read_text(encoding="utf-8")
         model = urdf.load(small_arm, lock={"a_slide": 0.1})
-        own = exported_model(model, str(small_arm), {"a_slide": 0.1})
+        own = ExportedModel(model, str(small_arm), {"a_slide": 0.1})
         if ending == "json":
             assert json.loads(text) == plain(record(own))
         else:
