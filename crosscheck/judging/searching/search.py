@@ -137,7 +137,7 @@ class Search:
         for first in sorted(started, key=lambda x: x.size):
             if first.size + 1 > smallest:
                 break
-            found += [self._refitted(second) for second in self.alone(first)[:N_SECOND_FAULTS]]
+            found += self._refitted(self.alone(first)[:N_SECOND_FAULTS])
             smallest = min((x.size for x in found if self.holds(x)), default=np.inf)
         return found
 
@@ -146,25 +146,19 @@ class Search:
         (explanation,) = self._measured([((), self.own)], self.all_rows)
         return explanation
 
-    def _refitted(self, explanation: Explanation) -> Explanation:
-        """The fault with the numbers of all its families fitted at once."""
-        faults, numbers = zip(*explanation.elements, strict=True)
-        start = np.concatenate(numbers)
-        if not len(start):
-            return explanation
-        ends = np.cumsum([len(x) for x in numbers])[:-1]
-
-        def changed(code: DynamicsCode, x: Array) -> DynamicsCode:
-            for fault, own in zip(faults, np.split(x, ends), strict=True):
-                code = fault.change(code, own)
-            return code
-
-        joint = CodeFault(np.concatenate([fault.right for fault in faults]), changed, lambda x: [], start[None])
-        (fit,) = fitted([joint], self.own, self.experiments, self.noise)
-        fit = sparse(fit, self.own, self.experiments, self.noise, self.bound)
-        elements = tuple(zip(faults, np.split(fit.numbers, ends), strict=True))
-        (refitted,) = self._measured([(elements, changed(self.own, fit.numbers))], self.all_rows)
-        return refitted
+    def _refitted(self, explanations: Sequence[Explanation]) -> list[Explanation]:
+        """Each with the numbers of all its families fitted at once."""
+        fitting = [x for x in explanations if any(len(numbers) for _, numbers in x.elements)]
+        if not fitting:
+            return list(explanations)
+        fits = fitted([_joint(x.elements) for x in fitting], self.own, self.experiments, self.noise)
+        fits = [sparse(fit, self.own, self.experiments, self.noise, self.bound) for fit in fits]
+        codes = [
+            (_with_numbers(x.elements, fit.numbers), fit.family.change(self.own, fit.numbers))
+            for x, fit in zip(fitting, fits, strict=True)
+        ]
+        refitted = iter(self._measured(codes, self.all_rows))
+        return [next(refitted) if x in fitting else x for x in explanations]
 
     def _measured(
         self, codes: Sequence[tuple[tuple[Element, ...], DynamicsCode]], rows: Observation
@@ -225,6 +219,25 @@ def _differing(explanations: Sequence[Explanation]) -> list[Explanation]:
         if not any(abs(explanation.left - x.left) <= 1e-6 * x.left for x in kept):
             kept.append(explanation)
     return kept
+
+
+def _joint(elements: Sequence[Element]) -> CodeFault:
+    """Faults as one that has the numbers of all of them."""
+
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
+        for fault, numbers in _with_numbers(elements, x):
+            code = fault.change(code, numbers)
+        return code
+
+    right = np.concatenate([fault.right for fault, _ in elements])
+    start = np.concatenate([numbers for _, numbers in elements])
+    return CodeFault(right, change, lambda x: [], start[None])
+
+
+def _with_numbers(elements: Sequence[Element], x: Array) -> tuple[Element, ...]:
+    """The same faults with other numbers, those of all of them in a row."""
+    ends = np.cumsum([len(numbers) for _, numbers in elements])[:-1]
+    return tuple((fault, numbers) for (fault, _), numbers in zip(elements, np.split(x, ends), strict=True))
 
 
 def _of_states(experiments: Observation, number: int) -> NDArray[np.bool_]:
