@@ -122,6 +122,12 @@ def textbook(ur5):
     return TextbookArm.of(ur5)
 
 
+@pytest.fixture
+def undiagnosed(monkeypatch):
+    """Judgments without the search for a fault, which takes most of their time."""
+    monkeypatch.setattr("crosscheck.judging.judge.diagnoses_of", lambda *_: [])
+
+
 @pytest.fixture(scope="session")
 def wrong_judgment(textbook):
     """Of the ur5 in a code whose ω × q̇ p has the wrong sign."""

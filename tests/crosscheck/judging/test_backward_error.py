@@ -56,6 +56,7 @@ class TestBackwardError:
         assert function.backward_errors["graphdyn"].max() > 4e-5
         assert [diagnosis.kind for diagnosis in judgment.diagnoses] == ["gravity"]
 
+    @pytest.mark.usefixtures("undiagnosed")
     def test_an_error_that_only_the_backward_error_shows(self):
         """A part in a hundred million of the acceleration, in the direction that needs most torque."""
         short = urdf.load("ur5", lock=WRIST_LOCKED)
@@ -82,6 +83,7 @@ class TestBackwardError:
 
     @pytest.mark.parametrize("value", [math.nan, math.inf, 1e300])
     @pytest.mark.filterwarnings("ignore::RuntimeWarning")
+    @pytest.mark.usefixtures("undiagnosed")
     def test_no_finite_answer(self, ur5, value):
         judgment = crosscheck.judge(ur5, forward_dynamics=lambda q, v, tau: value + 0 * q, samples=SAMPLES)
         function = judgment.functions["forward_dynamics"]

@@ -97,6 +97,7 @@ class TestAgreement:
         assert judgment.agrees
         assert judgment.locked == {"jointGripper": 0.0}
 
+    @pytest.mark.usefixtures("undiagnosed")
     def test_another_joint_order(self, textbook, ur5):
         order = [3, 0, 5, 1, 4, 2]
         names = [ur5.joint_names[k] for k in order]
@@ -150,6 +151,7 @@ class TestVerdict:
         assert not judgment.agrees
         assert judgment.diagnoses[0].message == "the answers are not finite"
 
+    @pytest.mark.usefixtures("undiagnosed")
     def test_tolerance(self):
         short = urdf.load("ur5", lock=WRIST_LOCKED)
 

@@ -269,6 +269,7 @@ class TestRegions:
     def test_the_roundest_number_between(self, x, y, between):
         assert roundest(x, y) == roundest(y, x) == between
 
+    @pytest.mark.usefixtures("undiagnosed")
     def test_beyond_the_limits(self, arm):
         """A function that cuts off at the limits is right within them."""
         lower, upper = np.transpose([(joint.limits.lower, joint.limits.upper) for joint in arm.joints])
@@ -312,6 +313,7 @@ class TestPrecision:
         )
         assert judgment.precision == "single"
 
+    @pytest.mark.usefixtures("undiagnosed")
     def test_tolerance_comes_first(self, ur5):
         f = single_precision(ur5, "inverse_dynamics")
         assert not judged(f, precision="single", tolerance=1e-12, batched=True, samples=3).agrees

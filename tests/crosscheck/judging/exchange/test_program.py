@@ -259,13 +259,13 @@ class TestFailure:
 
 @pytest.fixture
 def plain_rnea(tmp_path, monkeypatch):
-    """A folder, the working one, with a program that answers for ur5; with an argument, gravity is upside down."""
+    """A folder, the working one, with a program that answers for kr500; with an argument, gravity is upside down."""
     code = f"""
 import sys
 import numpy as np
 sys.path[:0] = {sys.path!r}
-import graphdyn, urdf
-model = urdf.load("ur5")
+import graphdyn
+model = graphdyn.kr500()
 if len(sys.argv) > 1:
     model = model.with_gravity(-model.gravity)
 for line in sys.stdin:
@@ -281,18 +281,18 @@ class TestCommand:
     """The option."""
 
     def test_right(self, program, plain_rnea):
-        done = program("judge", "ur5", "--command", f"inverse_dynamics={plain_rnea}", "--samples", 1)
+        done = program("judge", "kr500", "--command", f"inverse_dynamics={plain_rnea}", "--samples", 1)
         assert done.code == AGREED
-        assert done.out.startswith("Your functions on ur5: agrees\n")
+        assert done.out.startswith("Your functions on kr500: agrees\n")
 
     def test_wrong(self, program, plain_rnea):
-        done = program("judge", "ur5", "--command", f"inverse_dynamics={plain_rnea} x", "--samples", 1)
+        done = program("judge", "kr500", "--command", f"inverse_dynamics={plain_rnea} x", "--samples", 1)
         assert done.code == DISAGREED
         assert "inverse_dynamics: gravity has the opposite sign [gravity]" in done.out
 
     def test_two_functions(self, program, plain_rnea):
         options = ("--command", f"inverse_dynamics={plain_rnea}", "--command", "mass_matrix=sed -u 's/.*/1 2/'")
-        done = program("judge", "ur5", *options, "--samples", 1)
+        done = program("judge", "kr500", *options, "--samples", 1)
         assert done.code == BAD_INPUT
         assert done.err.startswith(
             "error: --command mass_matrix=sed -u 's/.*/1 2/': answer 1 is '1 2': 2 numbers, expected 36; "
