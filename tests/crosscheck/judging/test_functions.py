@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from faults.pinocchio_code import PinocchioCode, own_functions
-from faults.textbook_faults import LOCKED
+from faults.textbook_faults import WRIST_LOCKED
 from long_check import few
 from shared_data import REPOSITORY
 from typer.testing import CliRunner
@@ -175,8 +175,8 @@ def scaled_joint(model, k, factor):
 
 
 @pytest.fixture(scope="module")
-def four_joints():
-    return urdf.load("ur5", lock=LOCKED)
+def three_joints():
+    return urdf.load("ur5", lock=WRIST_LOCKED)
 
 
 FAULTS = {
@@ -282,7 +282,7 @@ FAULTS = {
         "base_regressor",
         lambda m: lambda q, v, a: np.c_[graphdyn.joint_torque_regressor(m, q, v, a), np.diag(v)],
         "column_space",
-        "no combination of the columns of inertial parameters gives columns 41, 42, 43, 44 (rank 26, not 22)",
+        "no combination of the columns of inertial parameters gives columns 31, 32, 33 (rank 18, not 15)",
     ),
 }  # fmt: skip
 """Function, the faulty one, kind and message of the diagnosis."""
@@ -294,9 +294,9 @@ def homogeneous(placement, change=np.asarray):
 
 
 @pytest.mark.parametrize("fault", few(FAULTS, *(set(FAULTS) - {"mass_matrix_inverse, M"})))
-def test_faults_are_named(four_joints, fault):
+def test_faults_are_named(three_joints, fault):
     name, faulty, kind, message = FAULTS[fault]
-    assert named(name, faulty(four_joints), lock=LOCKED, batched=name.startswith("d")) == (kind, message)
+    assert named(name, faulty(three_joints), lock=WRIST_LOCKED, batched=name.startswith("d")) == (kind, message)
 
 
 def test_a_base_regressor_that_lacks_a_parameter(code):
@@ -359,10 +359,13 @@ class TestExternalWrenches:
             ),
         ],
     )  # fmt: skip
-    def test_wrong(self, four_joints, change, message):
-        arm = four_joints
+    def test_wrong(self, three_joints, change, message):
+        arm = three_joints
         faulty = lambda q, v, a, f: graphdyn.inverse_dynamics(arm, q, v, a, change(arm, q, f)).tau  # noqa: E731
-        assert named("inverse_dynamics", faulty, external_wrenches=True, lock=LOCKED) == ("external_wrenches", message)
+        assert named("inverse_dynamics", faulty, external_wrenches=True, lock=WRIST_LOCKED) == (
+            "external_wrenches",
+            message,
+        )
 
 
 class TestOptions:
@@ -381,9 +384,9 @@ class TestOptions:
             judged(mass_matrix=lambda q: graphdyn.mass_matrix(ur5, q[0]), batched=True)
 
     @pytest.mark.usefixtures("undiagnosed")
-    def test_a_batch_whose_rows_are_mixed_up(self, four_joints):
-        mixed_up = lambda q, v, a: graphdyn.inverse_dynamics(four_joints, q, v, a).tau[::-1]  # noqa: E731
-        judgment = judged(inverse_dynamics=mixed_up, batched=True, samples=1, lock=LOCKED)
+    def test_a_batch_whose_rows_are_mixed_up(self, three_joints):
+        mixed_up = lambda q, v, a: graphdyn.inverse_dynamics(three_joints, q, v, a).tau[::-1]  # noqa: E731
+        judgment = judged(inverse_dynamics=mixed_up, batched=True, samples=1, lock=WRIST_LOCKED)
         assert not judgment.agrees
 
     def test_chain_and_gravity(self):
