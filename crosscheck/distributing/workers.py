@@ -1,9 +1,4 @@
-"""What can be wrong with the workers themselves, whatever the tasks.
-
-What must be the same on all machines for answers that are the same to the last bit.
-
-Whatever works on many tasks at once.
-"""
+"""Whatever works on many tasks at once, and what can be wrong with it whatever the tasks."""
 
 from __future__ import annotations
 

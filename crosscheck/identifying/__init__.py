@@ -3,8 +3,13 @@
 from crosscheck.identifying.identify import identify
 from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, STANDARD_METHODS_OF_SUMS
 from crosscheck.identifying.methods.candidate_models import CandidateModel
-from crosscheck.identifying.methods.methods import ESTIMATORS, STANDARD_METHODS, method_named, method_with
-from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.methods import (
+    ESTIMATORS,
+    STANDARD_METHODS,
+    WithPinocchio,
+    method_named,
+    method_with,
+)
 from crosscheck.identifying.methods.torque_terms import TERMS, friction_terms, term_with
 from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.preparing.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings

@@ -10,8 +10,7 @@ import numpy as np
 
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import in_loop, with_exogeneity
-from crosscheck.identifying.methods.methods import method_named
-from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.methods import WithPinocchio, method_named
 from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.preparing.holding_out import Division, Fold
 from crosscheck.identifying.preparing.preparation import Preparation

@@ -15,7 +15,7 @@ from crosscheck.identifying.methods.methods import STANDARD_METHODS
 from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
 from crosscheck.identifying.preparing.holding_out import Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
-from crosscheck.identifying.results.baselines import constant_errors
+from crosscheck.identifying.preparing.trials import constant_errors
 from crosscheck.identifying.results.result import Identified, identified
 from crosscheck.recordings import PartitionedRecording, Recording
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, refuse_chords, subject

@@ -11,14 +11,12 @@ from numpy.typing import ArrayLike
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
-from crosscheck.identifying.methods.methods import method_named
-from crosscheck.identifying.methods.pinocchio_method import WithPinocchio
+from crosscheck.identifying.methods.methods import WithPinocchio, method_named
 from crosscheck.identifying.methods.wrench_method import FromWrenches
-from crosscheck.identifying.predicted_parts import PredictedParts
 from crosscheck.identifying.preparing.holding_out import Division, Fold, HeldOut
 from crosscheck.identifying.preparing.preparation import Preparation
-from crosscheck.identifying.results.baselines import constant_model, fitted_constant
-from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
+from crosscheck.identifying.preparing.trials import constant_model, fitted_constant
+from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel, PredictedParts
 from crosscheck.identifying.results.result import Identified, identified
 from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
 from crosscheck.reference.subject import Subject

@@ -19,9 +19,8 @@ from crosscheck.recordings.preparation.derivatives import (
     differentiated,
     residual_analysis,
 )
-from crosscheck.recordings.preparation.filtering import decimated_columns, lowpass
+from crosscheck.recordings.preparation.filtering import decimated_columns, lowpass, samples_of
 from crosscheck.recordings.preparation.resampling import resampled, sampling_rate
-from crosscheck.recordings.preparation.row_filters import samples_of
 from crosscheck.recordings.preparation.splits import (
     Split,
     fold_numbers,

@@ -198,11 +198,7 @@ def reordered(recording: Recording, joints: Sequence[str]) -> Recording:
     order = [recording.joint_names.index(joint) for joint in joints]
     if order == list(range(recording.n_joints)):
         return recording
-    moved = {
-        name: getattr(recording, name)[:, order]
-        for name in RECORDED_JOINT_CHANNELS
-        if getattr(recording, name) is not None
-    }
+    moved = {name: getattr(recording, name)[:, order] for name in recording.recorded(RECORDED_JOINT_CHANNELS)}
     slides = tuple(recording.prismatic[j] for j in order)
     step = f"joints in the order {', '.join(joints)}"
     return recording.take(slice(None), step, joint_names=tuple(joints), prismatic=slides, **moved)

@@ -20,6 +20,8 @@ RECORDED_JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
 OPTIONAL_CHANNELS = {"joint_wrenches": 6, "body_accelerations": 6}
 """Further channels, with their numbers per joint."""
 NOISE_CHANNELS = ("q_noise", "v_noise")
+NUMBERED_ROWS = ("block", "rows", "file")
+ALL_CHANNELS = ("t", *RECORDED_JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE_CHANNELS, "torque_cutoff")
 
 
 @dataclass(frozen=True)
@@ -94,9 +96,8 @@ class Recording:
         for name, shape in shapes.items():
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, _checked(name, np.array(getattr(self, name), dtype=float), shape))
-        defaults = {"block": np.zeros(count), "rows": np.arange(count), "file": np.zeros(count)}
-        for name, default in defaults.items():
-            given = getattr(self, name)
+        for name in NUMBERED_ROWS:
+            given, default = getattr(self, name), np.arange(count) if name == "rows" else np.zeros(count)
             labels = np.array(default if given is None else given, dtype=np.intp)
             object.__setattr__(self, name, _checked(name, labels, (count,)))
         cutoff = np.full(count, np.inf) if self.torque_cutoff is None else np.array(self.torque_cutoff, dtype=float)
@@ -126,6 +127,10 @@ class Recording:
         borders = np.flatnonzero(np.diff(self.block)) + 1
         return [slice(int(a), int(b)) for a, b in zip([0, *borders], [*borders, len(self.t)], strict=True)]
 
+    def recorded(self, names: Sequence[str]) -> list[str]:
+        """Those of the channels that it has."""
+        return [name for name in names if getattr(self, name) is not None]
+
     def channel(self, name: str) -> Array:
         """A required channel. Raises InvalidInput, with the way to obtain it, if it is missing."""
         values = getattr(self, name)
@@ -138,21 +143,9 @@ class Recording:
 
     def take(self, rows: Any, step: str | None = None, **changed: Any) -> Recording:
         """The recording of these rows (mask, indices or slice), with other changes; step is added to its provenance."""
-        names = (
-            "t",
-            *RECORDED_JOINT_CHANNELS,
-            *OPTIONAL_CHANNELS,
-            *NOISE_CHANNELS,
-            "block",
-            "rows",
-            "file",
-            "torque_cutoff",
-        )
-        taken = {name: getattr(self, name)[rows] for name in names if getattr(self, name) is not None}
-        return replace(self, **(taken | changed), provenance=self._after(step))
-
-    def _after(self, step: str | None) -> Provenance:
-        return replace(self.provenance, steps=(*self.provenance.steps, step)) if step else self.provenance
+        taken = {name: getattr(self, name)[rows] for name in self.recorded((*ALL_CHANNELS, *NUMBERED_ROWS))}
+        steps = (*self.provenance.steps, *([step] if step else []))
+        return replace(self, **(taken | changed), provenance=replace(self.provenance, steps=steps))
 
 
 def _checked(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -205,7 +198,7 @@ def concatenated(recordings: Sequence[Recording]) -> Recording:
                 "give recordings of the same joints"
             )
     joined: dict[str, Any] = {}
-    for name in ("t", *RECORDED_JOINT_CHANNELS, *OPTIONAL_CHANNELS, *NOISE_CHANNELS, "rows", "torque_cutoff"):
+    for name in (*ALL_CHANNELS, "rows"):
         parts = [getattr(recording, name) for recording in recordings]
         joined[name] = np.concatenate(parts) if all(part is not None for part in parts) else None
     block: list[NDArray[np.intp]] = []

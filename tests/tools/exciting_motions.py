@@ -22,9 +22,8 @@ import numpy as np
 from identified.excited_robot import AT_REST, followed
 
 import urdf
-from crosscheck.exciting.collision_free import collision_free
-from crosscheck.exciting.link_meshes import link_meshes
-from crosscheck.exciting.self_collision import self_collision
+from crosscheck.exciting.mesh_contacts import link_meshes
+from crosscheck.exciting.self_collision import collision_free, self_collision
 from graphdyn import GraphDynError
 from graphdyn.excitation import (
     ExcitationProblem,

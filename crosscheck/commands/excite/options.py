@@ -279,7 +279,7 @@ class ExciteOptions(
 
     def _noise(self, model: RobotModel) -> tuple[Array, str]:
         """Standard deviations, and in words where they come from. Raises typer.BadParameter."""
-        from crosscheck.exciting.noise import assumed_noise
+        from crosscheck.exciting.excited import assumed_noise
 
         if self.noise is None:
             return assumed_noise(model)
@@ -287,7 +287,7 @@ class ExciteOptions(
 
     def self_collision(self, model: RobotModel) -> SelfCollision | None:
         """None where it is not looked at. Raises InvalidInput for a wrong SRDF file, OSError."""
-        from crosscheck.exciting.link_meshes import link_meshes
+        from crosscheck.exciting.mesh_contacts import link_meshes
         from crosscheck.exciting.self_collision import self_collision
         from crosscheck.exciting.srdf import disabled_pairs
 

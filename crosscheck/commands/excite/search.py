@@ -29,7 +29,7 @@ class SearchSummary(NamedTuple):
 
 def search(task: SearchTask) -> OptimizedMotion | str:
     """The motion from one seed, or why there is none."""
-    from crosscheck.exciting.collision_free import collision_free
+    from crosscheck.exciting.self_collision import collision_free
     from graphdyn.excitation import NoFeasibleMotion, optimized
 
     try:

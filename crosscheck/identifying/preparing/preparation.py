@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.recordings import Recording, differentiated, samples_of, sampling_rate
 from crosscheck.recordings.preparation.derivatives import Cutoff, Differentiation, motion_covariance
+from crosscheck.recordings.preparation.filtering import filtered_blocks
 from crosscheck.recordings.preparation.resampling import is_even, resampled
-from crosscheck.recordings.preparation.row_filters import filtered_blocks
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.closed_loop import held_torque
 from graphdyn.identification.data_quality import Piece

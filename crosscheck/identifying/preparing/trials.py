@@ -1,15 +1,25 @@
-"""Equations of a trial, for the fitted and the predicted rows, and residual statistics pooled over several trials."""
+"""Equations and pooled errors of trials, and the baselines that every model has to outperform in them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.identifying.preparing.holding_out import Fold
+from crosscheck.identifying.preparing.holding_out import Division, Fold
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
-from graphdyn.identification import Problem, ResidualSizes, ResidualStatistics
+from graphdyn import RobotModel
+from graphdyn.identification import (
+    OrdinaryLeastSquares,
+    Problem,
+    ResidualSizes,
+    ResidualStatistics,
+    TorqueModel,
+    residual_statistics,
+)
+from graphdyn.identification.terms import Offset
 from graphdyn.layout import Array
 
 
@@ -56,3 +66,34 @@ def pooled_sizes(parts: Sequence[ResidualSizes]) -> ResidualSizes:
             np.where(total > 0, largest, np.nan),
             np.sqrt(squares.sum(axis=0) / measured),
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Baselines:
+    """Errors of the baselines on the rows that the methods predict.
+
+    constant: the mean torque of the fitted rows; cad: links as given, drives fitted; None where no link is unknown
+    """
+
+    constant: ResidualStatistics
+    cad: ResidualStatistics | None
+
+
+def constant_model(robot: RobotModel) -> TorqueModel:
+    """A constant torque per joint."""
+    return TorqueModel(robot, (Offset(),))
+
+
+def fitted_constant(train: Problem, test: Problem) -> ResidualStatistics:
+    """Errors on the rows of `test` of the mean torque of those of `train`, both of a constant_model."""
+    (errors,) = residual_statistics(test, OrdinaryLeastSquares().estimate(train).parameters[None])
+    return errors
+
+
+def constant_errors(robot: RobotModel, preparation: Preparation, division: Division) -> ResidualStatistics:
+    """Errors of the mean torque of the fitted rows, of all trials together."""
+    fit, parts = preparation.problem(constant_model(robot), division.fit), []
+    for trial in division.trials:
+        train, test, _ = problems_of(trial, fit, division.fit, preparation)
+        parts.append(fitted_constant(train, test))
+    return pooled(parts)

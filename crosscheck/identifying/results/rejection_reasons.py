@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crosscheck.identifying.data_quality.data_quality import DataQuality
-from crosscheck.identifying.results.baselines import Baselines
+from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.recommending import joint_errors
 from graphdyn.identification import MethodResult, Problem, weighted_solution
 from graphdyn.layout import Array

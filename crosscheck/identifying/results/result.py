@@ -10,7 +10,7 @@ from typing import Any
 from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.preparing.holding_out import Division
 from crosscheck.identifying.preparing.preparation import Preparation
-from crosscheck.identifying.results.baselines import Baselines
+from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel
 from crosscheck.identifying.results.recommending import Recommendation, mean_error, recommendation, rejected
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons

@@ -25,9 +25,14 @@ from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.streaming import RowPosition, appended, refuse_uneven, window_of
 from crosscheck.recordings.preparation.derivatives import STENCIL_ROWS, differentiated
-from crosscheck.recordings.preparation.filtering import border, check_cutoff
+from crosscheck.recordings.preparation.filtering import (
+    FORGETTING_BORDERS,
+    border,
+    check_cutoff,
+    samples_with,
+    torque_filter,
+)
 from crosscheck.recordings.preparation.resampling import refuse_delays, sampling_rate
-from crosscheck.recordings.preparation.row_filters import FORGETTING_BORDERS, torque_filter
 from crosscheck.recordings.preparation.splits import GUARD_TIME
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput
@@ -207,17 +212,7 @@ class Partition:
         wanted = (numbers >= self.first - memory) & (numbers < self.last + memory)
         numbers = numbers[wanted]
         own = np.flatnonzero((numbers >= self.first) & (numbers < self.last))
-        q, v, a, tau = (done.channel(name)[wanted] for name in ("q", "v", "a", "tau"))
-        piece = Samples(
-            q,
-            v,
-            a,
-            tau,
-            row_filter=torque_filter(done),
-            continues=self.first > source.begin,
-            time=done.t[wanted],
-            temperature=None if done.temperature is None else done.temperature[wanted],
-        )
+        piece = samples_with(torque_filter(done), done, wanted, continues=self.first > source.begin)
         return piece, slice(int(own[0]), int(own[-1]) + 1)
 
 

@@ -23,8 +23,8 @@ from crosscheck.recordings.mapping.conversion import joint_channels, mapped_colu
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.preparation.derivatives import differentiated
+from crosscheck.recordings.preparation.filtering import FORGETTING_BORDERS, samples_with, torque_filter
 from crosscheck.recordings.preparation.resampling import PERIOD_TOLERANCE, refuse_delays
-from crosscheck.recordings.preparation.row_filters import FORGETTING_BORDERS, torque_filter
 from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
@@ -73,7 +73,7 @@ def appended(recording: Recording, part: Recording) -> Recording:
     """Both windows in one block. Raises InvalidInput if the time goes back."""
     if not part.t[0] > recording.t[-1]:
         raise InvalidInput(f"{part.provenance.files[0]}: the time goes back to {part.t[0]:g} s; repair the file")
-    names = [name for name in ("t", *RECORDED_JOINT_CHANNELS) if getattr(recording, name) is not None]
+    names = recording.recorded(("t", *RECORDED_JOINT_CHANNELS))
     joined: dict[str, Any] = {name: np.concatenate([getattr(recording, name), getattr(part, name)]) for name in names}
     return Recording(recording.joint_names, **joined, prismatic=recording.prismatic, provenance=recording.provenance)
 
@@ -130,14 +130,16 @@ class StreamedRecording:
                     )
                 inner = (FORGETTING_BORDERS - 1) * border
                 row_filter = row_filter if first else torque_filter(done)
-                yield _samples(done, row_filter, inner if first else 0, inner)
+                begin = inner if first else 0
+                yield samples_with(row_filter, done, slice(begin, len(done.t) - inner), continues=begin > 0)
                 first += len(whole.t) - overlap
                 whole = whole.take(slice(len(whole.t) - overlap, None))
         if whole is None:
             raise BadRecordingFile(f"{self.path}: no rows; record at least one")
         done, border = self._differentiated(whole, first)
         row_filter = row_filter if first else torque_filter(done)
-        yield _samples(done, row_filter, (FORGETTING_BORDERS - 1) * border if first else 0, 0)
+        begin = (FORGETTING_BORDERS - 1) * border if first else 0
+        yield samples_with(row_filter, done, slice(begin, None), continues=begin > 0)
 
     def _differentiated(self, recording: Recording, first: int) -> tuple[Recording, int]:
         """The window with v and a, and the numbers of rows cut at both of its ends. first: row of the file."""
@@ -162,11 +164,3 @@ class StreamedRecording:
     def _mapping(self) -> ColumnMapping:
         mapping = self.mapping if isinstance(self.mapping, ColumnMapping) else load_mapping(self.mapping)  # type: ignore[arg-type]
         return mapping if self.rate is None else replace(mapping, rate=self.rate)
-
-
-def _samples(done: Recording, row_filter: RowFilter | None, before: int, after: int) -> Samples:
-    """The recording without these numbers of rows at its beginning and end; if no rows precede it, it is the first."""
-    own = slice(before, len(done.t) - after)
-    q, v, a, tau = (done.channel(name)[own] for name in ("q", "v", "a", "tau"))
-    temperature = None if done.temperature is None else done.temperature[own]
-    return Samples(q, v, a, tau, row_filter=row_filter, continues=before > 0, time=done.t[own], temperature=temperature)

@@ -20,9 +20,15 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.recordings.preparation.filtering import FILTER_ORDER, border, check_cutoff, lowpass, padding
+from crosscheck.recordings.preparation.filtering import (
+    FILTER_ORDER,
+    TorqueFilter,
+    border,
+    check_cutoff,
+    lowpass,
+    padding,
+)
 from crosscheck.recordings.preparation.resampling import is_even, resampled, sampling_rate
-from crosscheck.recordings.preparation.row_filters import LowPass
 from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import RowFilter
@@ -171,7 +177,7 @@ def differentiated(
     if not is_even(recording):
         recording = resampled(recording)
     rate = sampling_rate(recording)
-    recorded = [name for name in RECORDED_JOINT_CHANNELS if getattr(recording, name) is not None]
+    recorded = recording.recorded(RECORDED_JOINT_CHANNELS)
     if velocity == "derived":
         recorded = [name for name in recorded if name not in ("v", "a")]
     cutoffs = _cutoffs(recording, cutoff, recorded)
@@ -246,7 +252,7 @@ def motion_covariance(
     rows are decimated, every factor-th term of the sum is known; they represent all, because h is slower than the rows.
     """
     factor, memory = (1, 0) if row_filter is None else (row_filter.factor, row_filter.memory)
-    lows = (LowPass(cutoff, rate).memory for cutoff in differentiation.cutoffs.values())
+    lows = (TorqueFilter(cutoff, rate).memory for cutoff in differentiation.cutoffs.values())
     middle = memory + max(lows, default=0) + 2 * STENCIL_ROWS + padding()
     impulse, nothing = np.zeros((2, 2 * middle + 1, 1))
     impulse[middle] = 1.0

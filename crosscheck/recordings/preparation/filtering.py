@@ -1,15 +1,24 @@
-"""Zero-phase low-pass filtering with a Butterworth filter, and decimation without aliasing."""
+"""Zero-phase low-pass filtering with a Butterworth filter, and decimation without aliasing.
+
+For the identification, they are applied to the torque and every column of the regressor alike.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
+from math import ceil, log, prod
 from numbers import Integral
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crosscheck.recordings.preparation.resampling import sampling_rate
+from crosscheck.recordings.recording import MOTION_CHANNELS, Recording
 from graphdyn import InvalidInput
+from graphdyn.identification import RowFilter, Samples
 from graphdyn.layout import Array
 
 FILTER_ORDER = 4
@@ -77,14 +86,18 @@ def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
     """Columns (N, …) of one uninterrupted block, decimated to (K, …): per stage, every f-th row from the first on.
 
     factors: f of each stage, 2 … 13: (10, 10) for a hundredth
-    Each stage applies scipy.signal.decimate's zero-phase low-pass: Chebyshev, order 8, 0.8 of the new Nyquist
+    Each stage applies the zero-phase low-pass of scipy.signal.decimate: Chebyshev, order 8, 0.8 of the new Nyquist
     frequency.
 
     Raises InvalidInput for other factors and for too few rows.
     """
     from scipy.signal import sosfiltfilt
 
-    _check(factors)
+    if not factors or not all(isinstance(f, Integral) and 2 <= f <= MAX_STAGE_FACTOR for f in factors):
+        raise InvalidInput(
+            f"decimation by {tuple(factors)}; give factors from 2 to {MAX_STAGE_FACTOR}, larger ones in stages: "
+            "(10, 10)"
+        )
     values = np.asarray(columns, dtype=float)
     if len(values) < rows_needed(factors):
         raise InvalidInput(
@@ -118,9 +131,85 @@ def rows_needed(factors: Sequence[int]) -> int:
     return needed
 
 
-def _check(factors: Sequence[int]) -> None:
-    if not factors or not all(isinstance(f, Integral) and 2 <= f <= MAX_STAGE_FACTOR for f in factors):
+FORGETTING_BORDERS = 2
+"""Number of filter borders after which a row is forgotten: BORDER_DECAY squared is left."""
+
+FORGOTTEN_SHARE = 1e-6
+"""Remaining response after which a row is forgotten, for the filter of a decimation."""
+
+
+@dataclass(frozen=True)
+class TorqueFilter:
+    """Zero-phase Butterworth low-pass of order 4, one pass, then decimation without aliasing.
+
+    cutoff: infinite for no low-pass [Hz]; rate: of the samples [Hz]; factors: of the stages of the decimation, 2 … 13
+    """
+
+    cutoff: float = np.inf
+    rate: float = 1.0
+    factors: tuple[int, ...] = ()
+
+    @property
+    def factor(self) -> int:
+        return prod(self.factors)
+
+    @property
+    def memory(self) -> int:
+        rows = 0
+        for factor in reversed(self.factors):
+            rows = rows * factor + ceil(log(FORGOTTEN_SHARE) / log(slowest_pole(factor)))
+        return rows + FORGETTING_BORDERS * border(self.rate, self.cutoff)
+
+    def __call__(self, columns: Array) -> Array:
+        if np.isfinite(self.cutoff):
+            columns = lowpass(columns, self.rate, self.cutoff)
+        return decimated_columns(columns, self.factors) if self.factors else columns
+
+
+def samples_of(recording: Recording, decimate: tuple[int, ...] = ()) -> list[Samples]:
+    """A recording with v and a for graphdyn.identification.Problem, block by block, with the filter of its torque.
+
+    decimate: factors of the stages, 2 … 13, after the low-pass
+    Blocks too short to be filtered are left out. Raises InvalidInput for a missing channel, and if none is left.
+    """
+    for name in ("v", "a", "tau"):
+        recording.channel(name)
+    blocks = [recording.take(rows) for rows in filtered_blocks(recording, decimate)]
+    return [samples_with(torque_filter(block, decimate), block) for block in blocks]
+
+
+def filtered_blocks(recording: Recording, decimate: tuple[int, ...] = ()) -> list[slice]:
+    """The rows of the blocks that are long enough for the filter of their torque. Raises InvalidInput without one."""
+    blocks, needed = [], 1
+    for rows in recording.block_slices:
+        needed = rows_needed(decimate) if decimate else 1
+        if np.isfinite(recording.torque_cutoff[rows.start]):
+            needed = max(needed, padding() + 1)
+        if rows.stop - rows.start >= needed:
+            blocks.append(rows)
+    if not blocks:
+        what = f"decimation by {decimate}" if decimate else "the filter"
+        remedy = "use smaller factors, or hold out less" if decimate else "record longer, or hold out less"
         raise InvalidInput(
-            f"decimation by {tuple(factors)}; give factors from 2 to {MAX_STAGE_FACTOR}, larger ones in stages: "
-            "(10, 10)"
+            f"{', '.join(recording.provenance.files)}: no block has the {needed} rows that {what} needs; {remedy}"
         )
+    return blocks
+
+
+def samples_with(
+    row_filter: RowFilter | None, recording: Recording, rows: Any = slice(None), continues: bool = False
+) -> Samples:
+    """Rows of a recording with v and a as samples, with a filter; continues: whether others precede them."""
+    q, v, a, tau = (recording.channel(name)[rows] for name in MOTION_CHANNELS)
+    temperature = None if recording.temperature is None else recording.temperature[rows]
+    return Samples(
+        q, v, a, tau, row_filter=row_filter, continues=continues, time=recording.t[rows], temperature=temperature
+    )
+
+
+def torque_filter(block: Recording, decimate: tuple[int, ...] = ()) -> RowFilter | None:
+    """The filter still to be applied to the torque of one block, and to every column of the regressor."""
+    cutoff = float(block.torque_cutoff[0])
+    if np.isfinite(cutoff):
+        return TorqueFilter(cutoff, sampling_rate(block), decimate)
+    return TorqueFilter(factors=decimate) if decimate else None

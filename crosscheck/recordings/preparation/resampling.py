@@ -8,7 +8,6 @@ from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.recording import OPTIONAL_CHANNELS, RECORDED_JOINT_CHANNELS, Recording
 from graphdyn import InvalidInput
-from graphdyn.layout import Array
 
 PERIOD_TOLERANCE = 1e-3
 """Relative difference of steps up to which there is no resampling: the relative error of a difference quotient."""
@@ -43,9 +42,7 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
     rate = own if rate is None else rate
     if not (np.isfinite(rate) and rate >= own * (1 - PERIOD_TOLERANCE)):
         raise InvalidInput(f"rate is {rate:g} Hz, the recording has {own:g} Hz; a lower one would alias")
-    names = [
-        name for name in ("t", *RECORDED_JOINT_CHANNELS, *OPTIONAL_CHANNELS) if getattr(recording, name) is not None
-    ]
+    names = recording.recorded(("t", *RECORDED_JOINT_CHANNELS, *OPTIONAL_CHANNELS))
     parts: dict[str, list[np.ndarray]] = {name: [] for name in (*names, "nearest")}
     short = []
     for rows in recording.block_slices:
@@ -68,15 +65,13 @@ def resampled(recording: Recording, rate: float | None = None) -> Recording:
     return recording.take(joined.pop("nearest"), step, **joined)
 
 
-MIN_DELAYED_SAMPLES = 4
-"""Smallest number of rows for a cubic spline."""
-
-
 def with_delays_undone(recording: Recording, mapping: ColumnMapping) -> Recording:
     """The recording with τ(t + delay) at t, by cubic splines inside each block; rows without a torque are then cut.
 
     The joints are in the order of the mapping. Raises BadMapping if no row is left.
     """
+    from scipy.interpolate import CubicSpline
+
     channel = mapping.channels.get("tau")
     if channel is None or not channel.delays.any() or recording.tau is None:
         return recording
@@ -84,21 +79,15 @@ def with_delays_undone(recording: Recording, mapping: ColumnMapping) -> Recordin
     for rows in recording.block_slices:
         t = recording.t[rows]
         inside = (t + delays.min() >= t[0]) & (t + delays.max() <= t[-1])
-        if len(t) >= MIN_DELAYED_SAMPLES and inside.any():
+        if len(t) >= MIN_SPLINE_ROWS and inside.any():
             kept.append(rows.start + np.flatnonzero(inside))
-            torques.append(_shifted(t, recording.tau[rows], delays)[inside])
+            spline = CubicSpline(t, recording.tau[rows], axis=0)
+            torques.append(np.column_stack([spline(t[inside] + delay)[:, j] for j, delay in enumerate(delays)]))
     if not kept:
         longest = np.abs(delays).max()
         raise BadMapping(f"{mapping.source}, [tau]: a delay of {longest:g} s leaves no row; it is in seconds")
     words = ", ".join(f"{1e3 * seconds:g}" for seconds in (delays if np.ptp(delays) else delays[:1]))
     return recording.take(np.concatenate(kept), f"torques {words} ms earlier", tau=np.concatenate(torques))
-
-
-def _shifted(t: Array, tau: Array, delays: Array) -> Array:
-    from scipy.interpolate import CubicSpline
-
-    spline = CubicSpline(t, tau, axis=0)
-    return np.column_stack([spline(t + seconds)[:, j] for j, seconds in enumerate(delays)])
 
 
 def refuse_delays(mapping: ColumnMapping) -> None:

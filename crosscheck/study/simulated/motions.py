@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from crosscheck.exciting.noise import assumed_noise
+from crosscheck.exciting.excited import assumed_noise
 from crosscheck.study.settings.robot_settings import RobotSettings
 from crosscheck.study.settings.scenarios import MOTION_KINDS
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of

@@ -17,10 +17,10 @@ from crosscheck.commands.excite import search as excite_search
 from crosscheck.commands.excite.report import random_is_better
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.distributing import LocalProcesses, Lost
+from crosscheck.exciting.excited import assumed_noise
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import WRITTEN_SUFFIXES, document, read_motion, slides
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
-from crosscheck.exciting.noise import assumed_noise
 from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile
 from graphdyn import InvalidInput, joint_torques

@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 
 from crosscheck.commands import app
 from crosscheck.commands.program.exits import AGREED
-from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, cluster, dask_workers
+from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, dask_workers
+from crosscheck.distributing import dask_workers as cluster
 from crosscheck.distributing.workers import versions
 
 

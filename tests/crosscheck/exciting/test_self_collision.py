@@ -10,11 +10,10 @@ from urdf_text import inertial, joint, robot_text
 
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.exciting import collision_free as searching
 from crosscheck.exciting import self_collision as pairing
-from crosscheck.exciting.collision_free import collision_free
-from crosscheck.exciting.link_meshes import link_meshes
-from crosscheck.exciting.self_collision import Hit, self_collision
+from crosscheck.exciting import self_collision as searching
+from crosscheck.exciting.mesh_contacts import link_meshes
+from crosscheck.exciting.self_collision import Hit, collision_free, self_collision
 from crosscheck.exciting.sphere_cover import sphere_cover
 from crosscheck.exciting.srdf import disabled_pairs
 from graphdyn import InvalidInput

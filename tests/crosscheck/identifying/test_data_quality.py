@@ -20,7 +20,7 @@ from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.data_quality.data_quality import data_quality
-from crosscheck.identifying.results.baselines import Baselines
+from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
 from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
 from crosscheck.report.text import as_text

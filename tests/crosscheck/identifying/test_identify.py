@@ -16,7 +16,7 @@ import graphdyn
 from crosscheck.commands.identify.record import record
 from crosscheck.identifying import ESTIMATORS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
 from crosscheck.identifying.methods.torque_terms import with_setting
-from crosscheck.identifying.results.baselines import constant_errors
+from crosscheck.identifying.preparing.trials import constant_errors
 from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.records.json import plain
