@@ -90,6 +90,18 @@ def test_of_inverse_dynamics(model, method, base):
             assert relative_error(answer, difference, here.joint_wrenches) < DIFFERENCE
 
 
+@functools.cache
+def first_derivatives_and_differences(model, base):
+    state, wrenches = random_state(model, 12), random_wrenches(model, 13)
+
+    def first(*arguments):
+        return graphdyn.inverse_dynamics_derivatives(*arguments, wrenches, base=base, method="recursive")
+
+    by_q = differences_of(["dtau_dq", "dtau_dv", "dtau_da"], first, model, state, 0)
+    by_v = differences_of(["dtau_dv"], first, model, state, 1)
+    return state, wrenches, first(model, *state), by_q, by_v
+
+
 @pytest.mark.parametrize(
     "model",
     [pytest.param(NAMED[name], id=name, marks=[LONG] * (name != "branched")) for name in ROBOTS],
@@ -97,16 +109,8 @@ def test_of_inverse_dynamics(model, method, base):
 @pytest.mark.parametrize("method", ["projected", "recursive"])
 @bases
 def test_second_ones_of_inverse_dynamics(model, method, base):
-    q, v, a = random_state(model, 12)
-    wrenches = random_wrenches(model, 13)
-
-    def first(*arguments):
-        return graphdyn.inverse_dynamics_derivatives(*arguments, wrenches, base=base, method="recursive")
-
-    found = graphdyn.inverse_dynamics_second_derivatives(model, q, v, a, wrenches, base=base, method=method)
-    here = first(model, q, v, a)
-    by_q = differences_of(["dtau_dq", "dtau_dv", "dtau_da"], first, model, (q, v, a), 0)
-    by_v = differences_of(["dtau_dv"], first, model, (q, v, a), 1)
+    state, wrenches, here, by_q, by_v = first_derivatives_and_differences(model, base)
+    found = graphdyn.inverse_dynamics_second_derivatives(model, *state, wrenches, base=base, method=method)
     for answer, expected, value in (
         (found.d2tau_dqdq, by_q[0], here.dtau_dq),
         (found.d2tau_dqdv, by_q[1], here.dtau_dv),
