@@ -20,7 +20,7 @@ from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, rotation_about, solve
+from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
             angular[..., j, :] = omega
             angular_acc[..., j, :] = alpha
         else:
-            rotation[..., j, :, :] = in_world @ rotation_about(joint.axis, q[..., k])
+            rotation[..., j, :, :] = in_world @ joint.turn(q[..., k])
             angular[..., j, :] = omega + rate
             angular_acc[..., j, :] = alpha + cross(omega, rate) + relative
         origin[..., j, :] = origin[..., i, :] + arm

@@ -19,7 +19,7 @@ from graphdyn.model.chord import Chord
 from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.graph import Graph
 from graphdyn.model.parts import Joint
-from graphdyn.model.spatial import apply, cross, rotation_about
+from graphdyn.model.spatial import apply, cross
 
 CLOSED_TOLERANCE = 1e-8
 """Largest gap of a closed loop [m, rad], and largest relative velocity or acceleration along a row, relative to the
@@ -108,7 +108,7 @@ class Loops:
                 arm = arm + positions[..., k, None] * p
                 rotation[..., j, :, :] = in_ground
             else:
-                rotation[..., j, :, :] = in_ground @ rotation_about(joint.axis, positions[..., k])
+                rotation[..., j, :, :] = in_ground @ joint.turn(positions[..., k])
             origin[..., j, :] = origin[..., i, :] + arm
             if rates is None:
                 continue

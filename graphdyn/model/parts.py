@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import inertia_from_parameters, parameters_from_inertia
-from graphdyn.model.spatial import Placement
+from graphdyn.model.spatial import Placement, skew, turned
 
 JointKind = Literal["revolute", "continuous", "prismatic"]
 
@@ -134,6 +134,14 @@ class Joint:
         (docs/deviations.md, A2).
         """
         return axis_normals(self.axis)
+
+    def turn(self, angle: Array) -> Array:
+        """The rotation by an angle (…) [rad] about the axis (…, 3, 3), in joint axes."""
+        return turned(angle, *self._turning)
+
+    @cached_property
+    def _turning(self) -> tuple[Array, Array]:
+        return skew(self.axis), np.outer(self.axis, self.axis)
 
 
 @dataclass(frozen=True, eq=False)

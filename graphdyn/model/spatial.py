@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import Array
 
+_EYE = np.eye(3)
 _NEXT, _AFTER_NEXT = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
@@ -51,10 +52,14 @@ def skew(a: ArrayLike) -> Array:
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     """Rotation by angle [rad] about a unit axis (Rodrigues). axis (3,), angle (…) → (…, 3, 3)."""
-    axis = np.asarray(axis, dtype=float)
+    return turned(angle, skew(axis), np.outer(axis, axis))
+
+
+def turned(angle: ArrayLike, across: Array, along: Array) -> Array:
+    """rotation_about of a known axis p. angle (…); across, along: p̃ and p pᵀ (3, 3) → (…, 3, 3)."""
     angle = np.asarray(angle)[..., None, None]
     c, s = np.cos(angle), np.sin(angle)
-    rotation: Array = c * np.eye(3) + s * skew(axis) + (1.0 - c) * np.outer(axis, axis)
+    rotation: Array = c * _EYE + s * across + (1.0 - c) * along
     return rotation
 
 
