@@ -119,12 +119,12 @@ def trace(model: RobotModel, request: Request) -> Program:
     compute = recursion.closed if model.chords and recursion.closed else compute
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
         answer = compute(sample, sample.q, *map(sample.of_joints, recursion.inputs[1:]))
-    outputs = answer if isinstance(answer, dict) else {recursion.outputs[0]: list(np.array(answer, object).ravel())}
+    named = answer if isinstance(answer, dict) else {recursion.outputs[0]: answer}
+    outputs = {name: list(np.array(found, dtype=object).ravel()) for name, found in named.items()}
     if "coupling_multipliers" in recursion.outputs:
         needed = outputs["tau"] if model.couplings else sample.zeros
-        outputs["coupling_multipliers"] = list(
-            scalars(model.degrees_of_freedom.reactions) @ np.array(needed, dtype=object)
-        )
+        reactions = scalars(model.degrees_of_freedom.reactions)
+        outputs["coupling_multipliers"] = list(reactions @ np.array(needed, dtype=object))
         outputs.setdefault("chord_multipliers", [])
     if model.couplings:
         outputs = sample.of_degrees_of_freedom(outputs, shapes={} if compute is recursion.coupled else ARRAY_SPECS)

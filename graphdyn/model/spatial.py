@@ -52,7 +52,8 @@ def skew(a: ArrayLike) -> Array:
 
 def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     """Rotation by angle [rad] about a unit axis (Rodrigues). axis (3,), angle (…) → (…, 3, 3)."""
-    return turned(angle, skew(axis), np.outer(axis, axis))
+    p = np.asarray(axis, dtype=float)
+    return turned(angle, skew(p), np.outer(p, p))
 
 
 def turned(angle: ArrayLike, across: Array, along: Array) -> Array:

@@ -56,7 +56,7 @@ ARRAY_SPECS = {**INPUTS}
 class Recursion:
     """inputs: names of its joint arrays, q first; outputs: of what it answers.
 
-    compute(sample, *inputs) answers scalars: the one output, of any shape, or a dictionary of flat outputs; the sample
+    compute(sample, *inputs) answers scalars: the one output, or a dictionary of outputs, of any shape; the sample
         is a graphdyn.compiler.programs.Sample
     on_moving_base: whether the motion of the base matters
     of_frame: whether it speaks of a frame, which the sample has

@@ -27,15 +27,11 @@ from graphdyn.scalars.vectors import PerJoint, Scalars
 )
 def inverse_dynamics_derivatives(
     links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
-) -> dict[str, list[Any]]:
+) -> dict[str, Any]:
     """dtau_dq, dtau_dv, and dtau_da = M (n n each)."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
     by_q, by_v = jacobians(tau, q, v)
-    return {
-        "dtau_dq": list(by_q.ravel()),
-        "dtau_dv": list(by_v.ravel()),
-        "dtau_da": list(mass_matrix(links, q).ravel()),
-    }
+    return {"dtau_dq": by_q, "dtau_dv": by_v, "dtau_da": mass_matrix(links, q)}
 
 
 @recursion(
@@ -46,20 +42,20 @@ def inverse_dynamics_derivatives(
 )
 def inverse_dynamics_second_derivatives(
     links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
-) -> dict[str, list[Any]]:
+) -> dict[str, Any]:
     """d2tau_dqdq, d2tau_dqdv, d2tau_dqda, d2tau_dvdv (n n n each), by a forward sweep after the reverse one."""
     tau = inverse_dynamics(links, root, q, v, a, external)["tau"]
     by_q, by_v = jacobians(tau, q, v)
     mass = mass_matrix(links, q)
 
-    def changes(first: Scalars, variables: Sequence[Any], symmetric: bool = False) -> list[Any]:
+    def changes(first: Scalars, variables: Sequence[Any], symmetric: bool = False) -> Scalars:
         """∂first_ik/∂x_j at (i, j, k); where symmetric in j and k, each pair is computed once."""
         rates = [directional(list(first.ravel()), variables, unit) for unit in np.eye(len(links)).tolist()]
         change = np.moveaxis(np.array(rates, dtype=object).reshape(-1, *first.shape), 0, 1)
         if symmetric:
             for j, k in zip(*np.tril_indices(len(links)), strict=True):
                 change[:, j, k] = change[:, k, j]
-        return list(change.ravel())
+        return change
 
     return {
         "d2tau_dqdq": changes(by_q, q, symmetric=True),
@@ -75,11 +71,11 @@ def inverse_dynamics_second_derivatives(
 )
 def reaction_derivatives(
     links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint, external: Loads = None
-) -> dict[str, list[Any]]:
+) -> dict[str, Any]:
     """Reaction derivatives of multipliers (n 5 n each) and joint wrenches (n 6 n each) by q, v and a."""
     found = inverse_dynamics(links, root, q, v, a, external)
     return {
-        f"d{short}_d{name}": list(part.ravel())
+        f"d{short}_d{name}": part
         for short, answer in (("multipliers", "multipliers"), ("wrenches", "joint_wrenches"))
         for name, part in zip("qva", jacobians(found[answer], q, v, a), strict=True)
     }
@@ -98,7 +94,7 @@ def forward_dynamics_derivatives(
     tau: PerJoint,
     external: Loads = None,
     degrees_of_freedom: DegreesOfFreedom | None = None,
-) -> dict[str, list[Any]]:
+) -> dict[str, Any]:
     """da_dq = -M⁻¹ ∂τ/∂q, da_dv = -M⁻¹ ∂τ/∂v at the accelerations found, and da_dtau = M⁻¹ (n n each); pivots.
 
     Carpentier and Mansard, "Analytical derivatives of rigid body dynamics algorithms", Robotics: Science and Systems,
@@ -110,12 +106,7 @@ def forward_dynamics_derivatives(
     required = inverse_dynamics(links, root, q, v, a, external)["tau"]
     changes = jacobians(required, q, v, held=a)
     by_q, by_v = (-(inverse @ projected(part, ("n", "n"), degrees_of_freedom)) for part in changes)
-    return {
-        "da_dq": list(by_q.ravel()),
-        "da_dv": list(by_v.ravel()),
-        "da_dtau": list(inverse.ravel()),
-        "pivots": pivots,
-    }
+    return {"da_dq": by_q, "da_dv": by_v, "da_dtau": inverse, "pivots": pivots}
 
 
 @recursion(
@@ -134,7 +125,7 @@ def forward_dynamics_parameter_derivatives(
     inverse, found, pivots = solved(links, root, degrees_of_freedom, q, v, tau, external)
     regressor = joint_torque_regressor(links, root, q, v, everywhere(found, degrees_of_freedom))
     change = -(inverse @ projected(regressor, ("n", "10 bodies"), degrees_of_freedom))
-    return {"forward_dynamics_parameter_derivatives": list(change.ravel()), "pivots": pivots}
+    return {"forward_dynamics_parameter_derivatives": change, "pivots": pivots}
 
 
 @recursion(coriolis_matrix=ArraySpec(("n", "n"), "N m s, N s, kg/s"))

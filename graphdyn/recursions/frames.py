@@ -15,7 +15,7 @@ from graphdyn.arguments.choices import FrameChoice
 from graphdyn.layout import BODY_DOF
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import ArraySpec, recursion
-from graphdyn.recursions.mechanism.mechanism import Links
+from graphdyn.recursions.mechanism.mechanism import Links, path
 from graphdyn.recursions.motion import BodyMotion, Root, motions, origins, places, rotations, twists
 from graphdyn.scalars.differentiation import directional
 from graphdyn.scalars.vectors import PerJoint, Scalars, cross, scalars, zeros
@@ -46,10 +46,10 @@ def fixed_frame(model: RobotModel, links: Links, choice: FrameChoice) -> FixedFr
 @recursion(frame_jacobian=ArraySpec((BODY_DOF, "n"), "m, 1 or 1, 0"))
 def frame_jacobian(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> Scalars:
     """J (6, n): per joint up to the frame, p × (from O_k to the point) over p; of a slide, p over 0."""
-    path = _path(links, frame.body)
-    if not path:
+    joints = path(links, frame.body)
+    if not joints:
         return zeros(6, len(links))
-    near = replace(root, position=-(root.rotation @ links[path[0]].translation))  # joint 1 of the path at the origin
+    near = replace(root, position=-(root.rotation @ links[joints[0]].translation))  # joint 1 of the path at the origin
     at = places(links, q)
     axes = rotations(links, at, near)
     where = origins(links, at, axes, near)
@@ -58,7 +58,7 @@ def frame_jacobian(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> 
         tip = near.position - root.position
     turned = (axes[frame.body] @ frame.rotation).T if frame.choice.reference == "local" else None
     matrix = zeros(6, len(links))
-    for k in path:
+    for k in joints:
         axis = axes[k][:, 2]
         linear, angular = (axis, zeros(3)) if links[k].prismatic else (cross(axis, tip - where[k]), axis)
         matrix[:, k] = np.concatenate([x if turned is None else turned @ x for x in (linear, angular)])
@@ -93,11 +93,6 @@ def frame_acceleration(links: Links, root: Root, q: PerJoint, v: PerJoint, a: Pe
         velocity = root.velocity if frame.body < 0 else twists(links, at, root, v)[frame.body][0]
         linear = linear - cross(here.omega, velocity + cross(here.omega, point))
     return [*(to_reference @ linear), *(to_reference @ here.alpha)]
-
-
-def _path(links: Links, body: int) -> list[int]:
-    """Bodies from the ground to this one, itself included."""
-    return [] if body < 0 else [*_path(links, links[body].inside), body]
 
 
 def _view(links: Links, root: Root, q: PerJoint, frame: FixedFrame) -> tuple[Scalars, Scalars]:

@@ -19,7 +19,7 @@ operations is shorter by a third.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,7 +27,7 @@ import numpy as np
 
 from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inverse import Loads, Wrench, inverse_dynamics, inwards
-from graphdyn.recursions.mechanism.mechanism import Links
+from graphdyn.recursions.mechanism.mechanism import Links, path
 from graphdyn.recursions.motion import JointPlacement, Root, places
 from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, symmetric, zeros
 
@@ -88,20 +88,20 @@ def _along_axis(prismatic: bool, wrench: Wrench) -> Any:
 
 
 @recursion(mass_matrix_inverse=ArraySpec(("n", "n"), "1/(kg m²), 1/(kg m), 1/kg"))
-def mass_matrix_inverse(links: Links, q: PerJoint) -> dict[str, list[Any]]:
+def mass_matrix_inverse(links: Links, q: PerJoint) -> dict[str, Any]:
     """mass_matrix_inverse (n n); pivots."""
     inverse, pivots = inverted_mass_matrix(links, q)
-    return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
+    return {"mass_matrix_inverse": inverse, "pivots": pivots}
 
 
 def inverted_mass_matrix(links: Links, q: PerJoint) -> tuple[Scalars, list[Any]]:
     """M⁻¹ (n, n), and the pivots D (n)."""
-    return inverted(mass_matrix(links, q), [list(_inside(links, j)) for j in range(len(links))])
+    return inverted(mass_matrix(links, q), _inside(links))
 
 
 def solved(links: Links, q: PerJoint, right: Sequence[Any]) -> tuple[list[Any], list[Any]]:
     """x of M x = right (n), and the pivots D (n)."""
-    inside = [list(_inside(links, j)) for j in range(len(links))]
+    inside = _inside(links)
     lower, pivots = _factors(mass_matrix(links, q), inside)
     x = list(right)
     for j in reversed(range(len(links))):
@@ -154,11 +154,9 @@ def _inverted(lower: Scalars, inside: Sequence[Sequence[int]]) -> Scalars:
     return inverse
 
 
-def _inside(links: Links, j: int) -> Iterator[int]:
-    """The joints between joint j and the ground, outermost first."""
-    while links[j].inside >= 0:
-        j = links[j].inside
-        yield j
+def _inside(links: Links) -> list[list[int]]:
+    """Per joint, those between it and the ground, outermost first."""
+    return [path(links, link.inside)[::-1] for link in links]
 
 
 MAX_SHORT_CHAIN = 6
@@ -166,10 +164,7 @@ MAX_SHORT_CHAIN = 6
 
 
 def is_short(links: Links) -> bool:
-    depths: list[int] = []
-    for link in links:
-        depths.append(1 + (depths[link.inside] if link.inside >= 0 else 0))
-    return max(depths) <= MAX_SHORT_CHAIN
+    return max(len(path(links, j)) for j in range(len(links))) <= MAX_SHORT_CHAIN
 
 
 def joint_accelerations(

@@ -14,7 +14,7 @@ import numpy as np
 
 from graphdyn.model.chord import Chord
 from graphdyn.recursions.inverse import Wrench
-from graphdyn.recursions.mechanism.mechanism import Link, Links, rounded
+from graphdyn.recursions.mechanism.mechanism import Link, Links, path, rounded
 from graphdyn.recursions.motion import JointPlacement
 from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, scalars, turn_back, zeros
 
@@ -50,21 +50,19 @@ class ChordRows:
 
 def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJoint) -> ChordRows:
     """Rows of the chords at q, v of all joints that no couplings drive; at: the places of their bodies."""
-    paths = [_path(links, body - 1) for body in (chord.body_i, chord.body_j)]
+    paths = [path(links, body - 1) for body in (chord.body_i, chord.body_j)]
     # the joints that carry both ends move neither end against the other
     while paths[0] and paths[1] and paths[0][0] == paths[1][0]:
-        paths = [path[1:] for path in paths]
-    seen_i, seen_j = (_outwards(links, at, path, v) for path in paths)
+        paths = [joints[1:] for joints in paths]
+    seen_i, seen_j = (_outwards(links, at, joints, v) for joints in paths)
     ends = _ends(links, chord, seen_i[-1], seen_j[-1])
-    jacobian, bias, gaps, numbers = [], [], [], []
-    on_i: list[Wrench] = []
-    on_j: list[Wrench] = []
+    jacobian, bias, gaps, numbers, on_i, on_j = [], [], [], [], list[Wrench](), list[Wrench]()
     for number, name in enumerate(chord.rows):
         linear = not name.startswith("moment")
         u, gap, second = _row(chord, ends, name)
         line = zeros(len(links))
-        for path, seen, sign in ((paths[0], seen_i[1:], 1.0), (paths[1], seen_j[1:], -1.0)):
-            for j, body in zip(path, seen, strict=True):
+        for joints, seen, sign in ((paths[0], seen_i[1:], 1.0), (paths[1], seen_j[1:], -1.0)):
+            for j, body in zip(joints, seen, strict=True):
                 line[j] = sign * (u @ _motion(links[j], body, ends.point_j, linear))
         # a row that no joint can move, as those out of the plane of a plane loop
         if all(is_zero(x) for x in line):
@@ -160,19 +158,10 @@ def _turned(chord: Chord, ends: _Ends, axis: int) -> Any:
     return 0.5 * (on_j[:, a] @ on_i[:, b] - on_j[:, b] @ on_i[:, a])
 
 
-def _path(links: Links, body: int) -> list[int]:
-    """The joints from the ground to a body, outwards."""
-    path: list[int] = []
-    while body >= 0:
-        path.insert(0, body)
-        body = links[body].inside
-    return path
-
-
-def _outwards(links: Links, at: Sequence[JointPlacement], path: Sequence[int], v: PerJoint) -> list[_AncestorView]:
+def _outwards(links: Links, at: Sequence[JointPlacement], joints: Sequence[int], v: PerJoint) -> list[_AncestorView]:
     """The ancestor itself, at rest, and the bodies of a path as it sees them."""
     done = [_AncestorView(scalars(np.eye(3)), *(zeros(3) for _ in range(5)))]
-    for j in path:
+    for j in joints:
         inside, place, link = done[-1], at[j], links[j]
         axes = turn_back(place.c, place.s, (inside.axes @ place.rotation).T).T
         arm, omega = inside.axes @ place.translation, inside.angular

@@ -40,11 +40,11 @@ def forward_dynamics(
     v: PerJoint,
     tau: PerJoint,
     external: Loads = None,
-) -> dict[str, list[Any]]:
+) -> dict[str, Any]:
     """Answers like those of graphdyn.recursions.forward, of q and v of all joints and the torques of the free ones."""
     _, a, pivots = solved(links, root, degrees_of_freedom, q, v, tau, external)
     found = inverse_dynamics(links, root, q, v, everywhere(a, degrees_of_freedom), external)
-    return {**found, "a": list(a), "pivots": pivots}
+    return {**found, "a": a, "pivots": pivots}
 
 
 def driven(
@@ -76,7 +76,7 @@ def driven(
 def mass_matrix_inverse(links: Links, degrees_of_freedom: DegreesOfFreedom, q: PerJoint) -> dict[str, Any]:
     """mass_matrix_inverse (n n) and pivots."""
     inverse, pivots = _inverted_mass_matrix(links, degrees_of_freedom, q)
-    return {"mass_matrix_inverse": list(inverse.ravel()), "pivots": pivots}
+    return {"mass_matrix_inverse": inverse, "pivots": pivots}
 
 
 @with_couplings
@@ -88,11 +88,11 @@ def power(
     v: PerJoint,
     a: PerJoint,
     external: Loads = None,
-) -> dict[str, list[Any]]:
+) -> dict[str, Any]:
     """τ_j v_j (n) of the free joints, whose torques move the driven ones too."""
     tau = torques(links, root, q, v, a, external)
     rates = np.array(v, dtype=object)[list(degrees_of_freedom.independent)]
-    return {"power": list(projected(tau, ("n",), degrees_of_freedom) * rates)}
+    return {"power": projected(tau, ("n",), degrees_of_freedom) * rates}
 
 
 def solved(

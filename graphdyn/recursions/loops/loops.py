@@ -117,21 +117,20 @@ def inverse_dynamics(
     return {"tau": tau, **answer, "pivots": held.guarded + held.opened_by(a) + pivots}
 
 
-def at_motors(recursion: Recursion) -> Callable[..., dict[str, list[Any]]]:
+def at_motors(recursion: Recursion) -> Callable[..., dict[str, Any]]:
     """The form for robots with chords of a recursion that answers torques (n) or torques per parameter (n, k).
 
     What the recursion answers for the joints without chords, at the actuated joints. Accelerations, where it takes
     some, must keep the loops closed.
     """
 
-    def at_actuated(x: Any, q: PerJoint, v: PerJoint | None = None, *a: PerJoint) -> dict[str, list[Any]]:
+    def at_actuated(x: Any, q: PerJoint, v: PerJoint | None = None, *a: PerJoint) -> dict[str, Any]:
         ((name,), arrays) = recursion.outputs, (q, *([] if v is None else [v]), *a)
         of_tree = np.asarray(recursion.compute(x, *arrays), dtype=object)
         held = closing(x.model, x.links, q, x.zeros if v is None else v)
         to_motors, pivots = _actuation(x.model, held)
-        answer = list((to_motors @ of_tree).ravel())
         opened = [each for rates in a for each in held.opened_by(rates)]
-        return {name: answer, "pivots": held.guarded + opened + pivots}
+        return {name: to_motors @ of_tree, "pivots": held.guarded + opened + pivots}
 
     return at_actuated
 

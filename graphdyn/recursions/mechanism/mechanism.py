@@ -75,6 +75,11 @@ def links(model: RobotModel) -> tuple[Link, ...]:
     return tuple(result)
 
 
+def path(links: Links, body: int) -> list[int]:
+    """Indices of the joints from the ground to a body, outwards; none to the ground, -1."""
+    return [] if body < 0 else [*path(links, links[body].inside), body]
+
+
 def rounded(rotation: Array) -> Array:
     """The matrix with 0 and ±1 where rounding has left something else."""
     nearest = np.round(rotation)
