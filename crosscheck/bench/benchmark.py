@@ -12,13 +12,14 @@ from crosscheck.bench import curves
 from crosscheck.bench.cold import in_fresh_process
 from crosscheck.bench.contender import MeasuredWork, measure
 from crosscheck.bench.curves import ScalingCurve
-from crosscheck.bench.forms.casadi_forms import CASADI_NAME as CASADI
+from crosscheck.bench.forms.peers import CASADI_NAME as CASADI
+from crosscheck.bench.forms.peers import Peers
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
 from crosscheck.bench.identification import Identifications, identifications
 from crosscheck.bench.machine.floor import Floor, Machine, floor, limit, machine
 from crosscheck.bench.machine.timing import Load, Times, load
 from crosscheck.bench.states import random_states
-from crosscheck.bench.works import WORK_DESCRIPTIONS, Peers, work, works_of
+from crosscheck.bench.works import WORK_DESCRIPTIONS, work, works_of
 from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION as PINOCCHIO
 from crosscheck.reference.subject import check_counts
 from graphdyn import InvalidInput, RobotModel

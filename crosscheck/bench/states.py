@@ -65,15 +65,16 @@ class States:
     @cached_property
     def torque(self) -> Array:
         """Pinocchio's torques of a at all samples (N, n)."""
-        out = aligned(self.q.shape)
-        self.bare.rnea_in_parallel(1, self.bare.pool(1), self.q.T, self.v.T, self.a.T, out.T)
-        return out
+        return self._in_parallel(self.bare.rnea_in_parallel, self.a)
 
     @cached_property
     def acceleration(self) -> Array:
         """Pinocchio's accelerations of tau at all samples (N, n)."""
+        return self._in_parallel(self.bare.aba_in_parallel, self.tau)
+
+    def _in_parallel(self, function: Callable[..., None], given: Array) -> Array:
         out = aligned(self.q.shape)
-        self.bare.aba_in_parallel(1, self.bare.pool(1), self.q.T, self.v.T, self.tau.T, out.T)
+        function(1, self.bare.pool(1), self.q.T, self.v.T, given.T, out.T)
         return out
 
     @cached_property
@@ -90,6 +91,12 @@ class States:
             size = scales.acceleration_scale(mass, self.acceleration[rows], self.tau[rows], wrench[rows])
             parts.append(size)
         return np.concatenate(parts)
+
+    def dynamics(self, forward: bool) -> tuple[tuple[Array, Array, Array], Callable[[Array], Array]]:
+        """The arguments of forward or inverse dynamics, and what gives the errors of answers (N, n)."""
+        if forward:
+            return (self.q, self.v, self.tau), self.acceleration_errors
+        return (self.q, self.v, self.a), self.torque_errors
 
     def torque_errors(self, tau: Array) -> Array:
         """Errors of torques, relative to the largest torque or joint wrench (N,)."""

@@ -3,32 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
+from functools import partial
 
 from crosscheck.bench import calls
 from crosscheck.bench.calls import CALL_WORKS
-from crosscheck.bench.contender import Contender, Forms, Work
-from crosscheck.bench.forms import (
-    casadi_forms,
-    graphdyn_forms,
-    mujoco_forms,
-    pinocchio_forms,
-    simulations,
-    single_states,
-)
-from crosscheck.bench.forms.casadi_forms import CasadiRefuses
+from crosscheck.bench.contender import Forms, Work
+from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms, simulations
+from crosscheck.bench.forms.peers import Peers
 from crosscheck.bench.states import States
 from crosscheck.quantities import QUANTITIES
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
-from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 
 SINGLE_ARRAY_WORKS = tuple(name for name, row in QUANTITIES.items() if row.benchmark)
 """Works that are one verb with one array, and one function of Pinocchio that takes the same arguments."""
 
 GRAPHDYN_FORMS: Mapping[str, Forms] = {
-    "inverse_dynamics": graphdyn_forms.inverse,
-    "forward_dynamics": graphdyn_forms.forward,
+    "inverse_dynamics": partial(graphdyn_forms.dynamics, False),
+    "forward_dynamics": partial(graphdyn_forms.dynamics, True),
     "solve_kkt": graphdyn_forms.solve_kkt,
     "joint_torque_regressor": graphdyn_forms.regressor,
     "inverse_dynamics_derivatives": graphdyn_forms.verb("inverse_dynamics_derivatives", InverseDynamicsDerivatives),
@@ -36,12 +28,12 @@ GRAPHDYN_FORMS: Mapping[str, Forms] = {
     **{name: graphdyn_forms.verb(name) for name in SINGLE_ARRAY_WORKS},
 }
 PINOCCHIO_FORMS: Mapping[str, Forms] = {
-    "inverse_dynamics": pinocchio_forms.inverse,
-    "forward_dynamics": pinocchio_forms.forward,
+    "inverse_dynamics": partial(pinocchio_forms.dynamics, False),
+    "forward_dynamics": partial(pinocchio_forms.dynamics, True),
     "solve_kkt": pinocchio_forms.solve_kkt,
     "joint_torque_regressor": pinocchio_forms.regressor,
-    "inverse_dynamics_derivatives": pinocchio_forms.inverse_derivatives,
-    "forward_dynamics_derivatives": pinocchio_forms.forward_derivatives,
+    "inverse_dynamics_derivatives": partial(pinocchio_forms.derivatives, False),
+    "forward_dynamics_derivatives": partial(pinocchio_forms.derivatives, True),
     **{name: pinocchio_forms.quantity(name) for name in SINGLE_ARRAY_WORKS},
 }
 
@@ -86,32 +78,6 @@ WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
 """Title, what errors are relative to, and their bound, in the order of the report."""
 
 
-class Peers:
-    """Other libraries, and why some are left out. folder: for code that is compiled"""
-
-    def __init__(self, states: States, folder: Path) -> None:
-        self._states, self._folder = states, folder
-        self.left_out: dict[str, str] = {}
-        try:
-            self.mujoco: MujocoModel | None = MujocoModel(states.model)
-        except MujocoRefuses as refusal:
-            self.mujoco, self.left_out["mujoco"] = None, str(refusal)
-
-    def contenders(self, work: str, threads: Sequence[int]) -> list[Contender]:
-        found: list[Contender] = []
-        if self.mujoco is not None and work == "inverse_dynamics":
-            found += mujoco_forms.inverse(self._states, self.mujoco)
-        if self.mujoco is not None and work == "forward_dynamics":
-            found += mujoco_forms.forward(self._states, self.mujoco, threads)
-        forms = {"inverse_dynamics": casadi_forms.inverse, "forward_dynamics": casadi_forms.forward}
-        if work in forms and "casadi" not in self.left_out:
-            try:
-                found += forms[work](self._states, self._folder)
-            except CasadiRefuses as refusal:
-                self.left_out["casadi"] = str(refusal)
-        return found
-
-
 def works_of(states: States) -> list[str]:
     """Their names; couplings and loops are not simulated."""
     tree = not (states.model.couplings or states.model.chords)
@@ -120,10 +86,8 @@ def works_of(states: States) -> list[str]:
 
 def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:
     """A work with all its contenders."""
-    if name == "single_inverse":
-        contenders = single_states.inverse(states)
-    elif name == "single_forward":
-        contenders = single_states.forward(states)
+    if name in ("single_inverse", "single_forward"):
+        contenders = calls.single_states(states, name == "single_forward")
     elif name == simulations.SIMULATION_NAME:
         contenders = simulations.contenders(states, peers.mujoco)
     elif name in CALL_WORKS:

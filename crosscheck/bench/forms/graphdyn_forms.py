@@ -58,16 +58,12 @@ def our_name() -> str:
     return COMPILED_NAME if chosen_backend() == "llvm" else RECURSIVE_NAME
 
 
-def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
-    inputs, out = (states.q, states.v, states.a), aligned(states.q.shape)
-    into, projected = _calls(graphdyn.joint_torques, states.model, inputs, out)
-    return [*_recursive(into, threads, states.torque_errors), _projected(projected, states.torque_errors)]
-
-
-def forward(states: States, threads: Sequence[int]) -> list[Contender]:
-    inputs, out = (states.q, states.v, states.tau), aligned(states.q.shape)
-    into, projected = _calls(graphdyn.joint_accelerations, states.model, inputs, out)
-    return [*_recursive(into, threads, states.acceleration_errors), _projected(projected, states.acceleration_errors)]
+def dynamics(forward: bool, states: States, threads: Sequence[int]) -> list[Contender]:
+    """Joint accelerations, or joint torques."""
+    inputs, errors = states.dynamics(forward)
+    verb = graphdyn.joint_accelerations if forward else graphdyn.joint_torques
+    into, projected = _calls(verb, states.model, inputs, aligned(states.q.shape))
+    return [*_recursive(into, threads, errors), _projected(projected, errors)]
 
 
 def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:

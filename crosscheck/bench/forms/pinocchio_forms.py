@@ -32,36 +32,37 @@ def instruction_set() -> str:
     return str(SimdInstructionSetsInUse())
 
 
-def inverse(states: States, threads: Sequence[int]) -> list[Contender]:
-    bare, out = states.bare, np.empty(states.q.shape)
-    rnea, model, data = bare.rnea, bare.model, bare.data
+def dynamics(forward: bool, states: States, threads: Sequence[int]) -> list[Contender]:
+    """Joint accelerations, or joint torques."""
+    (inputs, errors), bare = states.dynamics(forward), states.bare
+    one, several = (bare.aba, bare.aba_in_parallel) if forward else (bare.rnea, bare.rnea_in_parallel)
+    out = aligned(states.q.shape)
+
+    def in_parallel(used: int) -> Contender:
+        models = bare.pool(used)
+
+        def run(count: int) -> Array:
+            several(used, models, *(x[:count].T for x in inputs), out[:count].T)
+            return out[:count]
+
+        return Contender(PINOCCHIO_PARALLEL, used, run, errors, POOL_NOTE, least=UNLIMITED_SAMPLES)
+
+    loop = _looped(states, one, inputs, np.empty(states.q.shape))
+    return [Contender(PINOCCHIO_LOOP, 1, loop, errors, PYTHON_LOOP_NOTE), *map(in_parallel, threads)]
+
+
+def _looped(
+    states: States, function: Callable[..., Array], inputs: tuple[Array, Array, Array], out: Array
+) -> Callable[[int], Array]:
+    """run(count): the function of one state after the other."""
+    model, data = states.bare.model, states.bare.data
 
     def loop(count: int) -> Array:
-        for k, (q, v, a) in enumerate(zip(states.q[:count], states.v[:count], states.a[:count], strict=True)):
-            out[k] = rnea(model, data, q, v, a)
+        for k, (q, v, given) in enumerate(zip(*(x[:count] for x in inputs), strict=True)):
+            out[k] = function(model, data, q, v, given)
         return out[:count]
 
-    return [
-        Contender(PINOCCHIO_LOOP, 1, loop, states.torque_errors, PYTHON_LOOP_NOTE),
-        *_in_parallel(bare.rnea_in_parallel, bare.pool, (states.q, states.v, states.a), threads, states.torque_errors),
-    ]
-
-
-def forward(states: States, threads: Sequence[int]) -> list[Contender]:
-    bare, out = states.bare, np.empty(states.q.shape)
-    aba, model, data = bare.aba, bare.model, bare.data
-
-    def loop(count: int) -> Array:
-        for k, (q, v, tau) in enumerate(zip(states.q[:count], states.v[:count], states.tau[:count], strict=True)):
-            out[k] = aba(model, data, q, v, tau)
-        return out[:count]
-
-    return [
-        Contender(PINOCCHIO_LOOP, 1, loop, states.acceleration_errors, PYTHON_LOOP_NOTE),
-        *_in_parallel(
-            bare.aba_in_parallel, bare.pool, (states.q, states.v, states.tau), threads, states.acceleration_errors
-        ),
-    ]
+    return loop
 
 
 def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:
@@ -81,35 +82,17 @@ def solve_kkt(states: States, threads: Sequence[int]) -> list[Contender]:
 
 
 def regressor(states: States, threads: Sequence[int]) -> list[Contender]:
-    bare, n = states.bare, states.model.n_bodies
-    regressor, model, data = bare.torque_regressor, bare.model, bare.data
-    memory: list[Array] = []
-
-    def loop(count: int) -> Array:
-        if not memory or len(memory[0]) < count:
-            memory[:] = [np.empty((count, n, BODY_PARAMETERS * n))]
-        out = memory[0]
-        for k, (q, v, a) in enumerate(zip(states.q[:count], states.v[:count], states.a[:count], strict=True)):
-            out[k] = regressor(model, data, q, v, a)
-        return out[:count]
-
+    n = states.model.n_bodies
+    out = np.empty((min(len(states), MAX_LOOPED_SAMPLES), n, BODY_PARAMETERS * n))
+    loop = _looped(states, states.bare.torque_regressor, (states.q, states.v, states.a), out)
     return [Contender(PINOCCHIO_LOOP, 1, loop, states.regressor_errors, PYTHON_LOOP_NOTE, most=MAX_LOOPED_SAMPLES)]
 
 
-def inverse_derivatives(states: States, threads: Sequence[int]) -> list[Contender]:
-    names = VERBS["inverse_dynamics_derivatives"].outputs
-    return _derivatives(states, states.bare.rnea_derivatives, states.a, names)
-
-
-def forward_derivatives(states: States, threads: Sequence[int]) -> list[Contender]:
-    names = VERBS["forward_dynamics_derivatives"].outputs
-    return _derivatives(states, states.bare.aba_derivatives, states.tau, names)
-
-
-def _derivatives(
-    states: States, function: Callable[..., tuple[Array, Array, Array]], given: Array, names: Sequence[str]
-) -> list[Contender]:
-    """given: the accelerations or torques at which the function differentiates"""
+def derivatives(forward: bool, states: States, threads: Sequence[int]) -> list[Contender]:
+    """Three derivatives of joint accelerations, or of joint torques."""
+    (*_, given), _ = states.dynamics(forward)
+    function = states.bare.aba_derivatives if forward else states.bare.rnea_derivatives
+    names = VERBS[f"{'forward' if forward else 'inverse'}_dynamics_derivatives"].outputs
     n, model, data = states.model.n_bodies, states.bare.model, states.bare.data
     out = np.empty((len(names), min(len(states), MAX_LOOPED_SAMPLES), n, n))
     by_q, by_v, by_given = out
@@ -148,24 +131,3 @@ def quantity(name: str) -> Forms:
         ]
 
     return forms
-
-
-def _in_parallel(
-    function: Callable[..., None],
-    pool: Callable[[int], object],
-    arrays: tuple[Array, ...],
-    threads: Sequence[int],
-    errors: Callable[[Array], Array],
-) -> list[Contender]:
-    out = aligned(arrays[0].shape)
-
-    def contender(used: int) -> Contender:
-        models = pool(used)
-
-        def run(count: int) -> Array:
-            function(used, models, *(x[:count].T for x in arrays), out[:count].T)
-            return out[:count]
-
-        return Contender(PINOCCHIO_PARALLEL, used, run, errors, POOL_NOTE, least=UNLIMITED_SAMPLES)
-
-    return [contender(used) for used in threads]

@@ -9,7 +9,7 @@ from small_benchmark import DERIVED, PEERS, SAMPLES, SMALL, WORKS
 
 from crosscheck.bench import cold, identification
 from crosscheck.bench.calls import CALL_WORKS
-from crosscheck.bench.forms import casadi_forms, mujoco_forms
+from crosscheck.bench.forms import peers
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.commands.bench.record import record as record_of
 from crosscheck.report.records.json import plain
@@ -53,7 +53,7 @@ class TestNumbers:
 
     def test_peers_take_part_or_it_is_said_why(self, found):
         names = {entry.name for measured in found.works for entry in measured.entries}
-        for library, form in (("mujoco", mujoco_forms.MUJOCO_ROLLOUT), ("casadi", casadi_forms.CASADI_NAME)):
+        for library, form in (("mujoco", peers.MUJOCO_ROLLOUT), ("casadi", peers.CASADI_NAME)):
             assert (form in names) == (library in found.peers) == (library not in found.left_out)
 
     def test_accuracy(self, found):

@@ -10,7 +10,7 @@ from small_benchmark import DERIVED, PEERS, SAMPLES
 import graphdyn
 from crosscheck.bench.calls import CallWork, contenders
 from crosscheck.bench.curves import chain
-from crosscheck.bench.forms import casadi_forms, graphdyn_forms
+from crosscheck.bench.forms import graphdyn_forms, peers
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.bench.states import SINGLE_STATE_SAMPLES, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, WORK_DESCRIPTIONS
@@ -68,7 +68,7 @@ class TestForms:
 
     def test_forms_without_a_compiler(self, states, monkeypatch):
         monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")
-        forms = graphdyn_forms.inverse(states, (1, 2))
+        forms = graphdyn_forms.dynamics(False, states, (1, 2))
         assert [form.name for form in forms if form.ours] == ["graphdyn NumPy"]
 
     @pytest.mark.parametrize("before", [None, "numpy"])
@@ -90,6 +90,6 @@ class TestForms:
     def test_casadi_function(self, states):
         casadi = pytest.importorskip("casadi")
         program = trace(states.model, REQUESTS["inverse_dynamics"])
-        function = casadi_forms.casadi_function(casadi, program, "tau", "f")
+        function = peers.casadi_function(casadi, program, "tau", "f")
         tau = np.array(function(states.q[0], states.v[0], states.a[0])).ravel()
         assert states.torque_errors(tau[None]).max() < PEERS

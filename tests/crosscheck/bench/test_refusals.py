@@ -11,8 +11,8 @@ from typer.testing import CliRunner
 
 from crosscheck.bench import benchmark
 from crosscheck.bench.cold import in_fresh_process
-from crosscheck.bench.forms import casadi_forms
-from crosscheck.bench.forms.casadi_forms import CasadiRefuses
+from crosscheck.bench.forms import peers
+from crosscheck.bench.forms.peers import CasadiRefuses
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
 from crosscheck.bench.states import random_states
 from crosscheck.commands import app
@@ -49,21 +49,21 @@ class TestRefusals:
 
     def test_no_mujoco(self, states, tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, "mujoco", None)
-        peers = benchmark.Peers(states, tmp_path)
-        assert "the package mujoco is not installed" in peers.left_out["mujoco"]
+        others = peers.Peers(states, tmp_path)
+        assert "the package mujoco is not installed" in others.left_out["mujoco"]
 
     def test_no_casadi(self, states, tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, "casadi", None)
-        peers = benchmark.Peers(states, tmp_path)
-        found = peers.contenders("inverse_dynamics", (1,))
-        assert casadi_forms.CASADI_NAME not in {contender.name for contender in found}
-        assert peers.left_out["casadi"] == "the package casadi is not installed: pip install 'graphdyn[peers]'"
+        others = peers.Peers(states, tmp_path)
+        found = others.contenders("inverse_dynamics", (1,))
+        assert peers.CASADI_NAME not in {contender.name for contender in found}
+        assert others.left_out["casadi"] == "the package casadi is not installed: pip install 'graphdyn[peers]'"
 
     def test_no_c_compiler(self, states, tmp_path, monkeypatch):
         pytest.importorskip("casadi")
         monkeypatch.setattr(shutil, "which", lambda _: None)
         with pytest.raises(CasadiRefuses, match=r"generates C code, and there is no C compiler \(cc\)"):
-            casadi_forms.inverse(states, tmp_path)
+            peers.casadi_dynamics(False, states, tmp_path)
 
     def test_the_c_compiler_fails(self, states, tmp_path, monkeypatch):
         pytest.importorskip("casadi")
@@ -72,7 +72,7 @@ class TestRefusals:
         failing.chmod(0o755)
         monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
         with pytest.raises(CasadiRefuses, match="the C compiler fails on CasADi's code: no space left"):
-            casadi_forms.inverse(states, tmp_path)
+            peers.casadi_dynamics(False, states, tmp_path)
 
     def test_a_process_that_fails(self, tmp_path):
         with pytest.raises(RuntimeError, match=r"the task first_calls in a process of its own failed.*model\.pickle"):

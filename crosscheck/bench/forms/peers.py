@@ -1,11 +1,11 @@
-"""CasADi in the benchmark: C code for one state, from graphdyn's recorded recursions, compiled for this machine."""
+"""Other libraries in the benchmark, where they are installed and can represent the robot: CasADi and MuJoCo."""
 
 from __future__ import annotations
 
 import operator
 import shutil
 import subprocess
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +13,13 @@ import numpy as np
 
 from crosscheck.bench.contender import AMORTIZED_SAMPLES, Contender
 from crosscheck.bench.states import States
+from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import GraphDynError
 from graphdyn.compiler import Request, trace
 from graphdyn.layout import Array
 from graphdyn.scalars import Program
 
+MUJOCO_LOOP, MUJOCO_ROLLOUT = "mujoco loop", "mujoco rollout"
 CASADI_NAME = "casadi code generation"
 COMPILER_FLAGS = ("-O3", "-march=native", "-fPIC", "-shared")
 CASADI_NOTE = (
@@ -29,20 +31,16 @@ class CasadiRefuses(GraphDynError):
     """CasADi or a C compiler is missing, or the compiler fails."""
 
 
-def inverse(states: States, folder: Path) -> list[Contender]:
-    program = trace(states.model, Request("inverse_dynamics", ("tau",)))
-    run = _compiled(program, "tau", {"q": states.q, "v": states.v, "a": states.a}, folder)
-    return [Contender(CASADI_NAME, 1, run, states.torque_errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
+def casadi_dynamics(forward: bool, states: States, folder: Path) -> list[Contender]:
+    """Joint accelerations, or joint torques. folder: of the compiled code. Raises CasadiRefuses."""
+    recursion, output = ("forward_dynamics", "a") if forward else ("inverse_dynamics", "tau")
+    program, (_, errors) = trace(states.model, Request(recursion, (output,))), states.dynamics(forward)
+    run = _compiled(program, output, [getattr(states, name) for name in program.inputs], folder)
+    return [Contender(CASADI_NAME, 1, run, errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
 
 
-def forward(states: States, folder: Path) -> list[Contender]:
-    program = trace(states.model, Request("forward_dynamics", ("a",)))
-    run = _compiled(program, "a", {"q": states.q, "v": states.v, "tau": states.tau}, folder)
-    return [Contender(CASADI_NAME, 1, run, states.acceleration_errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
-
-
-def _compiled(program: Program, output: str, arrays: dict[str, Array], folder: Path) -> Callable[[int], Array]:
-    """run(count) on the first rows of the arrays. Raises CasadiRefuses."""
+def _compiled(program: Program, output: str, inputs: Sequence[Array], folder: Path) -> Callable[[int], Array]:
+    """run(count) on the first rows of the inputs. Raises CasadiRefuses."""
     try:
         import casadi
     except ImportError:
@@ -62,12 +60,12 @@ def _compiled(program: Program, output: str, arrays: dict[str, Array], folder: P
     if done.returncode:
         raise CasadiRefuses(f"the C compiler fails on CasADi's code: {' '.join(done.stderr.split())}")
     native = casadi.external(name, str(library))
-    out = np.empty((len(arrays["q"]), len(program.outputs[output])))
+    out = np.empty((len(inputs[0]), len(program.outputs[output])))
     prepared: dict[int, Callable[[], object]] = {}
 
     def run(count: int) -> Array:
         if count not in prepared:
-            prepared[count] = _on_buffers(native.map(count), [arrays[k][:count] for k in program.inputs], out[:count])
+            prepared[count] = _on_buffers(native.map(count), [x[:count] for x in inputs], out[:count])
         prepared[count]()
         return out[:count]
 
@@ -110,3 +108,55 @@ def _on_buffers(function: Any, arguments: list[Array], result: Array) -> Callabl
         return call()
 
     return run
+
+
+def mujoco_inverse(states: States, native: MujocoModel) -> list[Contender]:
+    out = np.empty(states.q.shape)
+    return [
+        Contender(
+            MUJOCO_LOOP,
+            1,
+            lambda count: native.inverse_loop(states.q[:count], states.v[:count], states.a[:count], out[:count]),
+            states.torque_errors,
+            "a Python loop of mj_inverse, arguments copied to MjData and results from there",
+        )
+    ]
+
+
+def mujoco_forward(states: States, native: MujocoModel, threads: Sequence[int]) -> list[Contender]:
+    return [
+        Contender(
+            MUJOCO_ROLLOUT,
+            used,
+            native.rollout(states.q, states.v, states.tau, used),
+            states.acceleration_errors,
+            "one step of mujoco.rollout per state: forward dynamics and the integration of the state",
+            least=AMORTIZED_SAMPLES,
+        )
+        for used in threads
+    ]
+
+
+class Peers:
+    """Other libraries, and why some are left out. folder: for code that is compiled"""
+
+    def __init__(self, states: States, folder: Path) -> None:
+        self._states, self._folder = states, folder
+        self.left_out: dict[str, str] = {}
+        try:
+            self.mujoco: MujocoModel | None = MujocoModel(states.model)
+        except MujocoRefuses as refusal:
+            self.mujoco, self.left_out["mujoco"] = None, str(refusal)
+
+    def contenders(self, work: str, threads: Sequence[int]) -> list[Contender]:
+        found: list[Contender] = []
+        if self.mujoco is not None and work == "inverse_dynamics":
+            found += mujoco_inverse(self._states, self.mujoco)
+        if self.mujoco is not None and work == "forward_dynamics":
+            found += mujoco_forward(self._states, self.mujoco, threads)
+        if work in ("inverse_dynamics", "forward_dynamics") and "casadi" not in self.left_out:
+            try:
+                found += casadi_dynamics(work == "forward_dynamics", self._states, self._folder)
+            except CasadiRefuses as refusal:
+                self.left_out["casadi"] = str(refusal)
+        return found
