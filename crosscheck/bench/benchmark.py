@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -149,27 +150,21 @@ def benchmark(
             done("first calls", 0)
             fresh.append(in_fresh_process("first_calls", Path(folder)))
         done("first calls", 1)
-    found = identifications(
-        model,
-        RECORDING_FACTOR * samples,
-        seed,
-        compared,
-        effort.processes,
-        effort.most_loop,
-        lambda what: done(what, 0),
-    )
+
+    def working(what: str) -> None:
+        done(what, 0)
+
+    recorded = RECORDING_FACTOR * samples
+    found = identifications(model, recorded, seed, compared, effort.processes, effort.most_loop, working)
     done("identification", 1)
-    lines = [curves.thread_counts(states, counts, effort.duration, effort.repeats)]
+    how = effort.duration, effort.repeats
+    lines = [curves.thread_counts(states, counts, *how)]
     done("threads", 1)
-    states = random_states(model, RECORDING_FACTOR * samples, seed)
+    states = random_states(model, recorded, seed)
     for name in ("inverse_dynamics", "forward_dynamics"):
-        lines.append(
-            curves.batch_sizes(states, name, compared, effort.duration, effort.repeats, lambda what: done(what, 0))
-        )
+        lines.append(curves.batch_sizes(states, name, compared, *how, working))
         done("batches", 1)
-    lines += curves.chain_lengths(
-        effort.lengths, effort.duration, effort.repeats, effort.processes, lambda what: done(what, 0)
-    )
+    lines += curves.chain_lengths(effort.lengths, *how, effort.processes, working)
     done("chains", 1)
     return Benchmark(
         robot=robot,
@@ -205,12 +200,8 @@ def _peers(works: list[MeasuredWork]) -> dict[str, str]:
     taking_part = {entry.name.split()[0] for measured in works for entry in measured.entries}
     described = {"pinocchio": f"{PINOCCHIO}, as installed, built for {instruction_set()}"}
     if "mujoco" in taking_part:
-        from importlib.metadata import version
-
         described["mujoco"] = f"{version('mujoco')}, as installed; constraints, contacts and limits off"
     if CASADI.split()[0] in taking_part:
-        from importlib.metadata import version
-
         described["casadi"] = (
             f"{version('casadi')}: C code of graphdyn's recorded recursions, one state at a time, "
             "built for this machine; Pinocchio's own pinocchio.casadi is not used"

@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 import graphdyn
-from crosscheck.bench.contender import Contender, TimedContender, Work, measure
+from crosscheck.bench.contender import Contender, Work, measure
 from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.bench.machine.timing import Times, in_turns
@@ -106,13 +106,15 @@ def batch_sizes(
         runs = [partial(contenders[k].run, size) for k in chosen]
         for k, seconds in zip(chosen, in_turns(runs, [contenders[k].threads for k in chosen], repeats), strict=True):
             rows[k].append((size, Times(tuple(second / size for second in seconds))))
-    lines = [
-        Line(c.name, c.threads, tuple(x for x, _ in row), tuple(times for _, times in row))
-        for c, row in zip(contenders, rows, strict=True)
-    ]
-    return ScalingCurve(
-        f"batch_{work}", f"{work.replace('_', ' ')}: size of the batch", "samples per call", "sample", tuple(lines)
-    )
+    lines = tuple(_line(c.name, c.threads, row) for c, row in zip(contenders, rows, strict=True))
+    title = f"{work.replace('_', ' ')}: size of the batch"
+    return ScalingCurve(f"batch_{work}", title, "samples per call", "sample", lines)
+
+
+def _line(name: str, threads: int, row: Sequence[tuple[int, Times]]) -> Line:
+    """row: x and times of every point"""
+    x, times = zip(*row, strict=True)
+    return Line(name, threads, x, times)
 
 
 def _call(point: tuple[int, Times]) -> float:
@@ -133,19 +135,11 @@ def chain_lengths(
         contenders = tuple(replace(c, errors=None) for c in _forms(states, "solve_kkt", (1,)))
         for entry in measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries:
             rows.setdefault((entry.name, entry.threads), []).append((n, entry.times))
-    lines = tuple(
-        Line(name, threads, tuple(n for n, _ in row), tuple(times for _, times in row))
-        for (name, threads), row in rows.items()
-    )
-    notes = long_notes(lengths)
-    call = Line(FIRST_CALL_CURVE, 1, tuple(n for n, _ in first), tuple(times for _, times in first))
+    lines, notes = tuple(_line(*key, row) for key, row in rows.items()), long_notes(lengths)
+    call, of_chain = _line(FIRST_CALL_CURVE, 1, first), "length of a chain"
     return [
-        ScalingCurve(
-            "bodies", "all accelerations and multipliers: length of a chain", "bodies", "sample", lines, notes
-        ),
-        ScalingCurve(
-            "first_call", "recording and compiling: length of a chain", "bodies", "first call", (call,), notes
-        ),
+        ScalingCurve("bodies", f"all accelerations and multipliers: {of_chain}", "bodies", "sample", lines, notes),
+        ScalingCurve("first_call", f"recording and compiling: {of_chain}", "bodies", "first call", (call,), notes),
     ]
 
 
@@ -163,13 +157,11 @@ def thread_counts(states: States, threads: Sequence[int], duration: float, repea
         if c.name in (graphdyn_forms.our_name(), pinocchio_forms.PINOCCHIO_PARALLEL)
     )
     entries = measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries
-    names = dict.fromkeys(entry.name for entry in entries)
-    lines = tuple(_over_threads(name, [entry for entry in entries if entry.name == name]) for name in names)
+    lines = tuple(
+        _line(name, 0, [(entry.threads, entry.times) for entry in entries if entry.name == name])
+        for name in dict.fromkeys(entry.name for entry in entries)
+    )
     return ScalingCurve("threads", "forward dynamics: number of threads", "threads", "sample", lines)
-
-
-def _over_threads(name: str, entries: Sequence[TimedContender]) -> Line:
-    return Line(name, 0, tuple(entry.threads for entry in entries), tuple(entry.times for entry in entries))
 
 
 def _forms(states: States, work: str, threads: Sequence[int]) -> list[Contender]:
