@@ -36,7 +36,7 @@ GROUP_DISTANCE = 0.07
 def study_ranks(key: str, ranking: Ranking, what: str) -> Markup:
     """what: by which error."""
     label = f"Mean ranks by {what}: " + ", ".join(
-        f"{name} {mean:.2f}" for name, mean in zip(ranking.methods, ranking.mean, strict=True)
+        f"{name} {mean:.2f}" for name, mean in zip(ranking.methods, ranking.rank.value, strict=True)
     )
     height = AXIS + ROW * len(ranking.methods)
     return picture(key, label, (WIDTH, height), lambda axes: _draw_ranks(axes, ranking, height))
@@ -55,9 +55,9 @@ def _draw_ranks(axes: Axes, ranking: Ranking, height: float) -> None:
     axes.tick_params(axis="y", length=0)
     axes.tick_params(axis="x", labelsize=7.5, length=2, color=INK)
     axes.hlines(y, 0.5, count + 0.5, color=FAINT_COLOR, linewidth=0.5, zorder=0)
-    axes.hlines(y, ranking.low, ranking.high, color=BAR, linewidth=3.5)
+    axes.hlines(y, ranking.rank.low, ranking.rank.high, color=BAR, linewidth=3.5)
     colors = [CURVES[0] if name in ranking.leaders else INK for name in ranking.methods]
-    axes.scatter(ranking.mean, y, s=16, color=colors, zorder=3, linewidths=0)
+    axes.scatter(ranking.rank.value, y, s=16, color=colors, zorder=3, linewidths=0)
     axes.set_xlabel("mean rank, 1 is best", fontsize=8, color=INK, labelpad=1)
     for (first, last), column in zip(ranking.alike, columns, strict=True):
         x = 1 + (0.08 + GROUP_DISTANCE * column) / (WIDTH * axes.get_position().width)
@@ -204,8 +204,8 @@ def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
         for error, ranking in rankings.items():
             k = of[error][name]
             cells += [
-                interval_text(ranking.mean[k], ranking.low[k], ranking.high[k], ".2f"),
-                interval_text(ranking.ratio[k], ranking.ratio_low[k], ranking.ratio_high[k], ".3g") if k else "1",
+                interval_text(ranking.rank[k], ".2f"),
+                interval_text(ranking.ratio[k], ".3g") if k else "1",
             ]
         rows.append(Row((*cells, first.failures[first.methods.index(name)] or None)))
     columns = [
@@ -226,21 +226,22 @@ def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
 
 def trades(found: StudySummary, rankings: dict[str, Ranking]) -> Iterator[Block]:
     """Accuracy of the same methods against their time."""
-    seconds = {
-        method.name: np.concatenate([scenario.seconds[:, k] for scenario in found.outcomes.scenarios])
-        for k, method in enumerate(found.outcomes.methods)
-    }
     for error, ranking in rankings.items():
         every = [
-            Trade(
-                name, median(seconds[name][~np.isnan(seconds[name])]).value, float(ranking.ratio[k]),
-                float(ranking.ratio_low[k]), float(ranking.ratio_high[k]), ranking.failures[k] == 0,
-            )
+            Trade(name, _median_time(found, name), ratio.value, ratio.low, ratio.high, ranking.failures[k] == 0)
             for k, name in enumerate(ranking.methods)
-        ]  # fmt: skip
+            for ratio in [ranking.ratio[k]]
+        ]
         drawn = [trade for trade in every if np.isfinite(trade.ratio) and trade.seconds > 0]
         if drawn:
             what, best = ERRORS_IN_WORDS[error], ranking.methods[0]
             draw = partial(study_pareto, trades=drawn, what=what, best=best)
             yield Picture(draw, title=f"By {what}", on=("page",), folded=error != HEADLINE_ERROR)
     yield Prose(TRADE_OFF_NOTE.format(level=CONFIDENCE_LEVEL), soft=True, on=("page",))
+
+
+def _median_time(found: StudySummary, method: str) -> float:
+    """Over all records that it took part in [s]."""
+    k = [one.name for one in found.outcomes.methods].index(method)
+    seconds = np.concatenate([scenario.seconds[:, k] for scenario in found.outcomes.scenarios])
+    return median(seconds[~np.isnan(seconds)]).value

@@ -54,6 +54,10 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     iterations: median
     most_iterations: largest number of iterations
     simulations: median number of simulated motions
+    bias: mean of found minus true
+    bias_low, bias_high: ends of the intervals of the bias
+    spread: standard deviation
+    spread_low, spread_high: ends of the intervals of the spread
     """
 
     method: str = attribute("method.name")
@@ -65,12 +69,12 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     iterations: Number
     most_iterations: Number
     simulations: Number
-    bias: Numbers = attribute("parameters.bias")
-    bias_low: Numbers = attribute("parameters.bias_low")
-    bias_high: Numbers = attribute("parameters.bias_high")
-    spread: Numbers = attribute("parameters.spread")
-    spread_low: Numbers = attribute("parameters.spread_low")
-    spread_high: Numbers = attribute("parameters.spread_high")
+    bias: Numbers = attribute("parameters.bias.value")
+    bias_low: Numbers = attribute("parameters.bias.low")
+    bias_high: Numbers = attribute("parameters.bias.high")
+    spread: Numbers = attribute("parameters.spread.value")
+    spread_low: Numbers = attribute("parameters.spread.low")
+    spread_high: Numbers = attribute("parameters.spread.high")
     stated: Numbers = attribute("parameters.stated")
 
 
@@ -139,8 +143,8 @@ def _rank(ranking: Ranking, k: int) -> dict[str, Any]:
     return written(
         StudyRankRecord,
         method=ranking.methods[k],
-        rank=Interval(ranking.mean[k], ranking.low[k], ranking.high[k]),
-        ratio=Interval(ranking.ratio[k], ranking.ratio_low[k], ranking.ratio_high[k]),
+        rank=ranking.rank[k],
+        ratio=ranking.ratio[k],
         failures=ranking.failures[k],
         better_than=[name for other, name in enumerate(ranking.methods) if ranking.better(k, other)],
     )

@@ -52,7 +52,7 @@ def study_parameters(key: str, methods: Sequence[MethodSummary], scale: Array, u
 def _draw(axes: Axes, methods: Sequence[MethodSummary], scale: Array, unit: str, height: float) -> None:
     axes.set_axis_off()
     width = (WIDTH - LEFT) / PARAMETER_PANELS_PER_ROW
-    drawn = [part / scale for one in methods for part in (one.parameters.bias, one.parameters.spread)]
+    drawn = [part / scale for one in methods for part in (one.parameters.bias.value, one.parameters.spread.value)]
     finite = np.concatenate(drawn)
     reach = 1.3 * max(MAX_LINEAR_VALUE, float(np.abs(finite[np.isfinite(finite)]).max(initial=0.0)))
     for k, one in enumerate(methods):
@@ -91,13 +91,15 @@ def _draw_method(panel: Axes, one: MethodSummary, scale: Array, reach: float) ->
     """Pale bars: ± the spread; dots: the bias, upright lines: its interval, red where it does not have zero in it."""
     found = one.parameters
     x = np.arange(len(scale)) + 1.0
-    spread = found.spread / scale
+    spread = found.spread.value / scale
     panel.plot(*_strokes(x, -spread, spread), color=BAR, linewidth=2.4, alpha=0.45, solid_capstyle="butt")
-    biased = (found.bias_low > 0) | (found.bias_high < 0)
+    biased = (found.bias.low > 0) | (found.bias.high < 0)
     for which, color in ((~biased, INK), (biased, CURVES[1])):
-        at, low, high = x[which], found.bias_low[which] / scale[which], found.bias_high[which] / scale[which]
+        at, low, high = x[which], found.bias.low[which] / scale[which], found.bias.high[which] / scale[which]
         panel.plot(*_strokes(at, np.maximum(low, -reach), np.minimum(high, reach)), color=color, linewidth=0.9)
-        panel.plot(at, found.bias[which] / scale[which], linestyle="", marker="o", markersize=1.8, mew=0, color=color)
+        panel.plot(
+            at, found.bias.value[which] / scale[which], linestyle="", marker="o", markersize=1.8, mew=0, color=color
+        )
 
 
 def _strokes(x: Any, low: Any, high: Any) -> tuple[Array, Array]:
@@ -201,7 +203,7 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
 
 def _honesty(one: MethodSummary) -> float | None:
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = one.parameters.stated / one.parameters.spread
+        ratios = one.parameters.stated / one.parameters.spread.value
     ratios = ratios[np.isfinite(ratios)]
     return float(np.median(ratios)) if len(ratios) else None
 
@@ -210,7 +212,7 @@ def _parameters(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) ->
     answered = [one for one in methods if one.found > 1]
     if not answered:
         return
-    usual = np.median([one.parameters.spread for one in answered], axis=0)
+    usual = np.median([one.parameters.spread.value for one in answered], axis=0)
     usual = np.where(usual > 0, usual, 1.0)
     for measures, (title, _) in METHOD_CLASSES.items():
         of_class = [one for one in answered if one.method.measures == measures]
@@ -224,8 +226,8 @@ def _parameters(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) ->
 
 def _parameter_table(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary], what: str) -> Table:
     def cell(one: MethodSummary, k: int) -> Hover:
-        value, low, high = (getattr(one.parameters, f"{what}{end}")[k] for end in ("", "_low", "_high"))
-        return Hover(float(value), interval_text(value, low, high, ".3g"))
+        found = getattr(one.parameters, what)[k]
+        return Hover(found.value, interval_text(found, ".3g"))
 
     rows = [
         Row((name, outcomes.base_units[k], outcomes.truth[k], *(cell(one, k) for one in methods)))

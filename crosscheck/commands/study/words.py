@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from crosscheck.report.report import NO_VALUE
 from crosscheck.study.statistics.intervals import Interval
 from crosscheck.study.statistics.outcomes import Measures
 
@@ -24,17 +25,17 @@ HEADLINE_ERROR = "torque_error"
 """The error of the verdict and of the terminal: of torques of another motion, which users of a model meet first."""
 
 
-def interval_text(value: float, low: float, high: float, form: str) -> str:
+def interval_text(found: Interval, form: str, factor: float = 1.0) -> str:
     """Such as "2.10 (1.4–3.2)"."""
-    if np.isnan(value):
-        return "–"
-    said = _text(value, form)
-    return said if np.isnan(low) else f"{said} ({_text(low, form)}–{_text(high, form)})"
+    if np.isnan(found.value):
+        return NO_VALUE
+    value, low, high = (_text(factor * x, form) for x in (found.value, found.low, found.high))
+    return value if np.isnan(found.low) else f"{value} ({low}–{high})"
 
 
-def percent_text(found: Interval, form: str = ".2g") -> str:
+def percent_text(found: Interval) -> str:
     """A share or a relative error in percent, without the sign."""
-    return interval_text(100 * found.value, 100 * found.low, 100 * found.high, form)
+    return interval_text(found, ".2g", 100.0)
 
 
 def _text(value: float, form: str) -> str:

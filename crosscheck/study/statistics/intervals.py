@@ -40,6 +40,18 @@ class Interval:
     high: float
 
 
+@dataclass(frozen=True, eq=False)
+class Intervals:
+    """Estimates (k,) and the ends of their confidence intervals; NaN where there are none."""
+
+    value: Array
+    low: Array
+    high: Array
+
+    def __getitem__(self, k: int) -> Interval:
+        return Interval(float(self.value[k]), float(self.low[k]), float(self.high[k]))
+
+
 UNKNOWN_INTERVAL = Interval(np.nan, np.nan, np.nan)
 
 
@@ -76,30 +88,30 @@ def median(values: Array) -> Interval:
     return Interval(float(center), float(values[k - 1]), float(values[-k]))
 
 
-def means(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array, Array]:
-    """Mean of every column of (N, k), and the ends of its interval; NaN below one value, ends below two."""
+def means(values: Array, level: float = CONFIDENCE_LEVEL) -> Intervals:
+    """Mean of every column of (N, k); NaN below one value, ends below two."""
     from scipy.stats import t
 
     count = len(values)
     if count < 2:
         nothing = np.full(values.shape[1:], np.nan)
-        return (values[0] if count else nothing), nothing, nothing
+        return Intervals(values[0] if count else nothing, nothing, nothing)
     center = values.mean(axis=0)
     half = t.ppf((1 + level) / 2, count - 1) * values.std(axis=0, ddof=1) / np.sqrt(count)
-    return center, center - half, center + half
+    return Intervals(center, center - half, center + half)
 
 
-def deviations(values: Array, level: float = CONFIDENCE_LEVEL) -> tuple[Array, Array, Array]:
-    """Standard deviation of every column of (N, k), and the ends of its interval; NaN below two values."""
+def deviations(values: Array, level: float = CONFIDENCE_LEVEL) -> Intervals:
+    """Standard deviation of every column of (N, k); NaN below two values."""
     from scipy.stats import chi2
 
     free = len(values) - 1
     if free < 1:
         nothing = np.full(values.shape[1:], np.nan)
-        return nothing, nothing, nothing
+        return Intervals(nothing, nothing, nothing)
     spread = values.std(axis=0, ddof=1)
-    ends = [np.sqrt(free / chi2.ppf(p, free)) for p in ((1 + level) / 2, (1 - level) / 2)]
-    return spread, spread * ends[0], spread * ends[1]
+    low, high = (np.sqrt(free / chi2.ppf(p, free)) for p in ((1 + level) / 2, (1 - level) / 2))
+    return Intervals(spread, spread * low, spread * high)
 
 
 N_RESAMPLES = 10_000

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, drawn_means, ends
+from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Intervals, drawn_means, ends
 from crosscheck.study.statistics.outcomes import ScenarioOutcomes
 from graphdyn.layout import Array
 
@@ -92,9 +92,9 @@ class Ranking:
     """k methods over N records.
 
     methods: best first
-    mean: mean ranks, rising; low, high: ends of their intervals        (k,)
-    ratio: geometric mean of error / error of the first, over records that both have             (k,)
-    ratio_low, ratio_high: its ends; NaN where both have one record alone of a scenario                  (k,)
+    rank: mean ranks, rising                                            (k,)
+    ratio: geometric mean of error / error of the first, over records that both have; no ends where both have one
+        record alone of a scenario                                      (k,)
     records: common ones on which they were ranked: those for which some method has an answer, N
     probability: of ranks as different as these if all methods were alike, by Friedman; None where nothing is compared
     distance: Nemenyi's critical distance of mean ranks
@@ -102,12 +102,8 @@ class Ranking:
     """
 
     methods: tuple[str, ...]
-    mean: Array
-    low: Array
-    high: Array
-    ratio: Array
-    ratio_low: Array
-    ratio_high: Array
+    rank: Intervals
+    ratio: Intervals
     records: int
     probability: float | None
     distance: float
@@ -120,7 +116,7 @@ class Ranking:
 
     def better(self, one: int, other: int) -> bool:
         """Whether one is better than the other, beyond the critical distance. Numbers from 0 in the order of rank."""
-        return self.differ and bool(self.mean[other] - self.mean[one] > self.distance)
+        return self.differ and bool(self.rank.value[other] - self.rank.value[one] > self.distance)
 
     @property
     def leaders(self) -> tuple[str, ...]:
@@ -155,15 +151,12 @@ def ranked(names: Sequence[str], columns: Sequence[int], scenarios: Sequence[Sce
     logs = [_log_ratios(of_scenario[:, order]) for of_scenario in errors]
     shared = [part for part in logs if not np.isnan(part).all()]
     alone = np.any([(~np.isnan(part)).sum(axis=0) == 1 for part in logs], axis=0)
-    ratio_low, ratio_high = np.where(alone, np.nan, np.exp(ends(_drawn(logs, scenarios), runs)))
+    ratio_ends = np.where(alone, np.nan, np.exp(ends(_drawn(logs, scenarios), runs)))
+    ratio = np.exp(_mean_over([_mean_over(part) for part in shared])) if shared else np.full(len(order), np.nan)
     return Ranking(
         methods=tuple(names[k] for k in order),
-        mean=mean,
-        low=np.minimum(low, mean),
-        high=np.maximum(high, mean),
-        ratio=np.exp(_mean_over([_mean_over(part) for part in shared])) if shared else np.full(len(order), np.nan),
-        ratio_low=ratio_low,
-        ratio_high=ratio_high,
+        rank=Intervals(mean, np.minimum(low, mean), np.maximum(high, mean)),
+        ratio=Intervals(ratio, *ratio_ends),
         records=len(together),
         probability=friedman(together),
         distance=critical_distance(len(order), len(together)),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.study.statistics.intervals import UNKNOWN_INTERVAL, Interval, deviations, means, median, share
+from crosscheck.study.statistics.intervals import Interval, Intervals, deviations, means, median, share
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method, ScenarioOutcomes, StudyOutcomes
 from crosscheck.study.statistics.ranking import Ranking, ranked
 from graphdyn.layout import Array
@@ -18,25 +18,18 @@ from graphdyn.layout import Array
 class ParameterSpread:
     """What the runs of one scenario that a method did not fail say of every base parameter, each (b,).
 
-    bias: mean of found minus true
-    bias_low, bias_high: ends of the intervals of the bias
-    spread: standard deviation
-    spread_low, spread_high: ends of the intervals of the spread
+    bias: mean of found minus true; spread: standard deviation
     stated: root mean square of the standard deviations that the method states; NaN where it states none
     """
 
-    bias: Array
-    bias_low: Array
-    bias_high: Array
-    spread: Array
-    spread_low: Array
-    spread_high: Array
+    bias: Intervals
+    spread: Intervals
     stated: Array
 
     @property
     def biased(self) -> int:
         """Parameters whose interval of the bias does not have zero in it."""
-        return int(((self.bias_low > 0) | (self.bias_high < 0)).sum())
+        return int(((self.bias.low > 0) | (self.bias.high < 0)).sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,18 +109,17 @@ def _rankings(found: StudyOutcomes, scenarios: Sequence[ScenarioOutcomes]) -> di
 
 
 def _method(scenario: ScenarioOutcomes, method: Method, k: int) -> MethodSummary:
-    if not scenario.taken[k]:
-        return _no_part(method, len(scenario.truth))
-    answered = scenario.found[:, k]
+    rows = slice(None if scenario.taken[k] else 0)
+    answered = np.flatnonzero(scenario.found[rows, k])
     known = scenario.consistent[answered, k]
     known = known[~np.isnan(known)]
-    runs, found = len(answered), int(answered.sum())
-    times = scenario.seconds[:, k]
+    times = scenario.seconds[rows, k]
+    runs, found = len(times), len(answered)
     return MethodSummary(
         method,
         runs,
         found,
-        {error: median(scenario.errors[error][:, k]) for error in ERRORS},
+        {error: median(scenario.errors[error][rows, k]) for error in ERRORS},
         share(runs - found, runs),
         share(int(known.sum()), len(known)),
         _middle_and_largest(scenario.iterations[answered, k]),
@@ -138,18 +130,10 @@ def _method(scenario: ScenarioOutcomes, method: Method, k: int) -> MethodSummary
     )
 
 
-def _no_part(method: Method, parameters: int) -> MethodSummary:
-    errors, nothing = dict.fromkeys(ERRORS, UNKNOWN_INTERVAL), (np.nan, np.nan)
-    spread = _spread(np.empty((0, parameters)), np.empty((0, parameters)), np.zeros(parameters))
-    return MethodSummary(
-        method, 0, 0, errors, UNKNOWN_INTERVAL, UNKNOWN_INTERVAL, nothing, nothing, UNKNOWN_INTERVAL, spread, {}
-    )
-
-
 def _spread(base: Array, sigma: Array, truth: Array) -> ParameterSpread:
     stated = sigma[~np.isnan(sigma).any(axis=1)]
     usual = np.sqrt((stated**2).mean(axis=0)) if len(stated) else np.full(len(truth), np.nan)
-    return ParameterSpread(*means(base - truth), *deviations(base), usual)
+    return ParameterSpread(means(base - truth), deviations(base), usual)
 
 
 def _middle_and_largest(values: Array) -> tuple[float, float]:

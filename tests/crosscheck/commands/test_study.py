@@ -69,7 +69,7 @@ def test_record(report, folder):
         )
         for one in summary.methods:
             if one.runs:
-                assert by_name[one.method.name]["bias"] == pytest.approx(one.parameters.bias.tolist())
+                assert by_name[one.method.name]["bias"] == pytest.approx(one.parameters.bias.value.tolist())
 
 
 def test_terminal(report, folder):

@@ -70,9 +70,10 @@ def test_means_and_deviations():
     values = np.random.default_rng(1).normal([1.0, -2.0], [0.3, 5.0], size=(7, 2))
     for k, column in enumerate(values.T):
         known = scipy.stats.ttest_1samp(column, 0).confidence_interval(0.95)
-        assert [x[k] for x in means(values)[1:]] == pytest.approx([known.low, known.high])
-        _, low, high = (x[k] for x in deviations(values))
-        for end, tail in ((low, scipy.stats.chi2.sf), (high, scipy.stats.chi2.cdf)):
+        found = means(values)[k]
+        assert [found.low, found.high] == pytest.approx([known.low, known.high])
+        spread = deviations(values)[k]
+        for end, tail in ((spread.low, scipy.stats.chi2.sf), (spread.high, scipy.stats.chi2.cdf)):
             assert tail(6 * column.var(ddof=1) / end**2, 6) == pytest.approx(0.025)
 
 
@@ -161,11 +162,11 @@ def test_ranking(study):
     assert found.better(0, 3)
     assert not found.better(0, 2)
     assert not found.better(3, 0)
-    assert np.all(found.low <= found.mean)
-    assert np.all(found.mean <= found.high)
+    assert np.all(found.rank.low <= found.rank.value)
+    assert np.all(found.rank.value <= found.rank.high)
     iv = found.methods.index("iv")
-    assert found.ratio[iv] == pytest.approx(0.7 / 0.6), "where both have an answer their errors are in this ratio"
-    assert found.ratio_low[iv] == pytest.approx(0.7 / 0.6)
+    assert found.ratio.value[iv] == pytest.approx(0.7 / 0.6), "where both have an answer their errors are in this ratio"
+    assert found.ratio.low[iv] == pytest.approx(0.7 / 0.6)
 
 
 def test_few_records_tell_little(study):
@@ -180,7 +181,7 @@ def test_few_records_tell_little(study):
 def test_one_run_has_no_interval():
     found = summarized(outcomes(*study_tables(1, motions=("Fourier",))))
     ranking = found.rankings["torques", "torque_error"]
-    assert np.isnan(ranking.low).all()
+    assert np.isnan(ranking.rank.low).all()
     assert found.scenarios[0].rankings["torques", "torque_error"].probability is None
     assert not found.scenarios[0].rankings["torques", "torque_error"].differ
 
@@ -192,9 +193,9 @@ def test_one_common_record_has_no_interval_of_the_ratio():
     lone = [{**row, **failed} if row["method"] == "wls" and row["run"] else row for row in results]
     ranking = summarized(outcomes(lone, scenarios, times)).rankings["torques", "torque_error"]
     wls = ranking.methods.index("wls")
-    assert np.isfinite(ranking.ratio[wls])
-    assert np.isnan([ranking.ratio_low[wls], ranking.ratio_high[wls]]).all()
-    assert np.isfinite(ranking.ratio_low[: wls - 1]).all()
+    assert np.isfinite(ranking.ratio.value[wls])
+    assert np.isnan([ranking.ratio.low[wls], ranking.ratio.high[wls]]).all()
+    assert np.isfinite(ranking.ratio.low[: wls - 1]).all()
 
 
 def test_stated_deviations_of_the_runs_that_state_them():
@@ -213,7 +214,7 @@ def test_summary(study):
     ols, cloe = (scenario.methods[names.index(name)] for name in ("ols", "cloe"))
     spread = ols.parameters
     planted = NOISES[-1] * METHODS["ols"][1] * TRUTH
-    assert np.all(np.abs(spread.bias - planted) < 4 * spread.stated / np.sqrt(RUNS))
+    assert np.all(np.abs(spread.bias.value - planted) < 4 * spread.stated / np.sqrt(RUNS))
     assert spread.stated == pytest.approx(NOISES[-1] * np.abs(TRUTH))
     assert spread.biased == len(NAMES)
     assert (cloe.runs, cloe.found, cloe.reasons) == (6, 2, {"no convergence after 50 iterations": 4})
