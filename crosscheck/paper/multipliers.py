@@ -1,10 +1,14 @@
-"""Section 3.2 as the paper prints it: 30 multipliers, number by number, from printed constraints and measured motion.
+"""Section 3.2 as the paper prints it, and corrected: 30 multipliers beside those of Pinocchio's rnea.
 
+As printed they follow, number by number, from printed constraints and measured motion.
 A q̈ - B + φ_qᵀ λ = 0 with q̈ and B measured. B was formed from the joint forces and moments without gravity, so that
 A q̈ - B is the weight of each body and nothing else (docs/deviations.md, C4): φ_qᵀ λ = -F^g. The axis rows of joints 2,
 3 and 5, whose axes are horizontal, are dependent (A2): their multipliers are not determined, and the moment about the
 axis, which the actuator carries, has no column. The printed values of the joints before these follow if that moment is
 transmitted to the next body; here two moments, one of them about the axis, replace the two dependent rows.
+
+Corrected they are those of the whole motion, gravity included: at one instant, and with joint forces and moments at
+every time of the experiment.
 """
 
 from __future__ import annotations
@@ -19,7 +23,16 @@ import numpy as np
 from crosscheck.paper.errata import world_axis_rows
 from crosscheck.paper.printed import MULTIPLIERS, Printed
 from crosscheck.paper.tables import joint_motion, rail
-from graphdyn import MaximalState, kr500, maximal_state
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.reference_values import multipliers_of
+from graphdyn import (
+    MaximalState,
+    VirtualRecording,
+    inverse_dynamics,
+    kr500,
+    kr500_experiment,
+    maximal_state,
+)
 from graphdyn.equations import joint_axes
 from graphdyn.layout import ANGULAR, LINEAR, Array, body_rows, joint_rows
 
@@ -193,3 +206,106 @@ def printed_ratios() -> Mapping[int, float]:
     """λ_j4 / λ_j5 as printed, of the joints whose rows are dependent."""
     fourth, fifth = MULTIPLIERS.values[3:5]
     return {j: float(fourth[j - 1] / fifth[j - 1]) for j in (2, 3, 5)}
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedMultipliers:
+    """The multipliers that follow from the corrected constraints, and Pinocchio's.
+
+    multipliers, rnea: force in world axes, moments about t_1, t_2, of the inside body on body j   (6, 5)  [N, N m]
+    difference: largest one, relative to the largest force or moment of its kind
+    tau: actuator torques                                                       (6,)    [N m]
+    forces: of the inside body on body j, world axes                            (6, 3)  [N]
+    moments: the same about O_j, actuator included, world axes                  (6, 3)  [N m]
+    reading: one sentence per joint about the forces and moments it carries     (6,)
+    """
+
+    multipliers: Array
+    rnea: Array
+    difference: float
+    tau: Array
+    forces: Array
+    moments: Array
+    reading: tuple[str, ...]
+
+
+def corrected_multipliers(time: float = INSTANT) -> CorrectedMultipliers:
+    """All multipliers of the paper's motion at a time [s]."""
+    model, motion = kr500(), rail(time)
+    q, v, a = joint_motion(time)
+    ours = inverse_dynamics(model, q, v, a, base=motion, method="dense")
+    there = PinocchioModel.from_model(model).carried(q[None], v[None], a[None], ours.tau[None], motion)
+    state = maximal_state(model, q, v, a, base=motion)
+    rnea = multipliers_of(model, state.rotation, there.joint_wrenches[0])
+    forces, moments = (
+        np.einsum("iab,ib->ia", state.rotation, ours.joint_wrenches[:, part]) for part in (LINEAR, ANGULAR)
+    )
+    kinds = slice(0, 3), slice(3, 5)
+    differences = [np.abs(ours.multipliers[:, k] - rnea[:, k]).max() / np.abs(rnea[:, k]).max() for k in kinds]
+    reading = tuple(
+        _reading(name, force, moment, axis, torque)
+        for name, force, moment, axis, torque in zip(
+            model.joint_names, forces, moments, joint_axes(state), ours.tau, strict=True
+        )
+    )
+    return CorrectedMultipliers(ours.multipliers, rnea, float(np.max(differences)), ours.tau, forces, moments, reading)
+
+
+def _reading(name: str, force: Array, moment: Array, axis: Array, torque: float) -> str:
+    """A sentence on vertical and horizontal force, the moment about the axis (the actuator's), and that across it."""
+    across = np.linalg.norm(moment - torque * axis)
+    return (
+        f"{name} carries {force[2] / 1e3:.1f} kN upwards and {np.hypot(*force[:2]) / 1e3:.1f} kN sideways; "
+        f"its actuator gives {torque / 1e3:.2f} kN m about the axis, its bearings {across / 1e3:.2f} kN m across it"
+    )
+
+
+REVOLUTE_MOMENTS = slice(3, 5)
+"""The moments among the five multipliers of a revolute joint; LINEAR are the forces."""
+
+RANK_TIMES = (0.0, 0.02, INSTANT, 2.0)
+"""Times at which the rank of the printed rows is shown [s]: at rest, just after, in section 3.2, at the end."""
+
+
+@dataclass(frozen=True, eq=False)
+class OverTime:
+    """The experiment at 101 times from 0 to 2 s.
+
+    recording: graphdyn's experiment
+    multipliers, rnea: of the corrected model, and from the wrenches of rnea   (N, 6, 5)  [N, N m]
+    rnea_moments: of the inside body on body j at O_j, world axes    (N, 6, 3)  [N m]
+    rnea_tau: of the actuators                              (N, 6)     [N m]
+    difference: largest of multipliers, forces, moments and torques, relative to the largest of its kind
+    ranks: time → rank of the printed axis rows of the 30
+    """
+
+    recording: VirtualRecording
+    multipliers: Array
+    rnea: Array
+    rnea_moments: Array
+    rnea_tau: Array
+    difference: float
+    ranks: dict[float, int]
+
+
+def over_time() -> OverTime:
+    """The experiment with its motion, from rest, on the rail."""
+    model, recording = kr500(), kr500_experiment()
+    q, v, a, base = recording.q, recording.v, recording.a, rail(recording.time)
+    ours = inverse_dynamics(model, q, v, a, base=base, method="dense")
+    there = PinocchioModel.from_model(model).carried(q, v, a, recording.tau, base)
+    rotation = maximal_state(model, q, v, a, base=base).rotation
+    rnea = multipliers_of(model, rotation, there.joint_wrenches)
+    forces, moments = (
+        np.einsum("...ab,...b->...a", rotation, there.joint_wrenches[..., part]) for part in (LINEAR, ANGULAR)
+    )
+    pairs = (
+        (ours.multipliers[..., LINEAR], rnea[..., LINEAR]),
+        (ours.multipliers[..., REVOLUTE_MOMENTS], rnea[..., REVOLUTE_MOMENTS]),
+        (recording.joint_forces, forces),
+        (recording.joint_moments, moments),
+        (recording.tau, there.tau),
+    )
+    difference = float(np.max([np.abs(here - other).max() / np.abs(other).max() for here, other in pairs]))
+    ranks = {time: printed_rank(time) for time in RANK_TIMES}
+    return OverTime(recording, ours.multipliers, rnea, moments, there.tau, difference, ranks)

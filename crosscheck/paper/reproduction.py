@@ -11,13 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.paper.corrected import CorrectedMultipliers, OverTime, corrected_multipliers, over_time
 from crosscheck.paper.errata import Effect, measure
 from crosscheck.paper.multipliers import (
     MIN_REPRODUCED_DIGITS,
+    CorrectedMultipliers,
     Multiplier,
+    OverTime,
     PrintedMultipliers,
+    corrected_multipliers,
     multipliers,
+    over_time,
     printed_multipliers,
     printed_ratios,
 )

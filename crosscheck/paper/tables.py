@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from crosscheck.paper.printed import SAMPLE_TIMES, TABLE_2, TABLE_3, TABLE_4, Printed
 from graphdyn import BaseMotion, RobotModel, VirtualRecording, kr500, kr500_experiment
 from graphdyn.experiments import BODY_LENGTHS, BODY_RADII, RAIL_ACCELERATION
 from graphdyn.identification import EPS, identify_principal_parameters, identify_principal_parameters_together
-from graphdyn.layout import Array
+from graphdyn.layout import BODY_DOF, LINEAR, Array
 
 WHY_TABLE_2 = (
     "Nothing differs: homogeneous steel cylinders of 7801 kg/m³ give every printed digit. The row labels J_i1 and J_i2 "
@@ -65,21 +65,19 @@ def _places(number: Printed) -> int:
     return len((number.text or "").partition(".")[2])
 
 
-ALONG_THE_RAIL = np.array([1.0, 0.0, 0.0])
-
-
 def joint_motion(time: float) -> tuple[Array, Array, Array]:
     """q, v, a (6,) at a time [s]."""
     recording = kr500_experiment([time])
     return recording.q[0], recording.v[0], recording.a[0]
 
 
-def rail(time: float) -> BaseMotion:
-    """The carriage at a time [s], from rest."""
-    speed, acceleration = np.zeros(6), np.zeros(6)
-    speed[:3], acceleration[:3] = RAIL_ACCELERATION * time * ALONG_THE_RAIL, RAIL_ACCELERATION * ALONG_THE_RAIL
-    path = RAIL_ACCELERATION * time**2 / 2 * ALONG_THE_RAIL
-    return BaseMotion(translation=path, velocity=speed, acceleration=acceleration)
+def rail(time: ArrayLike) -> BaseMotion:
+    """The carriage at times (…) [s], from rest."""
+    t = np.asarray(time, dtype=float)[..., None]
+    acceleration = np.zeros((*t.shape[:-1], BODY_DOF))
+    acceleration[..., 0] = RAIL_ACCELERATION
+    path = t**2 / 2 * acceleration[..., LINEAR]
+    return BaseMotion(translation=path, velocity=t * acceleration, acceleration=acceleration)
 
 
 MEASURED_DIGITS = 7

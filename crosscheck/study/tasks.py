@@ -21,11 +21,10 @@ import numpy as np
 from crosscheck.identifying import method_named
 from crosscheck.identifying.methods.loop_methods import in_loop
 from crosscheck.study.settings.configuration import Configuration, shown_name, takes_wrenches
-from crosscheck.study.settings.robot_settings import RobotSettings
 from crosscheck.study.settings.scenarios import Scenario
-from crosscheck.study.simulated.motions import reference, start_of
+from crosscheck.study.settings.settings import RobotSettings
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of
-from crosscheck.study.simulated.runs import RecordedProblem, known_model, simulated
+from crosscheck.study.simulated.runs import RecordedProblem, known_model, reference, simulated, start_of
 from crosscheck.user_code import module_of_file
 from graphdyn import EstimationFailed, Friction, InvalidInput, rollout
 from graphdyn.identification import (

@@ -7,8 +7,14 @@ from itertools import groupby
 import numpy as np
 
 from crosscheck.commands.paper.texts import misprints, multiplier_text, printed_text
-from crosscheck.paper.corrected import CorrectedMultipliers, OverTime
-from crosscheck.paper.multipliers import INSTANT, WHY_PRINTED, Multiplier, printed_ratios
+from crosscheck.paper.multipliers import (
+    INSTANT,
+    WHY_PRINTED,
+    CorrectedMultipliers,
+    Multiplier,
+    OverTime,
+    printed_ratios,
+)
 from crosscheck.paper.reproduction import WHY_CORRECTED, Reproduction
 from crosscheck.report.report import Column, Note, Notes, Panel, Plot, Prose, Row, Section, Series, Table
 from graphdyn.layout import Array

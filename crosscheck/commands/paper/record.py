@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 from crosscheck.commands.errata.record import EffectRecord
-from crosscheck.paper.corrected import CorrectedMultipliers
 from crosscheck.paper.errata import ERRATA
-from crosscheck.paper.multipliers import WHY_PRINTED, Multiplier, printed_ratios
+from crosscheck.paper.multipliers import WHY_PRINTED, CorrectedMultipliers, Multiplier, printed_ratios
 from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
 from crosscheck.paper.reproduction import WHY_CORRECTED, Check, Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, WHY_TABLE_3, GeometryTable, PaperIdentification, PaperTrial

@@ -19,8 +19,7 @@ from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, int
 from crosscheck.report.pictures.svg import BAR, CURVES, FAINT_COLOR, INK, MIDDLE_COLOR, picture
 from crosscheck.report.report import Block, Column, Picture, Prose, Row, Table
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median
-from crosscheck.study.statistics.ranking import Ranking
-from crosscheck.study.statistics.summary import StudySummary
+from crosscheck.study.statistics.summary import Ranking, StudySummary
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

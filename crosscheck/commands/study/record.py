@@ -8,8 +8,7 @@ from typing import Annotated, Any
 from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Numbers, Record, attribute, written
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method
-from crosscheck.study.statistics.ranking import Ranking
-from crosscheck.study.statistics.summary import MethodSummary, ScenarioSummary, StudySummary
+from crosscheck.study.statistics.summary import MethodSummary, Ranking, ScenarioSummary, StudySummary
 
 
 class StudyRankRecord(Record):

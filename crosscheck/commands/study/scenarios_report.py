@@ -21,8 +21,7 @@ from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, P
 from crosscheck.study.statistics.grid import Grid, with_unit
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
 from crosscheck.study.statistics.outcomes import ERRORS, ScenarioOutcomes
-from crosscheck.study.statistics.ranking import record_ranks
-from crosscheck.study.statistics.summary import MethodSummary, StudySummary
+from crosscheck.study.statistics.summary import MethodSummary, StudySummary, record_ranks
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 

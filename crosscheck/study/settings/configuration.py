@@ -16,9 +16,17 @@ from pathlib import Path
 import numpy as np
 
 from crosscheck.identifying import ESTIMATORS
-from crosscheck.study.settings.robot_settings import ErrorSettings, RobotSettings, error_settings, robot_settings
 from crosscheck.study.settings.scenarios import Scenario, scenarios
-from crosscheck.study.settings.settings import BadConfiguration, Settings, texts, whole
+from crosscheck.study.settings.settings import (
+    BadConfiguration,
+    ErrorSettings,
+    RobotSettings,
+    Settings,
+    error_settings,
+    robot_settings,
+    texts,
+    whole,
+)
 from graphdyn.identification import Estimator
 
 

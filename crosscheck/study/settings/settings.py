@@ -1,14 +1,20 @@
-"""Tables of a TOML file, read key by key: every error names the file and the key, and says what to give."""
+"""Tables of a TOML file, read key by key: every error names the file and the key, and says what to give.
+
+Two of the tables are here: the robot, and the errors of its model.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, TypeVar
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, TypeVar, get_args
 
 from graphdyn import InvalidInput
 from graphdyn.arguments import closest
+from urdf import Reading
+from urdf.reading import Mimic
 
 T = TypeVar("T")
 
@@ -114,3 +120,125 @@ def texts(what: str) -> Callable[[object], tuple[str, ...]]:
         raise ValueError(f"give a list of {what}")
 
     return read
+
+
+@dataclass(frozen=True)
+class RobotSettings:
+    """The robot as it is, its controller, and the limits of its motions. One number for all joints, or one each.
+
+    file: of the configuration, for messages
+    name: of the catalog, or path of a file
+    locked: joints that stand still at zero; chain, gravity, mimic, repair: as in urdf.Reading
+    viscous, coulomb, rotor_inertia: of the drives   [N m s/rad, N m, kg m²; sliding joints in N and kg]
+    position_gain, velocity_gain: of the PD controller; without them from the inertia at q = 0   [N m/rad, N m s/rad]
+    velocity_noise: of the velocities that the controller sees   [rad/s or m/s]
+    lower, upper: of positions, those of the file if left out   [rad or m]
+    velocity, acceleration: largest ones of random and excited motions and steps   [rad/s, rad/s²; m/s, m/s²]
+    """
+
+    file: str
+    name: str
+    locked: tuple[str, ...] = ()
+    chain: tuple[str, ...] | None = None
+    gravity: tuple[float, ...] | None = None
+    mimic: Mimic = "coupled"
+    repair: tuple[str, ...] = ()
+    viscous: Numbers = 0.0
+    coulomb: Numbers = 0.0
+    rotor_inertia: Numbers = 0.0
+    position_gain: Numbers | None = None
+    velocity_gain: Numbers | None = None
+    velocity_noise: float = 1e-4
+    lower: Numbers | None = None
+    upper: Numbers | None = None
+    velocity: Numbers = 2.0
+    acceleration: Numbers = 10.0
+
+    @property
+    def reading(self) -> Reading:
+        chain = None if self.chain is None else (self.chain[0], self.chain[1])
+        return Reading(
+            lock=self.locked or None, chain=chain, gravity=self.gravity, mimic=self.mimic, repair=self.repair
+        )
+
+
+@dataclass(frozen=True)
+class ErrorSettings:
+    """How large the errors of the model are, where a scenario has one.
+
+    torque_factor: recorded torque over true one, of "gear"
+    payload_mass, payload_center: of "payload"; a point in link axes of the last body   [kg, m]
+    joint_stiffness, joint_damping: of "flexible", the damping as a ratio to the critical one   [N m/rad, -]
+    """
+
+    torque_factor: Numbers = 1.05
+    payload_mass: float = 2.0
+    payload_center: tuple[float, ...] = (0.0, 0.0, 0.1)
+    joint_stiffness: Numbers = 2e4
+    joint_damping: Numbers = 0.02
+
+
+def robot_settings(table: Settings, folder: Path) -> RobotSettings:
+    if "name" not in table.values:
+        raise table.error("name", "is missing; give a robot of `graphdyn robots`, or a file")
+    each = one_or_each(not_negative)
+    readers: dict[str, Any] = {
+        "name": lambda value: _path(folder, words(value)),
+        "locked": texts("names of joints"),
+        "chain": _base_and_tip,
+        "gravity": _three,
+        "mimic": one_of(get_args(Mimic)),
+        "repair": texts("names of repairs"),
+        "velocity_noise": not_negative,
+        "position_gain": each,
+        "velocity_gain": each,
+        "viscous": each,
+        "coulomb": each,
+        "rotor_inertia": each,
+        "lower": one_or_each(number),
+        "upper": one_or_each(number),
+        "velocity": one_or_each(positive),
+        "acceleration": one_or_each(positive),
+    }
+    given = _given(RobotSettings, table, readers)
+    if ("position_gain" in given) != ("velocity_gain" in given):
+        raise table.error("position_gain", "and velocity_gain belong together; give both, or none")
+    return RobotSettings(table.file, **given)
+
+
+def error_settings(table: Settings) -> ErrorSettings:
+    readers: dict[str, Any] = {
+        "torque_factor": one_or_each(positive),
+        "payload_mass": not_negative,
+        "payload_center": _three,
+        "joint_stiffness": one_or_each(positive),
+        "joint_damping": one_or_each(not_negative),
+    }
+    return ErrorSettings(**_given(ErrorSettings, table, readers))
+
+
+def _given(kind: Any, table: Settings, readers: dict[str, Any]) -> dict[str, Any]:
+    """The fields that the table has."""
+    names = [field.name for field in fields(kind) if field.name in readers]
+    given = {name: table.take(name, None, readers[name]) for name in names}
+    table.refuse_others()
+    return {name: value for name, value in given.items() if name in table.values}
+
+
+def _base_and_tip(value: object) -> tuple[str, ...]:
+    names = texts("names of links")(value)
+    if len(names) != 2:
+        raise ValueError("give the names of two links: base and tip of an arm")
+    return names
+
+
+def _three(value: object) -> tuple[float, ...]:
+    if isinstance(value, list) and len(value) == 3:
+        return tuple(number(x) for x in value)
+    raise ValueError("give three numbers")
+
+
+def _path(folder: Path, name: str) -> str:
+    """A file beside the configuration, or a name as it is."""
+    there = folder / name
+    return str(there.resolve()) if there.is_file() else name

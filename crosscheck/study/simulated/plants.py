@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike
 
 import urdf
 from crosscheck.identifying.virtual import as_in_cad
-from crosscheck.study.settings.robot_settings import ErrorSettings, RobotSettings
-from crosscheck.study.settings.settings import BadConfiguration, Numbers
+from crosscheck.study.settings.settings import BadConfiguration, ErrorSettings, Numbers, RobotSettings
 from graphdyn import (
     Body,
     Friction,

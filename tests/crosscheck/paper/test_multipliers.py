@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from crosscheck.paper.corrected import corrected_multipliers
-from crosscheck.paper.multipliers import INSTANT, printed_multipliers, printed_rank
+from crosscheck.paper.multipliers import INSTANT, corrected_multipliers, printed_multipliers, printed_rank
 from crosscheck.paper.tables import joint_motion, rail
 from graphdyn import inverse_dynamics, kr500
 

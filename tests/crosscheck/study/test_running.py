@@ -17,12 +17,21 @@ from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.distributing import LocalProcesses
 from crosscheck.study import tasks as computing
-from crosscheck.study.running import DATABASE, PROCESS_DIED, Remaining, run_study, tasks_of
+from crosscheck.study.running import (
+    DATABASE,
+    PROCESS_DIED,
+    RESULTS,
+    SCENARIOS,
+    TIMES,
+    Remaining,
+    opened,
+    run_study,
+    tasks_of,
+)
 from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
-from crosscheck.study.tables import RESULTS, SCENARIOS, TIMES, opened
 from graphdyn import InvalidInput
 
 INTERRUPTED = 130

@@ -7,12 +7,11 @@ import pytest
 from identified import small_study as small
 from identified.small_study import ARM, study_of
 
-from crosscheck.study.settings.robot_settings import ErrorSettings
 from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.settings.settings import ErrorSettings
 from crosscheck.study.simulated import runs as records
-from crosscheck.study.simulated.motions import PAPER_ACCELERATION, reference
 from crosscheck.study.simulated.plants import flexible, plant_of, torque_model_of
-from crosscheck.study.simulated.runs import known_model, simulated
+from crosscheck.study.simulated.runs import PAPER_ACCELERATION, known_model, reference, simulated
 from crosscheck.study.tasks import validation_metric
 from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
 from graphdyn.identification import Samples

@@ -9,8 +9,7 @@ from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
 from crosscheck.study.statistics.intervals import deviations, drawn_means, ends, means, median, share
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
-from crosscheck.study.statistics.ranking import critical_distance, friedman, record_ranks
-from crosscheck.study.statistics.summary import summarized
+from crosscheck.study.statistics.summary import critical_distance, friedman, record_ranks, summarized
 from graphdyn import InvalidInput
 
 # Demšar 2006, Table 6: ranks of C4.5 and three variants on 14 data sets
