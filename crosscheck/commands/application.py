@@ -16,9 +16,8 @@ from crosscheck.commands.inspect import command as inspect
 from crosscheck.commands.judge import command as judge
 from crosscheck.commands.paper import command as paper
 from crosscheck.commands.program import own_process
-from crosscheck.commands.program.encodings import accept_all_characters
-from crosscheck.commands.program.ending_signals import ended_by_signals
-from crosscheck.commands.program.exits import AGREED, Command, CommandGroup
+from crosscheck.commands.program.console import accept_all_characters
+from crosscheck.commands.program.exits import AGREED, Command, CommandGroup, ended_by_signals
 from crosscheck.commands.program.settings import as_command
 from crosscheck.commands.questions import command as questions
 from crosscheck.commands.robots import command as robots

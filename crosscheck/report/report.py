@@ -305,11 +305,13 @@ class Report:
 
 
 def with_stage(report: Report, figures: Sequence[Figure]) -> Report:
-    """The report with these robots in three dimensions, in one stage.
+    """The report with these robots in three dimensions, in one stage; without any, the report as it is.
 
     It is in place of the picture of the report's robot; where there is none, or are several, at the end of the first
     section.
     """
+    if not figures:
+        return report
     stage = Stage(tuple(figures))
     pictures = [block for section in report.sections for block in section.blocks if isinstance(block, RobotPicture)]
     if len(pictures) != 1:

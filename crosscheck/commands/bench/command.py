@@ -58,5 +58,5 @@ def run(options: BenchOptions) -> None:
             found = benchmark(
                 options.robot, model, options.samples, options.seed, options.threads, options.quick, advance
             )
-    deliver(bench_report(found), options.html_file, options.json_file)
+    deliver(bench_report(found), options)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -10,12 +10,10 @@ import typer
 from crosscheck.commands.crosscheck.folder import compare_folder
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, err, progress, warnings_shown
-from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.options import EXAMPLES
+from crosscheck.commands.program.options import EXAMPLES, is_folder
 from crosscheck.commands.program.reading_options import refuse_for_several
-from crosscheck.commands.program.robot_files import is_folder
-from crosscheck.commands.program.three_d import figure_at_rest
 from graphdyn import GraphDynError
 
 if TYPE_CHECKING:
@@ -62,7 +60,6 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         raise typer.Exit(compare_folder(context, options))
     from crosscheck.commands.crosscheck.report import crosscheck_report
     from crosscheck.comparing.compare import compare
-    from crosscheck.report.report import with_stage
     from urdf import Reading
 
     choice = [(robot, reading) for robot in robots]
@@ -77,10 +74,11 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         except (GraphDynError, OSError) as error:
             complain(error, context)
             failures.append({"robot": robot, "message": str(error)})
-    report = crosscheck_report(comparisons, failures)
-    if options.three_d and comparisons:
-        report = with_stage(report, [figure_at_rest(one.robot, one.model, one.reading) for one in comparisons])
-    deliver(report, options.html_file, json_file)
+    deliver(
+        crosscheck_report(comparisons, failures),
+        options,
+        lambda: [figure_at_rest(one.robot, one.model, one.reading) for one in comparisons],
+    )
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)

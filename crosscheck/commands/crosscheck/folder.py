@@ -8,8 +8,7 @@ from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, progress, say
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.options import command_line
-from crosscheck.commands.program.robot_files import files_below, is_folder
+from crosscheck.commands.program.options import command_line, files_below, is_folder
 from crosscheck.distributing import Lost
 from graphdyn import GraphDynError
 
@@ -63,7 +62,7 @@ def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
         for robot in (*robots, *(given for given in file.failures if given not in robots))
     ]
     detailed = [comparisons[robot] for robot in robots if robot in comparisons]
-    deliver(folder_report(rows, detailed), options.html_file)
+    deliver(folder_report(rows, detailed), options)
     if file.failures:
         return BAD_INPUT
     return DISAGREED if any(row.verdict == DISAGREES for row in rows) else AGREED

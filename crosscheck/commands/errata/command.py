@@ -36,4 +36,4 @@ def run(options: ErrataOptions) -> None:
         effects = measure(
             options.samples, options.seed, lambda effect: advance(f"{effect.erratum} on {effect.robot}", 1)
         )
-    deliver(errata_report(effects, options.samples, options.seed), json_file=options.json_file)
+    deliver(errata_report(effects, options.samples, options.seed), options)

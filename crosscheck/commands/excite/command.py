@@ -11,11 +11,10 @@ import typer
 from crosscheck.commands.excite.options import ExciteOptions
 from crosscheck.commands.excite.search import best_of
 from crosscheck.commands.program.console import progress, say, warnings_shown
-from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.delivery import deliver, planned_figures
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
-from crosscheck.commands.program.three_d import planned_figures
 
 if TYPE_CHECKING:
     from crosscheck.exciting.excited import Excited, PlannedMotion
@@ -51,7 +50,6 @@ def run(options: ExciteOptions) -> None:
     from crosscheck.commands.excite.report import excite_report
     from crosscheck.exciting.excited import Excited, planned, random_plans, recorded_information
     from crosscheck.exciting.motion_formats.motion_file import read_motion
-    from crosscheck.report.report import with_stage
     from graphdyn.excitation import excitation_plan
 
     with warnings_shown():
@@ -83,10 +81,7 @@ def run(options: ExciteOptions) -> None:
         excitation_plan(problem.torque_model, total.known), drawn, best, median, recorded, tuple(failures), known,
     )  # fmt: skip
     written = _write(found, model, options.out, options.out_rate, settings) if options.out is not None else ()
-    report = excite_report(found, written)
-    if options.three_d:
-        report = with_stage(report, planned_figures(found))
-    deliver(report, options.html_file, options.json_file)
+    deliver(excite_report(found, written), options, lambda: planned_figures(found))
     raise typer.Exit(DISAGREED if found.violated or found.hits else AGREED)
 
 

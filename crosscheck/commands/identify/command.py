@@ -14,10 +14,9 @@ from rich.text import Text
 from crosscheck.commands.identify.models import method_shown, methods_of
 from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.program.console import out, progress, say, warnings_shown
-from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.delivery import deliver, recorded
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
-from crosscheck.commands.program.three_d import recorded
 from crosscheck.report.plain_text import printable
 from graphdyn.errors import counted
 
@@ -63,16 +62,12 @@ def run(options: IdentifyOptions) -> None:
     models = options.candidates(methods_of(options.methods, of_sums=options.in_parts))
     preparation, loop = options.preparation, options.loop
     from crosscheck.commands.identify.report import identify_report
-    from crosscheck.report.report import with_stage
 
     with warnings_shown():
         way = simulated if not options.logs else from_parts if options.in_parts else from_recordings
         found = way(options, robot, Asked(models, preparation, options.poses, loop))
     shown = found.shown(None if options.choose is None else method_shown(options.choose))
-    report = identify_report(found, shown)
-    if options.three_d:
-        report = with_stage(report, [recorded(found)])
-    deliver(report, options.html_file, options.json_file)
+    deliver(identify_report(found, shown), options, lambda: [recorded(found)])
     if options.urdf_file is not None and not written(found, shown, robot, options.urdf_file.path, options):
         raise typer.Exit(DISAGREED)
     raise typer.Exit(AGREED if found.usable else DISAGREED)

@@ -12,9 +12,8 @@ import typer
 from crosscheck.commands.program.console import complain, err, progress
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.options import EXAMPLES, ReportOptions, robot_names
+from crosscheck.commands.program.options import EXAMPLES, ReportOptions, files_below, robot_names
 from crosscheck.commands.program.reading_options import ReadingOptions, refuse_for_several
-from crosscheck.commands.program.robot_files import files_below
 from graphdyn import GraphDynError
 
 EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500
@@ -65,7 +64,7 @@ def run(context: typer.Context, options: InspectOptions) -> None:
     examine = partial(inspect, meshes=options.meshes, reading=options.reading)
     with progress("inspect", len(robots) if err.is_terminal else None) as advance:
         reports = inspect_files(robots, advance, examine)
-    deliver(inspect_report(reports, failures), options.html_file, options.json_file)
+    deliver(inspect_report(reports, failures), options)
     if failures or any("unreadable-file" in report.codes for report in reports):
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(report.usable for report in reports) else DISAGREED)

@@ -11,7 +11,7 @@ import typer
 from crosscheck.commands.judge.answers import AnswerOptions, warn_of_unused, write_further
 from crosscheck.commands.judge.programs import ProgramOptions, user_programs
 from crosscheck.commands.program.console import progress, warnings_shown
-from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.exits import AGREED, DISAGREED, PENDING
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.judged_functions import (
@@ -24,7 +24,6 @@ from crosscheck.commands.program.judged_functions import (
 )
 from crosscheck.commands.program.options import EXAMPLES, PageOptions
 from crosscheck.commands.program.reading_options import pairs
-from crosscheck.commands.program.three_d import figure_at_rest
 
 if TYPE_CHECKING:
     from crosscheck.judging.exchange.program import ProgramFunction
@@ -132,7 +131,6 @@ def run(options: JudgeOptions) -> None:
         from crosscheck.commands.judge.report import judge_report
         from crosscheck.judging.exchange.answer_files import read_answers
         from crosscheck.judging.exchange.rounds import AnswersPending, judge_answers
-        from crosscheck.report.report import with_stage
 
         try:
             with progress(robot) as advance, warnings_shown():
@@ -144,8 +142,5 @@ def run(options: JudgeOptions) -> None:
             raise typer.Exit(PENDING) from None
     if unused:
         warn_of_unused(unused)
-    report = judge_report(judgment)
-    if options.three_d:
-        report = with_stage(report, [figure_at_rest(robot, judgment.model, judgment.reading)])
-    deliver(report, options.html_file, options.json_file)
+    deliver(judge_report(judgment), options, lambda: [figure_at_rest(robot, judgment.model, judgment.reading)])
     raise typer.Exit(AGREED if judgment.agrees and judgment.decided else DISAGREED)

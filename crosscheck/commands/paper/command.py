@@ -38,5 +38,5 @@ def run(options: PaperOptions) -> None:
 
     with progress("paper", len(PROGRESS_STEPS) + N_EFFECTS) as advance:
         found = reproduce(options.samples, options.seed, lambda what: advance(what, 1))
-    deliver(paper_report(found), options.html_file, options.json_file)
+    deliver(paper_report(found), options)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -17,7 +17,7 @@ from multiprocessing.process import BaseProcess
 import typer
 
 from crosscheck.commands.program import console
-from crosscheck.commands.program.encodings import accept_all_characters
+from crosscheck.commands.program.console import accept_all_characters
 from crosscheck.distributing.processes import end_with_parent
 from crosscheck.judging.exchange.line_process import end_in_words
 from graphdyn import GraphDynError

@@ -15,4 +15,4 @@ def run(options: JsonOptions) -> None:
     import urdf
     from crosscheck.commands.robots.report import robots_report
 
-    deliver(robots_report(urdf.robots()), json_file=options.json_file)
+    deliver(robots_report(urdf.robots()), options)

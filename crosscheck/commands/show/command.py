@@ -8,10 +8,9 @@ from typing import Annotated, Literal
 import typer
 
 from crosscheck.commands.program.console import warnings_shown
-from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument
 from crosscheck.commands.program.reading_options import ReadingOptions
-from crosscheck.commands.program.three_d import figure_at_rest
 from crosscheck.commands.show.states import StateOption, given_state
 
 Reference = Literal["world", "local", "local_world_aligned"]
@@ -64,7 +63,6 @@ def run(options: ShowOptions) -> None:
     from crosscheck.commands.show.report import show_report
     from crosscheck.commands.show.state import describe_state
     from crosscheck.reference.subject import tip
-    from crosscheck.report.report import with_stage
 
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
@@ -73,6 +71,4 @@ def run(options: ShowOptions) -> None:
         q, v = given_state(options.state, model)
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
     report = show_report(describe(model, robot, reading.locked, there))
-    if options.three_d:
-        report = with_stage(report, [figure_at_rest(robot, model, reading, q)])
-    deliver(report, options.html_file, options.json_file)
+    deliver(report, options, lambda: [figure_at_rest(robot, model, reading, q)])

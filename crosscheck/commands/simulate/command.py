@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 import typer
 
 from crosscheck.commands.program.console import progress, warnings_shown
-from crosscheck.commands.program.delivery import deliver
+from crosscheck.commands.program.delivery import deliver, simulated
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument, command_line
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
-from crosscheck.commands.program.three_d import simulated
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
@@ -102,7 +101,6 @@ def run(options: SimulateOptions) -> None:
     import urdf
     from crosscheck.commands.simulate.record import SimulatedRun
     from crosscheck.commands.simulate.report import simulate_report
-    from crosscheck.report.report import with_stage
 
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
@@ -120,10 +118,7 @@ def run(options: SimulateOptions) -> None:
     if out is not None:
         _write(motion, out, {"robot": robot, "locked": reading.locked, "torque": torque, "position": q, "velocity": v})
     shown = SimulatedRun(motion, robot, reading, torque, options.method, step, out.name if out else None)
-    report = simulate_report(shown)
-    if options.three_d:
-        report = with_stage(report, [simulated(robot, motion, reading)])
-    deliver(report, options.html_file, options.json_file)
+    deliver(simulate_report(shown), options, lambda: [simulated(robot, motion, reading)])
 
 
 def _simulated(

@@ -10,9 +10,8 @@ import typer
 
 from crosscheck.commands.program.console import Advance, progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver
-from crosscheck.commands.program.ending_signals import Ended
-from crosscheck.commands.program.exits import AGREED
-from crosscheck.commands.program.options import EXAMPLES, WorkerOptions
+from crosscheck.commands.program.exits import AGREED, Ended
+from crosscheck.commands.program.options import EXAMPLES, ReportOptions, WorkerOptions
 from crosscheck.commands.program.output_files import OutputFile
 
 if TYPE_CHECKING:
@@ -100,7 +99,7 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
     with warnings_shown():
         report = study_report(folder, facts, repeat)
-    deliver(report, page, numbers)
+    deliver(report, ReportOptions(html_file=page, json_file=numbers))
 
 
 def _check_own(study: Configuration) -> None:

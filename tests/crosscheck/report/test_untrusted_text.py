@@ -11,7 +11,7 @@ from long_check import LONG
 
 import urdf
 from crosscheck.commands.program import console, own_process
-from crosscheck.commands.program.encodings import spelled
+from crosscheck.commands.program.console import spelled
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, INTERNAL_ERROR
 from crosscheck.report.html import page
 from crosscheck.report.pictures.svg import picture

@@ -10,7 +10,8 @@ import pytest
 from long_check import few
 from own_processes import HANGS, alive
 
-from crosscheck.commands.program import console, ending_signals
+from crosscheck.commands.program import console
+from crosscheck.commands.program import exits as ending_signals
 
 LONG = 10**6
 """States of a sweep that takes minutes."""
