@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +15,7 @@ from numpy.typing import NDArray
 import graphdyn
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD
-from graphdyn import ForwardDynamics, InverseDynamics, MaximalState, RobotModel, inverse_dynamics, mass_matrix
-from graphdyn.equations import link_origins
+from graphdyn import RobotModel, inverse_dynamics, mass_matrix
 from graphdyn.layout import Array
 
 Function = Callable[[Array, Array, Array], Array]
@@ -176,51 +174,6 @@ class JudgedStates(ScaledStates):
         rows = [*range(N_EXPERIMENT_STATES // 2), *range(-N_TURNED_STATES, -N_TURNED_STATES + N_EXPERIMENT_STATES // 2)]
         rows = [row if row < 0 else row % len(self.q) for row in rows]
         return TrialStates(self.q[rows], self.v[rows])
-
-    @cached_property
-    def motion(self) -> MaximalState:
-        return graphdyn.maximal_state(self.model, self.q, self.v, self.a)
-
-    @cached_property
-    def origins(self) -> Array:
-        return link_origins(self.motion)
-
-    @property
-    def rotations(self) -> Array:
-        return self.motion.rotation
-
-    @property
-    def body_velocities(self) -> Array:
-        return self.motion.velocity
-
-    @property
-    def body_accelerations(self) -> Array:
-        assert self.motion.acceleration is not None
-        return self.motion.acceleration
-
-    @property
-    def inverse(self) -> InverseDynamics:
-        """Inverse dynamics, with the external wrenches."""
-        found: InverseDynamics = self.answer("inverse_dynamics", loaded=True)
-        return found
-
-    @property
-    def wrenches(self) -> Array:
-        return self.inverse.joint_wrenches
-
-    @property
-    def mass(self) -> Array:
-        found: Array = self.answer("mass_matrix")
-        return found
-
-    @cached_property
-    def solved(self) -> tuple[Array, Array, Array]:
-        found: ForwardDynamics = self.answer("forward_dynamics", loaded=True)
-        return found.a, found.body_accelerations, self.required(found.a)[1]
-
-    def required(self, a: Array) -> tuple[Array, Array]:
-        found = graphdyn.inverse_dynamics(self.model, self.q, self.v, a, self.loads)
-        return found.tau, found.joint_wrenches
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:

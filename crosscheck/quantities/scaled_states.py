@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,15 +11,16 @@ import numpy as np
 
 import graphdyn
 from crosscheck.quantities.scales import Sizes, largest, term_sizes
-from graphdyn import RobotModel
+from graphdyn import ForwardDynamics, MaximalState, RobotModel, maximal_state
 from graphdyn.arguments import Method
+from graphdyn.equations import link_origins
 from graphdyn.layout import Array
 from graphdyn.verbs import VERBS
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledStates(ABC):
-    """N states of a robot; what is not given is computed by graphdyn or by a reference implementation.
+class ScaledStates:
+    """N states of a robot. The sizes of errors come from graphdyn, or from a reference implementation in a subclass.
 
     q, v, a, tau: joint states, torques of forward dynamics  (N, n)
     loads: external wrenches, None where functions are called without   (N, n, 6)
@@ -37,43 +37,56 @@ class ScaledStates(ABC):
     _answers: dict[object, Any] = field(init=False, default_factory=dict, repr=False)
 
     @property
-    @abstractmethod
+    def motion(self) -> MaximalState:
+        """graphdyn's maximal_state."""
+        found: MaximalState = self.once("motion", lambda: maximal_state(self.model, self.q, self.v, self.a))
+        return found
+
+    @property
     def origins(self) -> Array:
         """Origins of the links, in the world (N, n, 3)."""
+        found: Array = self.once("origins", lambda: link_origins(self.motion))
+        return found
 
     @property
-    @abstractmethod
     def rotations(self) -> Array:
         """Rotations of the links, in the world (N, n, 3, 3)."""
+        return self.motion.rotation
 
     @property
-    @abstractmethod
     def body_velocities(self) -> Array:
         """ṙ of the centers of mass in world axes, ω in body axes (N, n, 6)."""
+        return self.motion.velocity
 
     @property
-    @abstractmethod
     def body_accelerations(self) -> Array:
         """r̈ of the centers of mass in world axes, ω̇ in body axes, at a (N, n, 6)."""
+        assert self.motion.acceleration is not None
+        return self.motion.acceleration
 
     @property
-    @abstractmethod
     def wrenches(self) -> Array:
         """Joint wrenches at a, with the external wrenches (N, n, 6)."""
+        found: Array = self.answer("inverse_dynamics", loaded=True).joint_wrenches
+        return found
 
     @property
-    @abstractmethod
     def mass(self) -> Array:
         """M (N, n, n)."""
+        found: Array = self.answer("mass_matrix")
+        return found
 
     @property
-    @abstractmethod
     def solved(self) -> tuple[Array, Array, Array]:
         """Accelerations at tau, with the external wrenches (N, n), body accelerations and joint wrenches (N, n, 6)."""
+        found: ForwardDynamics = self.answer("forward_dynamics", loaded=True)
+        wrenches = self.once("wrenches of the solution", lambda: self.required(found.a)[1])
+        return found.a, found.body_accelerations, wrenches
 
-    @abstractmethod
     def required(self, a: Array) -> tuple[Array, Array]:
         """Torques (N, n) and joint wrenches (N, n, 6) of other accelerations, with the external wrenches."""
+        found = graphdyn.inverse_dynamics(self.model, self.q, self.v, a, self.loads)
+        return found.tau, found.joint_wrenches
 
     @property
     def all_loads(self) -> Array:

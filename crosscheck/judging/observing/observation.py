@@ -133,7 +133,10 @@ def of_judged(name: str, answer: Array, states: JudgedStates) -> Observation | N
         return _judged(state, len(zero) + np.arange(len(zero) * n), np.repeat(rows, n), columns, scale)
     loads = 0 * zero
     if states.loads is not None:
-        loads = inverse_dynamics(states.model, states.q, states.v, states.a).tau - states.inverse.tau
+        loads = (
+            inverse_dynamics(states.model, states.q, states.v, states.a).tau
+            - states.answer("inverse_dynamics", loaded=True).tau
+        )
     known: Mapping[str, Callable[[], tuple[State, Array]]] = {
         "inverse_dynamics": lambda: ((states.q, states.v, states.a), answer + loads),
         "forward_dynamics": lambda: ((states.q, states.v, answer), states.tau + loads),

@@ -264,7 +264,9 @@ def _of_terms(
 ) -> list[Diagnosis]:
     """Diagnoses from experiments, for functions that are parts of the equations of motion; empty for others."""
     name, states = function.name, found.states
-    torque = np.maximum(np.sqrt(np.mean(states.inverse.tau**2, axis=0)), np.finfo(float).tiny)
+    torque = np.maximum(
+        np.sqrt(np.mean(states.answer("inverse_dynamics", loaded=True).tau ** 2, axis=0)), np.finfo(float).tiny
+    )
     try:
         observed = observe(function, states.model, states.trial, torque)
     except np.linalg.LinAlgError:

@@ -37,7 +37,6 @@ from crosscheck.quantities.system import solution
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION, BACKWARD, FORWARD_WRENCH, RESIDUAL
 from crosscheck.reference.pinocchio_model import NativeFunction, PinocchioAnswers
-from graphdyn import MaximalState, maximal_state
 from graphdyn.arguments import Method
 from graphdyn.equations import link_origins
 from graphdyn.layout import ANGULAR, LINEAR, Array
@@ -98,16 +97,11 @@ def _motion(field: str, shape: tuple[int | str, ...], unit: str) -> Ours:
     """A field of graphdyn.maximal_state."""
 
     def compute(states: ScaledStates, chosen: Chosen, method: Method) -> Array:
-        found: Array = getattr(_state(states), field)
+        found: Array = getattr(states.motion, field)
         return found
 
     code = f"graphdyn.maximal_state(model, q, v, a).{field}"
     return Ours(("q", "v", "a"), shape, unit, compute, code)
-
-
-def _state(states: ScaledStates) -> MaximalState:
-    found: MaximalState = states.once("state", lambda: maximal_state(states.model, states.q, states.v, states.a))
-    return found
 
 
 def _residual(name: str) -> Ours:
@@ -301,7 +295,7 @@ DYNAMICS = (
         name="link_placement",
         ours=Ours(
             ("q",), ("n", 3, 4), "1, m",
-            lambda states, *_: _placed(_state(states).rotation, link_origins(_state(states))),
+            lambda states, *_: _placed(states.motion.rotation, link_origins(states.motion)),
             "np.dstack([(x := graphdyn.maximal_state(model, q)).rotation, link_origins(x)])",
         ),
         pinocchio=lambda there, _: _placed(there.rotation, there.position),
