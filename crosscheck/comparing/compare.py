@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Unpack
 
@@ -15,7 +16,7 @@ from crosscheck.comparing.baseline import compare_identification
 from crosscheck.comparing.compared_states import ComparedStates
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.comparing.conditioning import rank_errors
-from crosscheck.comparing.coupled import coupled_answers, coupled_case, coupled_errors
+from crosscheck.comparing.coupled import coupled_case, coupled_errors
 from crosscheck.comparing.error_record import ErrorTable
 from crosscheck.comparing.looped import looped_case, looped_errors, why_not_closed
 from crosscheck.quantities import COMPARED, LOOPED, RECURSIVE, TabulatedQuantity
@@ -78,18 +79,14 @@ def compare(
             if progress:
                 progress(chunk.name, len(chunk.q))
         if coupled.couplings:
-            case = coupled_case(coupled, samples, seed)
-            answers = coupled_answers(case)
-            for route, pinocchio in pinocchio_models.items():
-                record.add(route, case, dict(coupled_errors(case, answers, pinocchio, forward=reason is None)))
+            errors = partial(coupled_errors, forward=reason is None)
+            record.add_of_routes(coupled_case(coupled, samples, seed), errors, pinocchio_models)
         if looped.chords:
             notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
             if why := why_not_closed(looped):
                 skipped |= dict.fromkeys(LOOPED, why)
             else:
-                case = looped_case(looped, samples, seed)
-                for route, pinocchio in pinocchio_models.items():
-                    record.add(route, case, dict(looped_errors(case, pinocchio)))
+                record.add_of_routes(looped_case(looped, samples, seed), looped_errors, pinocchio_models)
         identification = compare_identification(model, pinocchio_models["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:

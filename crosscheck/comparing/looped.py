@@ -7,10 +7,11 @@ know of loops in Pinocchio.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 
 import numpy as np
 
-from crosscheck.comparing.coupled import COUPLED_METHODS
+from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, largest
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD, Case
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT
@@ -21,10 +22,7 @@ from graphdyn import (
     Placement,
     RobotModel,
     assemble,
-    forward_dynamics,
-    inverse_dynamics,
     joint_torques,
-    mass_matrix,
 )
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model import loop_spaces, rotation_about
@@ -52,35 +50,33 @@ def looped_case(model: RobotModel, samples: int, seed: int) -> Case:
     return Case("loops", model, Placement(), q, v, a, tau, wrenches)
 
 
-def looped_errors(case: Case, pinocchio: PinocchioModel) -> Iterator[tuple[str, Array]]:
-    """Name and errors (N,) of each quantity; reference: Pinocchio's model of the tree."""
-    model, loads = case.model, case.external_wrenches
-    assert case.tau is not None
-    rows = [
-        closed_dynamics(pinocchio, model.chords, *state) for state in zip(case.q, case.v, case.tau, loads, strict=True)
-    ]
-    a, wrenches, missing = (np.array(column) for column in zip(*rows, strict=True))
-    ours = [forward_dynamics(model, case.q, case.v, case.tau, loads, method=method) for method in COUPLED_METHODS]
-    spaces = loop_spaces(model.loops.jacobian(model.loops.links(case.q)))
-    condition = 1 / spaces.distance  # of the rows that hold something
-    mass = mass_matrix(model, case.q)
-    scale = acceleration_scale(mass, a, case.tau, wrenches) * condition
-    yield "closed_forward_dynamics", np.maximum.reduce([largest(answer.a - a) / scale for answer in ours])
+def looped_errors(case: Case, ours: ScaledStates, pinocchio: PinocchioModel) -> dict[str, Array]:
+    """Errors (N,) of each quantity by name. ours: the same states; pinocchio: its model of the tree"""
+    model, mass = case.model, ours.mass
+    a, wrenches, missing = _closed(case, ours.tau, pinocchio)
+    forward = ours.by_methods("forward_dynamics", loaded=True)
+    condition = 1 / loop_spaces(model.loops.jacobian(model.loops.links(case.q))).distance  # of rows that hold something
+    scale = acceleration_scale(mass, a, ours.tau, wrenches) * condition
     inherited = np.abs(mass).sum(axis=-1).max(axis=-1) * scale * (ACCELERATION.bound / AGREEMENT.bound)
     pins, size = _along_pins(case, wrenches), largest(wrenches) * condition + inherited + missing / AGREEMENT.bound
-    determined = [np.nan_to_num(answer.joint_wrenches - pins, nan=0.0) for answer in ours]
-    yield "closed_joint_wrenches", np.maximum.reduce([largest(difference) / size for difference in determined])
-    if model.actuated is None:
-        return
-    try:
-        tau = inverse_dynamics(model, case.q, case.v, case.a, loads).tau
-    except InvalidInput:  # motors that leave a motion free
-        return
-    moved = np.array(
-        [closed_dynamics(pinocchio, model.chords, *state)[0] for state in zip(case.q, case.v, tau, loads, strict=True)]
-    )
-    scale = acceleration_scale(mass, case.a, tau, wrenches) * condition
-    yield "closed_inverse_dynamics", largest(moved - case.a) / scale
+    determined = [np.nan_to_num(answer.joint_wrenches - pins, nan=0.0) for answer in forward]
+    errors = {
+        "closed_forward_dynamics": np.maximum.reduce([largest(answer.a - a) / scale for answer in forward]),
+        "closed_joint_wrenches": np.maximum.reduce([largest(difference) / size for difference in determined]),
+    }
+    with suppress(InvalidInput):  # no motors, or motors that leave a motion free
+        tau = ours.answer("inverse_dynamics", loaded=True).tau
+        moved, _, _ = _closed(case, tau, pinocchio)
+        scale = acceleration_scale(mass, case.a, tau, wrenches) * condition
+        errors["closed_inverse_dynamics"] = largest(moved - case.a) / scale
+    return errors
+
+
+def _closed(case: Case, tau: Array, pinocchio: PinocchioModel) -> Iterator[Array]:
+    """Pinocchio's accelerations (N, n), joint wrenches (N, n, 6) and what is missing of tau (N,)."""
+    states = zip(case.q, case.v, tau, case.external_wrenches, strict=True)
+    rows = [closed_dynamics(pinocchio, case.model.chords, *state) for state in states]
+    return (np.array(column) for column in zip(*rows, strict=True))
 
 
 def _along_pins(case: Case, wrenches: Array) -> Array:

@@ -11,11 +11,14 @@ import numpy as np
 
 import graphdyn
 from crosscheck.quantities.scales import Sizes, largest, term_sizes
+from crosscheck.quantities.states import Case
 from graphdyn import ForwardDynamics, MaximalState, RobotModel, maximal_state
 from graphdyn.arguments import Method
 from graphdyn.equations import link_origins
 from graphdyn.layout import Array
 from graphdyn.verbs import VERBS
+
+METHODS: tuple[Method, ...] = ("dense", "projected", "recursive")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,12 @@ class ScaledStates:
     loads: Array | None = None
     frame: str | None = None
     _answers: dict[object, Any] = field(init=False, default_factory=dict, repr=False)
+
+    @classmethod
+    def at(cls, case: Case) -> ScaledStates:
+        """The states of a case, with its external wrenches; torques of zero where none are given."""
+        tau = np.zeros_like(case.q) if case.tau is None else case.tau
+        return ScaledStates(case.model, case.q, case.v, case.a, tau, case.external_wrenches)
 
     @property
     def motion(self) -> MaximalState:
@@ -120,6 +129,10 @@ class ScaledStates:
             return getattr(graphdyn, verb)(self.model, *given, method=method, **options)
 
         return self.once((verb, method, loaded, *sorted(options.items())), compute)
+
+    def by_methods(self, verb: str, *, loaded: bool = False) -> list[Any]:
+        """What a verb answers by each method. loaded: with the external wrenches"""
+        return [self.answer(verb, method, loaded=loaded) for method in METHODS]
 
     def once(self, key: object, compute: Callable[[], Any]) -> Any:
         """What a function answers that is called where the key is new."""

@@ -11,6 +11,7 @@ import urdf
 from crosscheck.commands.program.exits import BAD_INPUT
 from crosscheck.comparing import looped
 from crosscheck.quantities import COMPARED, LOOPED
+from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import Chord
 
@@ -20,7 +21,7 @@ SAMPLES = 2
 def missed(model):
     """Quantities of the loops that miss their bounds, and all of them."""
     case = looped.looped_case(model.uncoupled, SAMPLES, seed=0)
-    found = dict(looped.looped_errors(case, PinocchioModel.from_model(model.opened.uncoupled)))
+    found = looped.looped_errors(case, ScaledStates.at(case), PinocchioModel.from_model(model.opened.uncoupled))
     return {name for name, error in found.items() if not error.max() <= LOOPED[name].tolerance.bound}, set(found)
 
 
