@@ -5,7 +5,7 @@ No code is generated. Samples go through in blocks small enough that all interme
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import accumulate
 from typing import Any
@@ -54,7 +54,7 @@ class Interpreter:
         def run(first: int, last: int) -> dict[Guard, float]:
             size = self._block_size
             seen = [self._block(start, min(start + size, last), inputs, outputs) for start in range(first, last, size)]
-            return {kind: merged(kind, [guards[kind] for guards in seen]) for kind in self._program.guards}
+            return together(self._program.guards, seen)
 
         return run
 
@@ -90,6 +90,11 @@ class Interpreter:
 def merged(kind: Guard, values: list[float]) -> float:
     """What several guards have found together."""
     return min(values, default=np.inf) if kind == "minimum" else sum(values, 0.0)
+
+
+def together(kinds: Iterable[Guard], seen: Sequence[Mapping[Guard, float]]) -> dict[Guard, float]:
+    """What the guards of several runs have found together."""
+    return {kind: merged(kind, [guards[kind] for guards in seen]) for kind in kinds}
 
 
 def _guarded(kind: Guard, values: Array) -> float:

@@ -30,7 +30,7 @@ from graphdyn.recursions.motion import Root
 from graphdyn.recursions.regressors import joint_torque_regressor
 from graphdyn.scalars.differentiation import gradient, substituted
 from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Expression, Guard, Program, Recorder
-from graphdyn.scalars.vectors import Scalars, scalars, zeros
+from graphdyn.scalars.vectors import Scalars, by_shapes, scalars, zeros
 
 
 def sufficient(recorder: Recorder, inputs: Sequence[Expression], outputs: Sequence[Any]) -> list[Expression]:
@@ -257,11 +257,7 @@ def reduced_links(model: RobotModel) -> tuple[Link, ...]:
 
 def moving_root(model: RobotModel, ground: Sequence[Any]) -> Root:
     """The ground of a base that moves. ground: the columns of GROUND"""
-    fields, first = {}, 0
-    for name, shape in GROUND_SHAPES.items():
-        last = first + int(np.prod(shape))
-        fields[name] = np.array(ground[first:last], dtype=object).reshape(shape)
-        first = last
+    fields = by_shapes(ground, GROUND_SHAPES)
     gravity = scalars(model.gravity)
     acceleration = fields["compensated"] + fields["rotation"].T @ gravity
     return Root(gravity=gravity, acceleration=acceleration, **fields)

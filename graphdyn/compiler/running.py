@@ -10,12 +10,12 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
-from typing import Protocol, TypeVar
+from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from graphdyn.compiler.interpreter import Interpreter, Run, merged
+from graphdyn.compiler.interpreter import Interpreter, together
 from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
 from graphdyn.compiler.programs import Request, trace
@@ -41,20 +41,14 @@ WORTH_A_THREAD = 2_000_000
 """Operations that take more than 100 µs, several times the cost of handing them to a thread."""
 
 
-class Backend(Protocol):
-    lanes: int
-
-    def bind(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Run: ...
-
-    def bind_row(self, inputs: Mapping[str, Array], outputs: Mapping[str, Array]) -> Callable[[], object]: ...
+Backend = Interpreter | CompiledProgram
 
 
 class Prepared:
     """A recorded program and what runs it, on batches or on one row after the other."""
 
     def __init__(self, program: Program | LongProgram, backend: str, one_row: bool = False) -> None:
-        self.program = program
-        self.backend = _backend(program, backend, one_row)
+        self.program, self.backend = program, _backend(program, backend, one_row)
 
 
 _prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str, bool], Prepared]] = WeakKeyDictionary()
@@ -181,8 +175,7 @@ def _in_parallel(
     threads = cores() if threads is None else threads
     parts = min(threads, work)
     ends = [count * part // parts for part in range(parts + 1)]
-    seen = in_threads(bound, list(pairwise(ends)), threads)
-    return {kind: merged(kind, [guards[kind] for guards in seen]) for kind in ready.program.guards}
+    return together(ready.program.guards, in_threads(bound, list(pairwise(ends)), threads))
 
 
 def in_threads(work: Callable[[int, int], T], ranges: Sequence[tuple[int, int]], threads: int | None) -> list[T]:

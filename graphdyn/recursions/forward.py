@@ -24,7 +24,7 @@ from graphdyn.recursions.inertia import is_short, joint_accelerations, reciproca
 from graphdyn.recursions.inverse import REACTIONS, Loads, Wrench, added, answers, inwards, unloaded
 from graphdyn.recursions.mechanism.mechanism import Link, Links
 from graphdyn.recursions.motion import BodyMotion, JointPlacement, Root, inertial_wrench, motions, places
-from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, skew, symmetric, zeros
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, is_known, skew, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +166,7 @@ def seen_through_joint(
         symmetric(inertia.j - np.outer(n, U_n)),
     )
     reduced_f, reduced_n = force + f * u, moment + n * u
-    if not (_is_known(rotor, 0.0) and _is_known(free, 1.0)):
+    if not (is_known(rotor, 0.0) and is_known(free, 1.0)):
         return SeenThroughJoint(reduced, (reduced_f, reduced_n), (U_f, U_n), D_inverse, u)
     if prismatic:  # I^a S = 0 and Sᵀ p^a = τ, without rounding
         reduced.m[2, :] = reduced.m[:, 2] = reduced.h[2, :] = 0.0
@@ -175,7 +175,3 @@ def seen_through_joint(
         reduced.j[2, :] = reduced.j[:, 2] = reduced.h[:, 2] = 0.0
         reduced_n[2] = tau
     return SeenThroughJoint(reduced, (reduced_f, reduced_n), (U_f, U_n), D_inverse, u)
-
-
-def _is_known(scalar: Any, value: float) -> bool:
-    return isinstance(scalar, float | int) and scalar == value

@@ -29,7 +29,7 @@ from graphdyn.recursions.declarations import ArraySpec, recursion
 from graphdyn.recursions.inverse import Loads, Wrench, inverse_dynamics, inwards
 from graphdyn.recursions.mechanism.mechanism import Links, path
 from graphdyn.recursions.motion import JointPlacement, Root, places
-from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, symmetric, zeros
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, is_known, symmetric, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def solved(links: Links, q: PerJoint, right: Sequence[Any]) -> tuple[list[Any], 
 
 def reciprocal(pivot: Any) -> Any:
     """1 / D, infinite where D is known to be zero: a joint without inertia, which then shows as a pivot of zero."""
-    return math.inf if isinstance(pivot, float | int) and pivot == 0 else 1.0 / pivot
+    return math.inf if is_known(pivot, 0.0) else 1.0 / pivot
 
 
 def inverted(mass: Scalars, inside: Sequence[Sequence[int]]) -> tuple[Scalars, list[Any]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -25,8 +26,23 @@ def zeros(*shape: int) -> Scalars:
     return np.full(shape, 0.0, dtype=object)
 
 
+def by_shapes(columns: Sequence[Any], shapes: Mapping[str, tuple[int, ...]]) -> dict[str, Any]:
+    """Arrays of these shapes, by name, from their entries one after the other; a scalar where the shape is ()."""
+    found, first = {}, 0
+    for name, shape in shapes.items():
+        last = first + prod(shape)
+        found[name] = np.array(columns[first:last], dtype=object).reshape(shape)[()]
+        first = last
+    return found
+
+
 def cross(x: Scalars, y: Scalars) -> Scalars:
     return np.array([x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]], dtype=object)
+
+
+def is_known(scalar: Any, value: float) -> bool:
+    """Whether a scalar is this number for all samples."""
+    return isinstance(scalar, float | int) and scalar == value
 
 
 def skew(x: Scalars) -> Scalars:

@@ -12,13 +12,12 @@ import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.compiler.gram.code import COLUMN_STRIDE, emit_gram, products, tiles
-from graphdyn.compiler.interpreter import Interpreter, merged
+from graphdyn.compiler.interpreter import Interpreter, together
 from graphdyn.compiler.llvm.memory import address, aligned
 from graphdyn.compiler.native import MachineCode, guard_memory, guards, host_lanes
 from graphdyn.compiler.programs import record_equations
@@ -39,16 +38,6 @@ MAX_TILE_LANES = 8
 Seen = dict[Guard, float]
 
 
-class GramBackend(Protocol):
-    def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
-        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), and what the guards found."""
-        ...
-
-    def matrices(self, sums: Array) -> list[Array]:
-        """The Gram matrix of every group, from the sums of all rows: those of parts may be added."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class TorqueGram:
     """Recorded and compiled once for a robot; call it with recordings.
@@ -61,7 +50,7 @@ class TorqueGram:
     columns: tuple[NDArray[np.intp], ...]
     n_extra: int
     _program: Program
-    _backend: GramBackend
+    _backend: InterpretedGram | CompiledGram
 
     def __call__(
         self,
@@ -80,16 +69,8 @@ class TorqueGram:
         The second answer is what the guards found: "finite" is NaN if any argument is not finite, and then so are the
         sums.
         """
-        count = len(q)
-        arrays = {
-            "q": q,
-            "v": v,
-            "a": a,
-            "tau": tau,
-            "extra": extra.reshape(count, self.model.nv * self.n_extra),
-        }
-        if weights is not None:
-            arrays["weights"] = weights
+        arrays = {"q": q, "v": v, "a": a, "tau": tau, "extra": extra.reshape(len(q), self.model.nv * self.n_extra)}
+        arrays |= {} if weights is None else {"weights": weights}
         inputs = {name: np.require(arrays[name], float, ["C", "ALIGNED"]) for name in self._program.inputs}
         matrices, seen = self._sum(inputs, threads)
         if beyond_reduction(self.model, q, seen):
@@ -103,9 +84,7 @@ class TorqueGram:
         ]
         parts = in_threads(self._backend.bind(inputs), portions, threads)
         total = np.add.reduce([sums for sums, _ in parts])
-        return self._backend.matrices(total), {
-            kind: merged(kind, [seen[kind] for _, seen in parts]) for kind in self._program.guards
-        }
+        return self._backend.matrices(total), together(self._program.guards, [seen for _, seen in parts])
 
 
 def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, weighted: bool = False) -> TorqueGram:
@@ -118,7 +97,7 @@ def torque_gram(model: RobotModel, columns: Sequence[int], n_extra: int = 0, *, 
 
 
 class InterpretedGram:
-    """Sums on NumPy arrays."""
+    """Sums on NumPy arrays, and their answers as those of CompiledGram."""
 
     def __init__(self, program: Program, groups: Sequence[int]) -> None:
         self._interpreter = Interpreter(program)
@@ -126,6 +105,8 @@ class InterpretedGram:
         self._ends = np.cumsum(groups).tolist()
 
     def bind(self, inputs: Mapping[str, Array]) -> Callable[[int, int], tuple[Array, Seen]]:
+        """run(first, last): the sums over these rows of C-contiguous arrays (N, width), and what the guards found."""
+
         def run(first: int, last: int) -> tuple[Array, Seen]:
             equations = np.empty((last - first, self._ends[-1]))
             rows = {name: array[first:last] for name, array in inputs.items()}
@@ -137,6 +118,7 @@ class InterpretedGram:
         return run
 
     def matrices(self, sums: Array) -> list[Array]:
+        """The Gram matrix of every group, from the sums of all rows: those of parts may be added."""
         ends = np.cumsum(np.square(self._groups))[:-1].tolist()
         return [part.reshape(size, size) for size, part in zip(self._groups, np.split(sums, ends), strict=True)]
 
@@ -166,7 +148,7 @@ class CompiledGram:
             if whole < last:
                 more, seen_there = rest(whole, last)
                 sums[:, 0] += self._spread_out(self._rest.matrices(more))[tuple(self._products.T)]
-                seen = {kind: merged(kind, [seen[kind], seen_there[kind]]) for kind in seen}
+                seen = together(seen, [seen, seen_there])
             return sums, seen
 
         return run

@@ -116,13 +116,18 @@ class VectorCode:
     def load(self, kind: str, array: str, index: int) -> str:
         return self.let(f"load {kind}, ptr {self.element(array, index)}, align 8")
 
-    def broadcast(self, array: str, index: int) -> str:
+    def broadcast(self, number: str) -> str:
         """A number in all lanes."""
         # into lane 0 of a vector that is undefined otherwise, then from lane 0 into all
-        one = self.let(f"insertelement {self.vector} poison, double {self.load('double', array, index)}, i64 0")
+        one = self.let(f"insertelement {self.vector} poison, double {number}, i64 0")
         return self.let(
             f"shufflevector {self.vector} {one}, {self.vector} poison, <{self.lanes} x i32> zeroinitializer"
         )
+
+    def select(self, relation: str, x: str, y: str, yes: str, no: str) -> str:
+        """yes where x relates so to y, else no, also where one is NaN."""
+        holds = self.let(f"fcmp {relation} {self.vector} {x}, {y}")
+        return self.let(f"select <{self.lanes} x i1> {holds}, {self.vector} {yes}, {self.vector} {no}")
 
     def store(self, typed_value: str, array: str, index: int) -> None:
         self.do(f"store {typed_value}, ptr {self.element(array, index)}, align 8")
@@ -170,8 +175,7 @@ class VectorCode:
         """What was seen before, and in these values: one instruction for each."""
         for value in values:
             if kind == "minimum":  # the comparison with NaN fails
-                less = self.let(f"fcmp olt {self.vector} {value}, {seen}")
-                seen = self.let(f"select <{self.lanes} x i1> {less}, {self.vector} {value}, {self.vector} {seen}")
+                seen = self.select("olt", value, seen, value, seen)
             else:
                 # finite: 0 · x + seen is NaN from the first x on that is not finite; squares: Σ x²
                 seen = self.call("fma", value, self.splat(0.0) if kind == "finite" else value, seen)

@@ -131,7 +131,8 @@ def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, 
         used = {column for name, column in inputs if name == array}
         # one number of the table for all lanes; memory holds a vector per column already
         if array == CONSTANTS:
-            return [code.broadcast("%constants", k) if k in used else "" for k in range(max(used) + 1)]
+            rows = range(max(used) + 1)
+            return [code.broadcast(code.load("double", "%constants", k)) if k in used else "" for k in rows]
         if array in (OWN, INSIDE):
             return [code.load(code.vector, f"%{array}", k * lanes) if k in used else "" for k in range(program.memory)]
         return code.columns_of(f"%{array}", _share(array, program, widths), widths[array])

@@ -30,7 +30,7 @@ from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.mechanism.mechanism import Link, links
 from graphdyn.recursions.motion import Root, resting_root
 from graphdyn.scalars.expressions import Guard, Recorder
-from graphdyn.scalars.vectors import Scalars, scalars, zeros
+from graphdyn.scalars.vectors import Scalars, by_shapes, scalars, zeros
 
 MAX_UNROLLED_BODIES = 24
 """Bodies up to which straight-line code is compiled. It leaves out what is zero for single bodies, and is up to twice
@@ -118,7 +118,7 @@ class StepInputs:
         constants = [float(rows[0, k]) if same[k] else column for k, column in enumerate(inputs)]
         self.pivot_scale = constants[-1]
         self._at_ground = example.inside < 0
-        self.link = replace(_with_numbers(example, constants), inside=-1)
+        self.link = replace(example, **by_shapes(constants, _NUMBERS), inside=-1)
         self.reactions = not for_joints_only(model, request)
 
     @property
@@ -190,14 +190,3 @@ class StepInputs:
 
 def _shaped(name: str, columns: list[Any]) -> Scalars:
     return np.array(columns[_PLACES[name]], dtype=object).reshape(STEP_MEMORY[name])
-
-
-def _with_numbers(link: Link, numbers: list[Any]) -> Link:
-    values: dict[str, Any] = {}
-    first = 0
-    for name, shape in _NUMBERS.items():
-        last = first + prod(shape)
-        columns = np.array(numbers[first:last], dtype=object)
-        values[name] = columns.reshape(shape) if shape else columns[0]
-        first = last
-    return replace(link, **values)

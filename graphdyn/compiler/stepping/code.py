@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, VectorCode
-from graphdyn.compiler.stepping.layout import Columns, StepCode, everywhere, select, splat
+from graphdyn.compiler.stepping.layout import Columns, StepCode
 from graphdyn.layout import Array
 
 
@@ -37,7 +37,10 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
 
     def columns(name: str) -> Sequence[str]:
         if name == "ground":
-            return [everywhere(code, "%ground", column) for column in range(what.accelerations.inputs[name])]
+            return [
+                code.broadcast(code.load("double", "%ground", column))
+                for column in range(what.accelerations.inputs[name])
+            ]
         # free is 1 or 0 in memory; external wrenches, parameters and rotors are constants of the run
         given = {"q": q, "v": v, "tau": applied}
         if name in given:
@@ -64,14 +67,8 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
         for j in range(1, n):
             power = code.arithmetic("fadd", power, code.arithmetic("fmul", torque[j], v[j]))
         rates.store(name, 0, power)
-    arguments = (
-        "ptr noalias %at",
-        "ptr noalias %rates",
-        "ptr noalias %memory",
-        "ptr noalias %constants",
-        "ptr %ground",
-    )
-    header = f"define internal void @rates({', '.join(arguments)}) noinline {ALIGNED_STACK} {{"
+    pointers = ", ".join(f"ptr noalias %{name}" for name in ("at", "rates", "memory", "constants"))
+    header = f"define internal void @rates({pointers}, ptr %ground) noinline {ALIGNED_STACK} {{"
     return [header, *code.lines, "  ret void", "}"]
 
 
@@ -95,8 +92,8 @@ def _stop_force(code: VectorCode, constants: Columns, j: int, q: str, v: str) ->
     for beyond, towards, outside in ((above, "olt", "ogt"), (below, "ogt", "olt")):
         pushed = code.arithmetic("fadd", code.arithmetic("fmul", stiffness, beyond), resisting)
         force = code.let(f"fneg nsz {code.vector} {pushed}")
-        pushing = select(code, towards, force, zero, force, zero)
-        forces.append(select(code, outside, beyond, zero, pushing, zero))
+        pushing = code.select(towards, force, zero, force, zero)
+        forces.append(code.select(outside, beyond, zero, pushing, zero))
     return code.arithmetic("fadd", *forces)
 
 
@@ -113,7 +110,7 @@ def emit_steps(code: StepCode, lanes: int) -> str:
 def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code = VectorCode(lanes, "s")
     vectors = {name: sum(getattr(what, name).values()) for name in ("control", "record")}
-    width = splat(code, "%h")
+    width = code.broadcast("%h")
     # numbers of the tick in force at start, and of the first step at or after start that is recorded
     code.do("%tick.first = udiv i64 %start, %hold")
     code.do("%record.before = add i64 %start, %every")
@@ -198,8 +195,8 @@ def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
         if what.clamped:
             most, least = constants.load("largest_torque", j), constants.load("least_torque", j)
             # select, not minimum and maximum: NaN stays NaN
-            torque = select(code, "ogt", torque, most, most, torque)
-            torque = select(code, "olt", torque, least, least, torque)
+            torque = code.select("ogt", torque, most, most, torque)
+            torque = code.select("olt", torque, least, least, torque)
         memory.store("tau", j, torque)
 
 
@@ -214,7 +211,7 @@ def _decide(code: VectorCode, what: StepCode) -> None:
     for j in range(n):
         v = state.load("v", j)
         # sign(v): -1, 0 or 1
-        sign = select(code, "ogt", v, zero, one, select(code, "olt", v, zero, code.splat(-1.0), zero))
+        sign = code.select("ogt", v, zero, one, code.select("olt", v, zero, code.splat(-1.0), zero))
         memory.store("sign", j, sign)
         if what.sticking:
             still = code.let(f"fcmp oeq {code.vector} {v}, {zero}")
@@ -240,7 +237,7 @@ def _decide(code: VectorCode, what: StepCode) -> None:
         slips = code.let(f"fcmp ogt {code.vector} {size}, {dry}")
         begins = code.let(f"and <{code.lanes} x i1> {resting[j]}, {slips}")
         # friction points as held did, so that the joint moves the other way
-        away = select(code, "ogt", held, zero, code.splat(-1.0), one)
+        away = code.select("ogt", held, zero, code.splat(-1.0), one)
         for name, value in (("sign", away), ("free", one)):
             either = f"select <{code.lanes} x i1> {begins}, {code.vector} {value}, {code.vector}"
             memory.store(name, j, code.let(f"{either} {memory.load(name, j)}"))
@@ -302,7 +299,7 @@ def _stages(code: VectorCode, what: StepCode, h: str) -> None:
         for j in range(n):
             # a velocity against its sign of sliding has passed zero: the joint stops there, where it has dry friction
             along = code.arithmetic("fmul", after[n + j], memory.load("sign", j))
-            turned = select(code, "olt", along, zero, zero, after[n + j])
-            after[n + j] = select(code, "ogt", constants.load("coulomb", j), zero, turned, after[n + j])
+            turned = code.select("olt", along, zero, zero, after[n + j])
+            after[n + j] = code.select("ogt", constants.load("coulomb", j), zero, turned, after[n + j])
     for column, value in enumerate(after):
         state.store("q", column, value)

@@ -102,20 +102,3 @@ class Columns:
 
     def address(self, name: str, column: int = 0) -> str:
         return self._code.element(self._pointer, self._code.lanes * (self._places[name] + column))
-
-
-def select(code: VectorCode, relation: str, x: str, y: str, yes: str, no: str) -> str:
-    """yes where x relates so to y, else no, also where one is NaN."""
-    holds = code.let(f"fcmp {relation} {code.vector} {x}, {y}")
-    return code.let(f"select <{code.lanes} x i1> {holds}, {code.vector} {yes}, {code.vector} {no}")
-
-
-def everywhere(code: VectorCode, pointer: str, index: int) -> str:
-    """A number in all lanes."""
-    return splat(code, code.load("double", pointer, index))
-
-
-def splat(code: VectorCode, value: str) -> str:
-    first = code.let(f"insertelement {code.vector} poison, double {value}, i64 0")
-    zeros = ", ".join(["i32 0"] * code.lanes)
-    return code.let(f"shufflevector {code.vector} {first}, {code.vector} poison, <{code.lanes} x i32> <{zeros}>")

@@ -16,7 +16,7 @@ from graphdyn.model.chord import Chord
 from graphdyn.recursions.inverse import Wrench
 from graphdyn.recursions.mechanism.mechanism import Link, Links, path, rounded
 from graphdyn.recursions.motion import JointPlacement
-from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, scalars, turn_back, zeros
+from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, is_known, scalars, turn_back, zeros
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJ
             for j, body in zip(joints, seen, strict=True):
                 line[j] = sign * (u @ _motion(links[j], body, ends.point_j, linear))
         # a row that no joint can move, as those out of the plane of a plane loop
-        if all(is_zero(x) for x in line):
+        if all(is_known(x, 0.0) for x in line):
             continue
         jacobian.append(line)
         bias.append(-second)
@@ -189,7 +189,3 @@ def _point(seen: _AncestorView, arm: Scalars) -> tuple[Scalars, Scalars, Scalars
 def _in_joint_axes(links: Links, body: int, given: Any) -> Scalars:
     """A vector or matrix of link axes."""
     return scalars(given) if body == 0 else links[body - 1].link_axes.T @ scalars(given)
-
-
-def is_zero(scalar: Any) -> bool:
-    return isinstance(scalar, float | int) and scalar == 0

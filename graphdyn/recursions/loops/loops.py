@@ -18,11 +18,11 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import Recursion, with_chords
 from graphdyn.recursions.inertia import inverted, mass_matrix
 from graphdyn.recursions.inverse import Loads, along_pins, transmitted
-from graphdyn.recursions.loops.chords import ChordRows, chord_rows, is_zero
+from graphdyn.recursions.loops.chords import ChordRows, chord_rows
 from graphdyn.recursions.loops.couplings import torques
 from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
-from graphdyn.scalars.vectors import PerJoint, Scalars, zeros
+from graphdyn.scalars.vectors import PerJoint, Scalars, is_known, zeros
 
 DEPENDENT_PIVOT_FACTOR = 2e-6
 """Pivots of J_dᵀJ_d count this much: one of 5e-4 of the squares of all entries in its rows is as suspicious as one of
@@ -77,7 +77,7 @@ def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closin
     motions_of = zeros(len(links), len(independent))
     motions_of[independent, range(len(independent))] = 1.0
     motions_of[dependent, :] = -(inverse @ (columns.T @ jacobian[:, independent]))
-    sizes = [sum(x * x for x in jacobian[[not is_zero(x) for x in column]].ravel()) for column in columns.T]
+    sizes = [sum(x * x for x in jacobian[[not is_known(x, 0.0) for x in column]].ravel()) for column in columns.T]
     guarded = [_ratio(pivot, size) * DEPENDENT_PIVOT_FACTOR for pivot, size in zip(pivots, sizes, strict=True)]
     for row in rows:
         guarded += [1.0 - gap * gap * (1.0 / CLOSED_TOLERANCE**2) for gap in row.gap]
@@ -193,4 +193,4 @@ def _opening(line: Scalars, rates: Sequence[Any], wanted: Any) -> Any:
 
 def _ratio(pivot: Any, size: Any) -> Any:
     """pivot / size, and the pivot itself where it is known to be zero."""
-    return pivot if is_zero(pivot) else pivot / size
+    return pivot if is_known(pivot, 0.0) else pivot / size
