@@ -25,23 +25,24 @@ NO_PROSE = (
 ABBREVIATIONS = r"(?:et al|e\.g|i\.e|vs|cf|Eq|Eqs|Fig|Sec|No|approx|resp|pp|p|Vol|vol)"
 
 
-def paragraphs(text):
-    """Paragraphs and list items in words alone: code, formulas and links count as what a reader sees of them."""
+def prose(text):
+    """The runs of text between headings, tables and blocks, in words alone: code, formulas and links count as what a
+    reader sees of them. A list item or a paragraph that ends without a period goes on in the next one."""
     for pattern in NO_PROSE:
-        text = re.sub(pattern, "\n\n", text, flags=re.MULTILINE | re.DOTALL if "?" in pattern else re.MULTILINE)
+        text = re.sub(pattern, "\0", text, flags=re.MULTILINE | re.DOTALL if "?" in pattern else re.MULTILINE)
     text = re.sub(r"(?s)^---\n.*?\n---\n", "", text)
     text = re.sub(r"^( {2,}|> )", "", text, flags=re.MULTILINE)
-    text = re.sub(r"^([-*+]|\d+\.) +", "\n\n", text, flags=re.MULTILINE)
+    text = re.sub(r"^([-*+]|\d+\.) +", "", text, flags=re.MULTILINE)
     text = re.sub(r"`+[^`]+`+|\$[^$]+\$", "code", text)
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
-    return [" ".join(part.split()).replace("*", "") for part in re.split(r"\n\s*\n", text) if part.strip()]
+    return [" ".join(run.split()).replace("*", "") for run in text.split("\0") if run.strip()]
 
 
 def sentences(text):
     """Sentences of at least two words; numbers and signs between spaces are words, as in `wc -w`."""
     found = []
-    for paragraph in paragraphs(text):
-        whole = re.sub(rf"\b({ABBREVIATIONS})\.(?= )", r"\1", paragraph)
+    for run in prose(text):
+        whole = re.sub(rf"\b({ABBREVIATIONS})\.(?= )", r"\1", run)
         found += [part for part in re.split(r"(?<=[.!?])[\"”’)]* +", whole) if " " in part]
     return found
 
@@ -70,7 +71,8 @@ def test_the_readme_is_short():
     ("text", "expected"),
     [
         ("One sentence here. Another `x.y` one (Fig. 3) et al. say.", [3, 8]),
-        ("- an item\n- another item. Two sentences.\n", [2, 2, 2]),
+        ("- an item;\n- another item. Two sentences.\n- One more.\n", [4, 2, 2]),
+        ("These belong to it:\n\n- the first\n- the second.\n", [8]),
         ("| a table | cell |\n\nText [with a link](https://x.y/z.html) and $a + b$.\n", [6]),
         ("```python\nprint('A sentence. Or two.')\n```\nAfter the code.\n", [3]),
         ("A line\n  goes on.\n\n$$\na = b\n$$\n\nThe end.", [4, 2]),
