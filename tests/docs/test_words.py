@@ -100,6 +100,42 @@ def documented():
                     yield place(path), ast.unparse(statement).split(" ")[0], said
 
 
+def constants(module):
+    """Names in capitals that a file defines or imports."""
+    names = set()
+    for node in ast.walk(module):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names |= {alias.asname or alias.name for alias in node.names}
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            names.add(node.id)
+    return {name for name in names if re.fullmatch(r"_?[A-Z][A-Z0-9_]+", name)}
+
+
+def quoted_constants(module):
+    """Strings with the name of a constant in them, without docstrings and headings (all in capitals, as in __all__)."""
+    names, nodes = constants(module), [*ast.walk(module)]
+    aside = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    parts = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in nodes if names else ():
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in aside:
+            heading = node.value.isupper() and id(node) not in parts
+            if not heading and names & set(re.findall(r"\w+", node.value)):
+                yield node.value
+
+
+def test_no_message_holds_the_name_of_a_constant():
+    """As a renaming of constants leaves it that replaces words in texts too."""
+    said = {place(file): [*quoted_constants(tree(file))] for file in FILES}
+    assert {file: texts for file, texts in said.items() if texts} == {}
+
+
+def test_a_constant_within_a_message_is_found():
+    module = ast.parse(
+        "from a import FEW\nMOST = 3\n'MOST, of all'\nx = 'the MOST of it', f'{MOST} or FEW', f' FEW {MOST}', 'MOST'"
+    )
+    assert [*quoted_constants(module)] == ["the MOST of it", " or FEW", " FEW "]
+
+
 @pytest.mark.parametrize("word", TERMS)
 def test_one_term_for_each_thing(word):
     pattern = rf"(?i)(?<![a-z]){re.escape(word)}"
