@@ -20,14 +20,16 @@ MAX_QUOTED_NAMES = 20
 
 def shortened(text: str) -> str:
     """The text on one line; beyond MAX_QUOTED_CHARACTERS characters, without its middle."""
-    text = one_line(text)
     half = MAX_QUOTED_CHARACTERS // 2
+    if len(text) > MAX_QUOTED_CHARACTERS:  # which may be megabytes
+        text = text[:half] + text[-half - 1 :]
+    text = one_line(text)
     return text if len(text) <= MAX_QUOTED_CHARACTERS else f"{text[:half]} … {text[-half:]}"
 
 
 def one_line(text: str) -> str:
     """The text on one line: characters that do not print, such as line breaks, as in a Python string: \\n, \\x1b."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    return text if text.isprintable() else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def listed(names: Iterable[str]) -> str:

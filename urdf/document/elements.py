@@ -25,7 +25,9 @@ def tag_of(element: etree._Element) -> str:
     Pinocchio too compares tags as written, and URDF has no tags with a prefix.
     """
     tag = element.tag
-    return tag.rpartition("}")[2] if isinstance(tag, str) and element.prefix is None else ""
+    if not isinstance(tag, str) or (tag.startswith("{") and element.prefix is not None):
+        return ""
+    return tag.rpartition("}")[2]
 
 
 def written_tag(element: etree._Element) -> str:
@@ -95,4 +97,4 @@ def drawings(robot: etree._Element) -> Drawings:
 
 def children(parent: etree._Element, tag: str) -> Iterator[etree._Element]:
     """The children with this tag, comments and other namespaces left out."""
-    return (child for child in parent if tag_of(child) == tag)
+    return (child for child in parent.iterchildren(f"{{*}}{tag}") if child.prefix is None)

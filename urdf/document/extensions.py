@@ -11,7 +11,7 @@ from lxml import etree
 
 from urdf.document.connections.loop_elements import read
 from urdf.document.connections.loops import Closure, Motor, SourceLocation
-from urdf.document.elements import describe, line_of, name_of, tag_of, written_tag
+from urdf.document.elements import children, describe, line_of, name_of, tag_of, written_tag
 from urdf.document.vocabulary import (
     ATTRIBUTES,
     CLOSING_CHILDREN,
@@ -53,7 +53,7 @@ def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
     links = frozenset(name_of(link) for link in robot if tag_of(link) == "link")
     for parent in (robot, *robot):
         meanings = CLOSING_CHILDREN.get(tag_of(parent), {})
-        for element in parent.iterchildren(etree.Element):
+        for element in parent.iterchildren(etree.Element) if meanings else ():
             meaning = meanings.get(written_tag(element))
             if meaning is not None:
                 name = f"'{shortened(name_of(element))}'" if name_of(element) else "it"
@@ -64,12 +64,10 @@ def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
 
 def _motors(robot: etree._Element, path: Path) -> Iterator[Motor]:
     """Motors of <transmission>: the joints that have an <actuator>."""
-    for transmission in robot.iterchildren(etree.Element):
-        tags = [tag_of(child) for child in transmission]
-        if tag_of(transmission) == "transmission" and "actuator" in tags:
-            for child in transmission:
-                if tag_of(child) == "joint":
-                    yield Motor(name_of(child), _place(transmission, path))
+    for transmission in children(robot, "transmission"):
+        if next(children(transmission, "actuator"), None) is not None:
+            for joint in children(transmission, "joint"):
+                yield Motor(name_of(joint), _place(transmission, path))
 
 
 def _place(element: etree._Element, path: Path) -> SourceLocation:
@@ -123,6 +121,6 @@ def _places(parent: etree._Element) -> Iterator[tuple[str, str, etree._Element]]
 
 def _is_known(kind: str, tag: str, element: etree._Element) -> bool:
     """Elements of xacro have findings of their own."""
-    namespace = etree.QName(element).namespace or ""
-    known = (*READ_CHILDREN[kind], *HARMLESS_CHILDREN.get(kind, ()), *CLOSING_CHILDREN.get(kind, ()))
-    return tag in known or namespace.rstrip("/").endswith("xacro")
+    if any(tag in known.get(kind, ()) for known in (READ_CHILDREN, HARMLESS_CHILDREN, CLOSING_CHILDREN)):
+        return True
+    return (etree.QName(element).namespace or "").rstrip("/").endswith("xacro")

@@ -8,7 +8,7 @@ from pathlib import Path
 from lxml import etree
 
 from urdf.document.document import Document
-from urdf.document.elements import Drawings, describe, drawings, line_of, tag_of
+from urdf.document.elements import Drawings, children, describe, drawings, line_of, tag_of
 from urdf.document.extensions import Extensions, extensions
 from urdf.document.vocabulary import FIXED_JOINT_CHILDREN, READ_CHILDREN
 from urdf.errors import TooLarge, URDFError
@@ -46,16 +46,15 @@ class Source:
 def reduced(document: Document) -> Source:
     """The document without the elements that are not read; its own tree is modified. Raises TooLarge."""
     robot = document.robot
+    for what in ("link", "joint"):
+        number = sum(1 for _ in children(robot, what))
+        if number > MAX_LINKS:
+            problem = f"the robot has {number} {what}s, more than {MAX_LINKS}"
+            raise TooLarge(problem, "give a smaller robot", path=document.path)
     beside, drawn = extensions(robot, document.path), drawings(robot)
     _reduce(robot)
     etree.cleanup_namespaces(robot)
-    source = Source(document.path, robot, beside, drawn)
-    for what, number in (("links", len(source.links)), ("joints", len(source.joints))):
-        if number > MAX_LINKS:
-            raise TooLarge(
-                f"the robot has {number} {what}, more than {MAX_LINKS}", "give a smaller robot", path=document.path
-            )
-    return source
+    return Source(document.path, robot, beside, drawn)
 
 
 def _reduce(element: etree._Element) -> None:

@@ -121,5 +121,5 @@ def walk(carriers: Joints, roots: Sequence[str]) -> Iterator[etree._Element]:
 
 def end(joint: etree._Element, side: str) -> str | None:
     """Name of the link at the "parent" or "child" side of a joint; None where the file has none."""
-    found = joint.find(side)
+    found = next(joint.iterchildren(side), None)
     return None if found is None else found.get("link")

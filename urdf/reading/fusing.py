@@ -92,7 +92,8 @@ def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked
     members: list[list[str]] = [[root]]  # per body: its links
     for joint in map(by_name.__getitem__, order):
         inside, placement = location[joint.parent]
-        placement = placement @ _placement(joint.origin)
+        if joint.origin is not None:
+            placement = placement @ _placement(joint.origin)
         if joint.type == "fixed" or joint.name in locked:
             location[joint.child] = inside, placement @ _motion(joint, locked.get(joint.name, 0.0))
             members[inside].append(joint.child)
