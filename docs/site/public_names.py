@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import warnings
+from functools import cache
 from typing import get_origin
 
 import rooms
@@ -42,6 +43,7 @@ TO_EXTEND = {
 MODULES = FOR_USERS | TO_EXTEND
 
 
+@cache
 def public_names(module: str) -> list[str]:
     """`__all__` without modules, or without one what the module itself defines and does not mark as private."""
     loaded = importlib.import_module(module)
@@ -54,6 +56,7 @@ def public_names(module: str) -> list[str]:
     )
 
 
+@cache
 def value_of(module: str, name: str) -> object:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

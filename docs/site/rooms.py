@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Mapping
+from functools import cache
 from html import escape
 from itertools import pairwise
 from pathlib import Path
@@ -19,10 +20,13 @@ WIDTH, HEIGHT, ROW = 92, 28, 58
 """Size of the box of a room, and distance of two rows [px]."""
 GAP, NARROW, MARGIN, TITLE, SPACE = 12, 14, 16, 40, 28
 """Between neighbors of a row, width of a passing arrow, around a package, height of its name, between packages [px]."""
+WITH_STATEMENTS = (ast.stmt, ast.excepthandler, ast.match_case)
+"""Parts of a syntax tree that can be imports or contain them."""
 SWEEPS = 12
 """Over the rows, to find an order with few crossings."""
 
 
+@cache
 def rooms(package: str) -> dict[str, Path]:
     """The folders and files directly in a package or room, by name, with the file that has their docstring."""
     found = {}
@@ -33,21 +37,32 @@ def rooms(package: str) -> dict[str, Path]:
     return found
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    """A file as its syntax tree."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def summary(path: Path) -> str:
     """First sentence of the docstring of a module."""
-    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    text = ast.get_docstring(parsed(path)) or ""
     return " ".join(text.split("\n\n")[0].split())
 
 
 def imported(path: Path) -> Iterable[str]:
     """Full names of the modules, or of the names in them, that a file imports."""
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    waiting: list[ast.AST] = [parsed(path)]
+    while waiting:
+        node = waiting.pop()
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             yield from (f"{node.module}.{name.name}" for name in node.names)
+        else:
+            waiting += (inner for inner in ast.iter_child_nodes(node) if isinstance(inner, WITH_STATEMENTS))
 
 
+@cache
 def uses(package: str) -> Uses:
     """The imports between the rooms of a package."""
     names = rooms(package)
