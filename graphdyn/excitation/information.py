@@ -175,9 +175,7 @@ class Information:
 
     @cached_property
     def _joints_are_apart(self) -> bool:
-        """Whether the rows of other terms than rigid bodies depend only on the motion of their joint, in some
-        states.
-        """
+        """Whether each joint's rows of the other terms depend on its own motion alone, in some states."""
         one, other = (random_samples(self.torque_model, 50, seed) for seed in (0, 1))
         rows = self._other_rows(one.q, one.v, one.a)
         joints = np.arange(rows.shape[1])

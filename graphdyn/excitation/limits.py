@@ -21,9 +21,7 @@ Numbers = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class Sphere:
-    """A sphere fixed in a body: center in its link frame (3,) [m], and radius [m]; 0 is a point. Body 0 is the
-    ground.
-    """
+    """A sphere fixed in a body, 0 for the ground: center in its link frame (3,) [m], and radius [m]; 0 is a point."""
 
     body: int
     center: Array

@@ -45,8 +45,7 @@ FRICTION_WIDTH = 0.05
 """Fraction of the velocity limit over which the sign of friction changes smoothly during the search."""
 
 SHARPNESSES = (30.0, 200.0, 1000.0)
-"""Sharpness ρ of the smooth maximum in consecutive searches: at 1000, a maximum that is reached at ten instants is
-overestimated by 0.2 %."""
+"""Sharpness ρ of the smooth maximum in consecutive searches: 1000 overestimates ten equal maxima by 0.2 %."""
 
 MAX_SEARCH_ITERATIONS, MOTION_TOLERANCE = 200, 1e-5
 """Most iterations of one search; change of the logarithm of the criterion below which it ends."""
@@ -73,8 +72,7 @@ MAX_STARTS = 2
 """Most random motions from which a seed searches, one after the other, until a motion is found."""
 
 MIN_START_SHARE = 0.2
-"""Fraction of what its joints' own limits allow, up to which a random motion is no start: the search would stay near
-it."""
+"""Fraction of its joints' own limits up to which a random motion is no start: the search would stay near it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,7 @@ from graphdyn.identification.problem.torque_model import STATES_PER_PARAMETER, T
 from graphdyn.layout import Array
 
 DRIVE_SHARE = 0.1
-"""Prior spread of a friction or drive parameter, as its torque relative to the torque that the joint's bodies take over
-random states."""
+"""Prior spread of a drive parameter: its torque relative to that of the joint's bodies over random states."""
 
 ZERO_PARAMETER_SHARE = 1e-12
 """Value of the model, relative to the prior spread, below which it is a sum that cancels."""
@@ -53,17 +52,13 @@ class ExcitationPlan:
 
     @cached_property
     def sigma(self) -> Array:
-        """Standard deviations (b,), in the parameters' units; infinite for parameters that the recording does not
-        determine.
-        """
+        """Standard deviations (b,), in the parameters' units; infinite if the recording does not determine them."""
         found = covariance(self.information)
         return np.full(self.base.rank, np.inf) if found is None else np.sqrt(np.diag(found))
 
     @property
     def relative(self) -> Array:
-        """σ relative to the size of the parameter: its value in the model, or its prior spread if that is larger
-        (b,).
-        """
+        """σ relative to the parameter's value in the model, or to its prior spread if that is larger (b,)."""
         return np.asarray(self.sigma / np.maximum(np.abs(self.prior), self.spread))
 
     @property
@@ -129,9 +124,7 @@ def prior_spread(torque_model: TorqueModel) -> Array:
 
 
 def _drive_spread(rows: Array, torques: Array) -> Array:
-    """Prior spread (k,) for columns (N, n, k). A robot without masses takes no torque: its joints count as 1 N m or
-    N.
-    """
+    """Prior spread (k,) for columns (N, n, k). The torque of a robot without masses counts as 1 N m or N."""
     size = np.sqrt(np.mean(torques**2, axis=0))
     size = np.where(size > 0, size, 1.0)
     columns = np.sqrt(np.mean(rows**2, axis=0))

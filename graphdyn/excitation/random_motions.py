@@ -14,8 +14,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
 LIMIT_CHECK_POINTS = 240
-"""Number of instants at which limits are checked: a random motion for comparison may violate them slightly in
-between."""
+"""Number of instants at which limits are checked; in between a random motion may violate them slightly."""
 
 SCALE_HALVINGS = 12
 """Halvings of the interval in the search for the largest scale within all limits: to a part in 4000."""

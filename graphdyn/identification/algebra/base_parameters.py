@@ -25,9 +25,7 @@ UNIT_COEFFICIENT_TOLERANCE = 1e-9
 
 
 def sum_in_words(coefficients: Array, names: Sequence[str], *, first: int | None = None) -> str:
-    """A linear combination as text, such as "B1 I_yy + 0.25 B2 m": the term `first`, or those with coefficient 1, come
-    first; zeros are left out.
-    """
+    """A sum as text, such as "B1 I_yy + 0.25 B2 m": the term `first`, or those with coefficient 1, come first."""
     terms = sorted(np.flatnonzero(coefficients), key=lambda k: coefficients[k] != 1.0 if first is None else k != first)
     words = ""
     for k in map(int, terms):

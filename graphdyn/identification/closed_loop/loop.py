@@ -105,9 +105,7 @@ class DrivenRobot:
 
     @classmethod
     def of(cls, torque_model: TorqueModel, parameters: Array) -> DrivenRobot:
-        """The robots of parameters (R, p). Negative friction and rotor inertia count as zero: they would drive the
-        joints.
-        """
+        """The robots of parameters (R, p). Friction and rotors that would drive the joints count as zero."""
         shape = (len(parameters), torque_model.model.nv)
 
         def drive(kind: type) -> Array:

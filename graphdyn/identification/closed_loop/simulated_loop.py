@@ -166,9 +166,7 @@ class Segment:
 
 
 class _Later:
-    """A motion law over the time since a start; it caches its last course, because every iteration asks for the same
-    times.
-    """
+    """A motion law over the time since a start. It keeps its last course: every iteration asks for the same times."""
 
     def __init__(self, law: MotionLaw, start: float) -> None:
         self._law, self._start = law, start

@@ -32,8 +32,7 @@ PRIOR_MARGIN = 1e-4
 solutions do not lie on the boundary, where a mass matrix is singular."""
 
 WEAK_STRENGTH = 1e-2
-"""Strength that fixes directions without data if constraints are active: an entry of S costs one variance at a distance
-of fourteen times the prior."""
+"""Strength without data if constraints are active: an entry of S costs one variance at fourteen times the prior."""
 
 MIN_MARGIN_SHARE = 0.5
 """Fraction of the margin that a solution must keep; the solver is far more exact."""

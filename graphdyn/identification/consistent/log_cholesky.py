@@ -92,9 +92,7 @@ MAX_THETA = 40.0
 
 
 class Residuals:
-    """A u - b and √(strength / 2) (u - u of the prior), as functions of the unknowns (θ of n bodies, further
-    columns).
-    """
+    """A u - b and √(strength / 2) (u - u of the prior) of the unknowns (θ of n bodies, further columns)."""
 
     def __init__(self, coordinates: PriorCoordinates, strength: float, margin: float):
         self.coordinates, self.margin, self.pull = coordinates, margin, np.sqrt(strength / 2)
@@ -182,8 +180,7 @@ MAX_ZERO_SETS = 10
 """Largest number of sets of columns held at zero that are tried at each strength."""
 
 MAX_FIT_COST_EXCESS = 1e-2
-"""Largest amount of a solution's cost above the minimum, relative to the cost or one variance of the residuals: far
-less than noise moves the cost."""
+"""Largest excess of a solution's cost, relative to the cost or one variance: far less than noise moves the cost."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -121,9 +121,7 @@ class SemidefiniteProgram:
 
 
 def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, Array], margin: float) -> Array:
-    """Amounts (m,), of least sum, by which each inequality must be relaxed so that bodies with S_i ⪰ margin · E
-    exist.
-    """
+    """Amounts (m,), of least sum, by which each inequality must be relaxed so that consistent bodies exist."""
     cp = _cvxpy()
     g, h = inequalities
     u, short = cp.Variable(len(coordinates.origin)), cp.Variable(len(h), nonneg=True)

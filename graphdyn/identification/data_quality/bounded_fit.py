@@ -92,9 +92,7 @@ class BoundedFit:
     def several(
         cls, torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
     ) -> list[BoundedFit]:
-        """Fits of several motions of the same length, computed together: compiled code is fast from a thousand samples
-        on.
-        """
+        """Fits of several motions of the same length, computed together: compiled code needs a thousand samples."""
         q, v, a, tau = (np.concatenate([getattr(part, name) for part in motions]) for name in ("q", "v", "a", "tau"))
         samples, bounds = Samples(q, v, a, tau), Bounds.of(torque_model)
         matrices = np.split(torque_model.rows(samples), len(motions))

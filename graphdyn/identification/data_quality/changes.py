@@ -1,6 +1,4 @@
-"""Possible faults in the columns of a recording, the changes that correct them, and the conversion to joint
-coordinates.
-"""
+"""Possible faults in the columns of a recording, and the changes that correct them."""
 
 from __future__ import annotations
 
@@ -81,8 +79,7 @@ ChangeKind = Literal[
 ]
 
 MAX_PAIRED_JOINTS = 10
-"""Largest number of joints for which all pairs are tried as exchanged; beyond it only neighbors, because the number of
-pairs grows with the square."""
+"""Largest number of joints for which all pairs are tried as exchanged; beyond it only neighbors."""
 
 MIN_EXPLAINED_SHARE = 0.3
 """Smallest share of a joint's torque that the model must explain for its gain to indicate a wrong unit."""

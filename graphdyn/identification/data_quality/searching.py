@@ -140,9 +140,7 @@ def _tried(
 def _fits(
     torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
 ) -> list[BoundedFit | None]:
-    """The fits of changed motions; None for a motion that a user's term or torque refuses, which cannot have
-    occurred.
-    """
+    """The fits of changed motions; None for an impossible motion, which a user's term or torque refuses."""
     try:
         return [*BoundedFit.several(torque_model, motions, kept)]
     except Exception:

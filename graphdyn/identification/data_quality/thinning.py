@@ -20,8 +20,7 @@ MAX_LAG = 0.2
 MAX_LAG_SHARE = 0.1
 
 SPLINE_ORDER = 5
-"""Order of the spline between the samples of the torque: for a signal low-passed below a fifth of the sampling rate,
-it is exact to 1e-4."""
+"""Order of the spline of the torque: below a fifth of the sampling rate it is exact to 1e-4."""
 
 
 class TooShort(InvalidInput):
@@ -36,9 +35,7 @@ class Piece:
     period: float
 
     def later(self, seconds: Array) -> Piece:
-        """The piece with the torque that is measured so much later, a time for each joint (n,); at the end the last
-        one.
-        """
+        """The piece with the torque measured so much later, a time for each joint (n,); at the end the last one."""
         from scipy.interpolate import make_interp_spline
 
         t = np.arange(len(self.samples)) * self.period

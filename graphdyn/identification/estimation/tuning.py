@@ -139,9 +139,7 @@ def tuned(problem: Problem) -> tuple[TorqueModel, tuple[Tuned, ...]]:
 
 
 class _Projected:
-    """The equations projected on the complement of the other terms: P = 1 - Q Qᵀ, Q an orthonormal basis of their
-    columns.
-    """
+    """The equations without the other terms: projected by 1 - Q Qᵀ, Q an orthonormal basis of their columns."""
 
     def __init__(self, problem: Problem, searched: list[int]) -> None:
         self._problem = problem

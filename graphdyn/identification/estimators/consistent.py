@@ -201,8 +201,7 @@ class ConsistentWithPrior:
 
 
 MAX_TORQUE_CHANGE = 1e-2
-"""Root mean square change of a joint's predicted torque, relative to its noise, below which the iteration has
-converged."""
+"""RMS change of a joint's predicted torque, relative to its noise, below which the iteration has converged."""
 
 MAX_ROBUST_ITERATIONS = 30
 

@@ -138,9 +138,7 @@ def joined(covariance: Array) -> Array:
 
 
 def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:
-    """The rows that count among all that the filters keep; the covariance of the errors of every run; each row's
-    run.
-    """
+    """The rows that count; the covariance of the errors of every run; the run of each row."""
     parts, covariances, lengths = list[Samples](), list[Array](), list[int]()
     for run in runs([problem.data] if isinstance(problem.data, Samples) else problem.data):
         pieces = list(run.samples)
@@ -205,8 +203,7 @@ MAX_LIKELIHOOD_ITERATIONS = 50
 """Iterations after which an estimate that still moves has diverged."""
 
 MIN_NOISE_SHARE = 0.1
-"""Smallest noise of a torque, relative to its residual, if the errors of the motion explain all of it: C is not
-exact."""
+"""Smallest noise of a torque, relative to its residual, if errors of the motion explain all: C is not exact."""
 
 LARGEST_SHARE_SETTING = "residual by errors of the motion"
 """Name of the setting with Σ G C Gᵀ over Σ e² of the joint with the largest ratio."""

@@ -73,9 +73,7 @@ def residuals_of(problem: Problem, x: Array) -> Array:
 
 
 def robust_scale(problem: Problem, residuals: Array, used: Array) -> Array:
-    """σ (n,) from the median of |e|, at least the rounding of the torque. used: equations used up by parameters
-    (n,).
-    """
+    """σ (n,) from the median of |e|, at least rounding. used: equations that the parameters use up (n,)."""
     counts = problem.equations.counts
     counted = (np.abs(column[np.isfinite(column)]) for column in residuals.T)
     median = np.array([np.median(sizes) for sizes in counted]) / NORMAL_MEDIAN * np.sqrt(counts / (counts - used))

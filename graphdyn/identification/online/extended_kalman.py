@@ -126,9 +126,7 @@ class ExtendedKalmanFilter:
 
     @property
     def parameters(self) -> Array:
-        """Parameters (p,) of all columns of the torque model: those with these base parameters nearest to the
-        model's.
-        """
+        """Parameters (p,) of the torque model: those with these base parameters nearest to the model's."""
         return model_prior(self._model).nearest(self._base, self._x)
 
     def _begin(self, q: Array, v: Array) -> None:

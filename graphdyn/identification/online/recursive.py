@@ -51,9 +51,7 @@ class RecursiveLeastSquares:
         self._factor = np.zeros((self._base.rank + 1, self._base.rank + 1))
 
     def update(self, samples: Samples) -> None:
-        """Process one sample or several, in the order of time. Raises InvalidInput for samples with a pending
-        filter.
-        """
+        """Process samples in the order of time. Raises InvalidInput for samples with a pending filter."""
         if samples.row_filter is not None:
             raise InvalidInput("these samples still have to go through a filter; give filtered ones, or a Problem")
         w = self._model.rows(TorqueFreeSamples(samples), self._base.independent)
@@ -72,7 +70,5 @@ class RecursiveLeastSquares:
 
     @property
     def parameters(self) -> Array:
-        """Parameters (p,) of all columns of the torque model: those with these base parameters nearest to the
-        model's.
-        """
+        """Parameters (p,) of the torque model: those with these base parameters nearest to the model's."""
         return model_prior(self._model).nearest(self._base, self.solution.x)

@@ -43,8 +43,7 @@ MAX_CACHED_BYTES = 32e6
 """Largest size of equations [bytes] that are kept for the methods that read them many times."""
 
 SUMMED_SAMPLES = 32768
-"""Samples whose equations are summed up at once; those of the bodies are never in memory, those of friction take 5
-MB."""
+"""Samples whose equations are summed up at once; of these only those of friction are in memory, 5 MB."""
 
 NO_SAMPLES = (
     "the recording has no sample, or can be read only once and was: give the samples in a list, or an object that "

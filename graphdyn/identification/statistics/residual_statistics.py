@@ -19,8 +19,7 @@ from graphdyn.identification.statistics.correlation import CorrelationLength
 from graphdyn.layout import Array
 
 MIN_MOVING_SPEED = 0.02
-"""Speed below which a joint counts as at rest [rad/s or m/s]: friction is undetermined there and swamps the
-comparison."""
+"""Speed below which a joint counts as at rest [rad/s or m/s]: friction is undetermined there."""
 
 N_LAGS = 20
 """Number of lags of the Ljung-Box test; the autocorrelation of a piece does not reach into the next one."""

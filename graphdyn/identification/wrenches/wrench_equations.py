@@ -94,8 +94,7 @@ class IdentifiedBodies:
 
 
 MAX_RANK_TOLERANCE = 1e-2
-"""Largest estimated precision: a column with a hundredth of the length of the strongest counts as rounding only if the
-caller gives that precision."""
+"""Largest estimated precision: only a caller may take longer columns for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
