@@ -25,7 +25,6 @@ from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.compressed import (
     EPS,
-    CompressedEquations,
     leverages,
     merged,
     residual_deviations,
@@ -85,11 +84,11 @@ def _decimated(problem: Problem, stretches: list[Samples]) -> Samples:
 
 
 @dataclass(frozen=True, eq=False)
-class Crossed:
-    """Solution x (r,), its covariance (r, r), and the covariance that allows for correlation in time.
+class LoopSolution:
+    """Solution x (r,), its covariance (r, r) for white noise, and the covariance that allows for correlation in time.
 
     The last needs two time blocks, and is None otherwise.
-    noise: of the torques, by which the equations were weighted (n,)
+    noise: of the torques or outputs                        (n,)
     """
 
     x: Array
@@ -125,7 +124,7 @@ class CrossedEquations:
                 squares[g][np.ix_(own, own)] += z.T @ z
         return cls(np.array([block for _, block in sorted(blocks.items())]), squares)
 
-    def solve(self, noise: Array) -> Crossed:
+    def solve(self, noise: Array) -> LoopSolution:
         """Solve with the noise σ_g (n,). Raises EstimationFailed if the instruments do not determine the parameters."""
         weights = 1 / noise[:, None, None] ** 2
         blocks = np.sum(self.products * weights, axis=1)
@@ -141,26 +140,11 @@ class CrossedEquations:
         inverse = (v_t.T / s) @ u.T / scale / scale[:, None]
         x = inverse @ together[:, -1]
         scores = blocks[:, :, -1] - blocks[:, :, :-1] @ x
-        return Crossed(x, inverse @ squares @ inverse.T, left_out_covariance(blocks[:, :, :-1], scores, scale), noise)
+        over_blocks = left_out_covariance(blocks[:, :, :-1], scores, scale)
+        return LoopSolution(x, inverse @ squares @ inverse.T, over_blocks, noise)
 
 
-@dataclass(frozen=True, eq=False)
-class OutputFit:
-    """x (r,) after the step, its covariance (r, r), noise of each joint (n,), and the equations of every time block."""
-
-    x: Array
-    covariance: Array
-    noise: Array
-    change: Array
-    blocks: tuple[CompressedEquations, ...]
-
-    @property
-    def block_covariance(self) -> Array | None:
-        """Covariance (r, r) that allows for correlation in time."""
-        return jackknife_covariance(self.blocks, self.change, self.noise)
-
-
-def output_step(problem: Problem, x: Array, parts: Iterable[RowBlock], noise: Array | None) -> OutputFit:
+def output_step(problem: Problem, x: Array, parts: Iterable[RowBlock], noise: Array | None) -> LoopSolution:
     """One step from base parameters x (r,).
 
     parts: with S as their regressor, and τ(x) as their output; noise: as given, None if it is to be estimated (n,)
@@ -178,4 +162,4 @@ def output_step(problem: Problem, x: Array, parts: Iterable[RowBlock], noise: Ar
     noise = residual_deviations(
         together, together.residual_squares(solution.x), leverages(together, noise, solution.inverse)
     )
-    return OutputFit(x + solution.x, solution.inverse, noise, solution.x, equations)
+    return LoopSolution(x + solution.x, solution.inverse, jackknife_covariance(equations, solution.x, noise), noise)

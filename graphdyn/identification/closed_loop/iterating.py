@@ -1,10 +1,9 @@
-"""Repeated simulation and estimation until the estimate converges, with its initial values and its report."""
+"""Repeated simulation and estimation until the estimate converges."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.compressed import weighted_solution
+from graphdyn.identification.closed_loop.equations import LoopSolution
 from graphdyn.identification.closed_loop.exogeneity_test import EXOGENEITY_SETTING, exogeneity
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
@@ -33,20 +33,7 @@ MAX_STEP_HALVINGS = 6
 """Times that a step is halved if the simulated loop does not hold the robot at its end: to 1/64 of it."""
 
 
-class IterationResult(Protocol):
-    """Result of one iteration: base parameters (r,), their covariance (r, r) for white noise, and for time blocks.
-
-    noise: of the outputs or torques (n,)
-    """
-
-    @property
-    def x(self) -> Array: ...
-    @property
-    def covariance(self) -> Array: ...
-    @property
-    def block_covariance(self) -> Array | None: ...
-    @property
-    def noise(self) -> Array: ...
+Beginning = ArrayLike | Literal["wls", "cad"]
 
 
 class InitialEstimate(NamedTuple):
@@ -56,37 +43,21 @@ class InitialEstimate(NamedTuple):
     words: str
 
 
-@dataclass(frozen=True, eq=False)
-class Iterated:
-    """Result of the whole iteration.
-
-    last: result of the last iteration; simulated: the motions that it used
-    iterations: number of simulations and solutions
-    moved: largest last step of a base parameter, in standard deviations
-    remarks: in sentences
-    """
-
-    last: IterationResult
-    simulated: list[Samples]
-    iterations: int
-    moved: float
-    remarks: tuple[str, ...]
-
-
 def iterated(
     loop: SimulatedLoop,
-    starts: Sequence[InitialEstimate],
-    step: Callable[[Array, list[Samples]], IterationResult],
+    start: Beginning,
+    step: Callable[[Array, list[Samples]], LoopSolution],
     most: int = MAX_LOOP_ITERATIONS,
-) -> Iterated:
+    output: Literal["torque", "position"] = "torque",
+) -> Estimate:
     """Iterate from the first initial values with which the simulated loop holds the robot.
 
     step: from base parameters (r,) and the motions simulated with them to the next ones
-    starts: initial values, tried in this order
+    output: whose noise the solutions have
 
     Raises EstimationFailed if the loop holds the robot with none of them, and if the estimate does not converge.
     """
-    x, simulated, remarks = _begun(loop, starts)
+    x, simulated, remarks = _begun(loop, starts(loop.problem, start))
     moved, resolved = np.inf, _resolved(loop)
     for iteration in range(1, most + 1):
         found = step(x, simulated)
@@ -94,7 +65,18 @@ def iterated(
         deviations = np.maximum(np.sqrt(np.maximum(np.diag(covariance), 0.0)), resolved)
         moved = float(np.abs((found.x - x) / deviations).max(initial=0.0))
         if moved < MAX_CONVERGED_STEP:
-            return Iterated(found, simulated, iteration, moved, remarks)
+            test = exogeneity(loop, found.x, simulated)
+            counts = {"simulations": float(loop.simulations), "last step": moved}
+            return base_estimate(
+                loop.problem,
+                found.x,
+                found.covariance,
+                found.noise if output == "torque" else None,
+                block_covariance=found.block_covariance,
+                iterations=iteration,
+                settings={**counts, EXOGENEITY_SETTING: test.together},
+                remarks=(*remarks, test.in_words(loop.problem.torque_model.model.independent_joints)),
+            )
         x, simulated = _as_far_as_held(loop, x, found.x)
     raise EstimationFailed(
         f"diverged: after {most} simulations of the loop the estimate still moves by {moved:.2g} standard deviations; "
@@ -135,9 +117,6 @@ def _simulated(loop: SimulatedLoop, x: Array) -> list[Samples]:
     return loop.samples(model_prior(problem.torque_model).nearest(problem.base, x))
 
 
-Beginning = ArrayLike | Literal["wls", "cad"]
-
-
 def starts(problem: Problem, beginning: Beginning) -> list[InitialEstimate]:
     """Initial values: the given parameters (p,), weighted least squares, or CAD without friction, which replaces the
     others.
@@ -153,20 +132,3 @@ def starts(problem: Problem, beginning: Beginning) -> list[InitialEstimate]:
     if given.shape != expected:
         raise InvalidInput(f"start has shape {given.shape}, expected {expected}")
     return [InitialEstimate(problem.base.values(given), "the parameters given"), cad]
-
-
-def told(loop: SimulatedLoop, end: Iterated, output: Literal["torque", "position"] = "torque") -> Estimate:
-    """The estimate, with the test of exogeneity and the number of simulations."""
-    problem, last = loop.problem, end.last
-    test = exogeneity(loop, last.x, end.simulated)
-    joints = problem.torque_model.model.independent_joints
-    return base_estimate(
-        problem,
-        last.x,
-        last.covariance,
-        last.noise if output == "torque" else None,
-        block_covariance=last.block_covariance,
-        iterations=end.iterations,
-        settings={"simulations": float(loop.simulations), "last step": end.moved, EXOGENEITY_SETTING: test.together},
-        remarks=(*end.remarks, test.in_words(joints)),
-    )

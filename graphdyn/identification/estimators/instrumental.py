@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.identification.algebra.compressed import residual_deviations
-from graphdyn.identification.closed_loop.equations import Crossed, CrossedEquations, beside
-from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
+from graphdyn.identification.closed_loop.equations import CrossedEquations, LoopSolution, beside
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
@@ -51,8 +51,8 @@ class InstrumentalVariables:
         loop = SimulatedLoop(problem, self.loop)
         used = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
 
-        def step(x: Array, simulated: list[Samples]) -> Crossed:
+        def step(x: Array, simulated: list[Samples]) -> LoopSolution:
             noise = residual_deviations(problem.equations, problem.equations.residual_squares(x), used)
             return CrossedEquations.of(beside(problem, simulated), problem.support).solve(noise)
 
-        return told(loop, iterated(loop, starts(problem, self.start), step, self.most))
+        return iterated(loop, self.start, step, self.most)

@@ -37,8 +37,8 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.closed_loop.equations import OutputFit, RowBlock, beside, output_step
-from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated, starts, told
+from graphdyn.identification.closed_loop.equations import LoopSolution, RowBlock, beside, output_step
+from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
@@ -67,10 +67,10 @@ class DirectInverse:
         """Estimate of a problem. Raises EstimationFailed if the loop is not known, or the iteration diverges."""
         loop = SimulatedLoop(problem, self.loop)
 
-        def step(x: Array, simulated: list[Samples]) -> OutputFit:
+        def step(x: Array, simulated: list[Samples]) -> LoopSolution:
             return output_step(problem, x, beside(problem, simulated), problem.equations.noise)
 
-        return told(loop, iterated(loop, starts(problem, self.start), step, self.most))
+        return iterated(loop, self.start, step, self.most)
 
 
 OutputName = Literal["position", "torque"]
@@ -173,7 +173,7 @@ class ClosedLoopOutputError:
 
         noise = problem.equations.noise if self.output == "torque" else None
 
-        def step(x: Array, simulated: list[Samples]) -> OutputFit:
+        def step(x: Array, simulated: list[Samples]) -> LoopSolution:
             return output_step(problem, x, outputs(loop, x, simulated, self.output), noise)
 
-        return told(loop, iterated(loop, starts(problem, self.start), step, self.most), self.output)
+        return iterated(loop, self.start, step, self.most, self.output)
