@@ -50,6 +50,14 @@ class CompressedEquations:
         squares: Array = np.sum(self.factors[..., -1] ** 2, axis=-1)
         return squares
 
+    @property
+    def unit_regressor(self) -> Array:
+        """R (b + 1, b) of W, groups weighted by their measured torque and columns at unit length."""
+        size = np.sqrt(self.measured_squares / np.maximum(self.counts, 1))
+        r, _ = self.weighted(np.where(size > 0, size, 1.0))
+        length = np.linalg.norm(r, axis=0)
+        return r / np.where(length > 0, length, 1.0)
+
     def residual_squares(self, x: Array) -> Array:
         """Squared residuals ‖W_g x - τ_g‖² (g,) of parameters x (b,)."""
         squares: Array = np.sum((self.factors[..., :-1] @ x - self.factors[..., -1]) ** 2, axis=-1)
@@ -86,9 +94,10 @@ def merged(parts: Sequence[CompressedEquations]) -> CompressedEquations:
 
 
 EPS = float(np.finfo(float).eps)
+"""Relative precision of data that were never rounded."""
 
 MIN_ROWS_LEFT = 0.5
-"""Fewest equations that the parameters must leave over for a joint; with fewer its noise cannot be estimated."""
+"""Fewest equations that the parameters must leave over for a group; with fewer its noise cannot be estimated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +118,7 @@ def solve(equations: CompressedEquations, deviations: Array) -> Solution:
 
     Raises EstimationFailed if the columns are dependent.
     """
-    r, z = equations.informed(deviations)
-    return solve_triangle(r, z)
+    return solve_triangle(*equations.informed(deviations))
 
 
 def solve_triangle(r: Array, z: Array) -> Solution:

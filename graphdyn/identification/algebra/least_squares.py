@@ -41,6 +41,16 @@ def square_triangle(matrix: Array) -> Array:
     return f * np.where(np.diag(f) < 0, -1.0, 1.0)[:, None]
 
 
+def orthonormal_basis(columns: Array, tolerance: float) -> Array:
+    """An orthonormal basis of columns, scaled to unit length; zero columns, as of a resting joint, are left out.
+
+    tolerance: singular value, relative to the largest, below which a direction is rounding
+    """
+    length = np.linalg.norm(columns, axis=0)
+    u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
+    return np.asarray(u[:, s > tolerance * s.max(initial=0.0)])
+
+
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
     """Solution of a linear least-squares problem W x = τ.

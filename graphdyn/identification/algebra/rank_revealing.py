@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, sum_in_words
+from graphdyn.identification.algebra.compressed import EPS, MIN_ROWS_LEFT
 from graphdyn.layout import Array
-
-EPS = float(np.finfo(float).eps)
-"""Relative precision of data that were never rounded."""
 
 PRECISION_MARGIN = 10.0
 """Factor by which a singular value must exceed the precision of the data: columns of K that are only rounding or
@@ -25,9 +23,6 @@ noise reach 0.2 to 2 times the precision, measured on the scale that their kind 
 
 MAX_STRAY_SHARE = 1e-2
 """Largest component in the null space with which a parameter counts as determined individually."""
-
-MIN_ROWS_LEFT = 0.5
-"""Fewest equations that the parameters of a group must leave over; with fewer its noise cannot be estimated."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.problem import Problem
@@ -117,23 +118,16 @@ def _f_test(w: Array, z: Array, right: Array) -> tuple[float, int]:
     from scipy.stats import f  # imported where first used: import graphdyn stays light
 
     rows = len(right)
-    regressor = _basis(w)
+    regressor = orthonormal_basis(w, MIN_SINGULAR_SHARE)
     r = regressor.shape[1]
     if rows < 2 * r + MIN_SPARE_ROWS:
         return float("nan"), rows
-    instruments = _basis(z)
+    instruments = orthonormal_basis(z, MIN_SINGULAR_SHARE)
     unexplained = regressor - instruments @ (instruments.T @ regressor)
-    both = _basis(np.hstack([regressor, unexplained]))
+    both = orthonormal_basis(np.hstack([regressor, unexplained]), MIN_SINGULAR_SHARE)
     added = both.shape[1] - r
     if added <= 0:
         return 1.0, rows
     restricted, full = (np.sum((right - q @ (q.T @ right)) ** 2) for q in (regressor, both))
     spare = rows - both.shape[1]
     return float(f.sf((restricted - full) / added / (full / spare), added, spare)), rows
-
-
-def _basis(columns: Array) -> Array:
-    """An orthonormal basis of columns, which are first scaled to unit length."""
-    length = np.linalg.norm(columns, axis=0)
-    u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
-    return np.asarray(u[:, s > MIN_SINGULAR_SHARE * s.max(initial=0.0)])

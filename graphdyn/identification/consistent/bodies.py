@@ -62,14 +62,14 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
 
     Raises EstimationFailed if no body is unknown, InvalidInput if no body of the prior has a mass.
     """
-    model, start = torque_model.model, 0
+    model = torque_model.model
     names: list[str] = []
     columns: list[slice] = []
     nonnegative: list[str] = []
     in_bodies: set[int] = set()
     carriers: dict[int, int] = {}
-    for term in torque_model.terms:
-        own = range(start, start := start + len(term.columns(model)))
+    for term, part in torque_model.parts:
+        own = range(part.start, part.stop)
         if isinstance(term, Payload):
             carriers[len(names)] = model.body_names.index(term.body) if term.body else model.n_bodies - 1
             names.append("payload")

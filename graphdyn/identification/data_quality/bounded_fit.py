@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
+from graphdyn.identification.algebra.least_squares import orthonormal_basis, triangle
 from graphdyn.identification.consistent.bodies import NONNEGATIVE_TERMS
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.torque_model import TorqueModel
@@ -46,17 +47,15 @@ class Bounds:
     @classmethod
     def of(cls, torque_model: TorqueModel) -> Bounds:
         p = len(torque_model.columns)
-        matrix, nonnegative, start = np.eye(p), np.zeros(p, dtype=bool), 0
-        for term in torque_model.terms:
-            stop = start + len(term.columns(torque_model.model))
+        matrix, nonnegative = np.eye(p), np.zeros(p, dtype=bool)
+        for term, columns in torque_model.parts:
             if isinstance(term, RigidBodies | Payload):
-                for body in range(start, stop, BODY_PARAMETERS):
+                for body in range(columns.start, columns.stop, BODY_PARAMETERS):
                     moments = body + np.array(SECOND_MOMENT_COLUMNS)
                     matrix[np.ix_(moments, moments)] = FROM_SECOND_MOMENTS
                     nonnegative[[body, *moments]] = True
             elif isinstance(term, NONNEGATIVE_TERMS):
-                nonnegative[start:stop] = True
-            start = stop
+                nonnegative[columns] = True
         return cls(matrix, nonnegative)
 
 
@@ -140,7 +139,7 @@ class BoundedFit:
         unit = a / np.where(seen, length, np.inf)
         held = self._bounds.nonnegative & seen
         free = ~self._bounds.nonnegative & seen
-        imitated = _basis(unit[:, free])
+        imitated = orthonormal_basis(unit[:, free], RANK_TOLERANCE)
         left = unit[:, held] - imitated @ (imitated.T @ unit[:, held])
         left[:, np.linalg.norm(left, axis=0) <= RANK_TOLERANCE] = 0.0
         y = np.zeros(len(seen))
@@ -163,18 +162,10 @@ def _nonnegative(a: Array, b: Array) -> Array:
     return np.asarray(found)
 
 
-def _basis(a: Array) -> Array:
-    """Orthonormal columns that span the columns of A."""
-    if not a.shape[1]:
-        return a
-    u, s, _ = np.linalg.svd(a, full_matrices=False)
-    return np.asarray(u[:, s > RANK_TOLERANCE * s[0]])
-
-
 def _weighted(factors: list[Array], weights: Array) -> tuple[Array, Array]:
     stacked = np.concatenate([factor / weight for factor, weight in zip(factors, weights, strict=True)])
-    triangle: Array = np.asarray(np.linalg.qr(stacked, mode="r"))
-    return triangle[:, :-1], triangle[:, -1]
+    factor = triangle(stacked)
+    return factor[:, :-1], factor[:, -1]
 
 
 def _solution(factors: list[Array], weights: Array) -> Array:

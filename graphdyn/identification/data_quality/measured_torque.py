@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
+from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.thinning import ThinnedRecording
@@ -72,14 +73,10 @@ def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains
 
 def _drive_columns(torque_model: TorqueModel) -> NDArray[np.intp]:
     """Columns that belong to no body."""
-    of_drives: list[int] = []
-    start = 0
-    for term in torque_model.terms:
-        stop = start + len(term.columns(torque_model.model))
-        if not isinstance(term, CarriesBodies):
-            of_drives.extend(range(start, stop))
-        start = stop
-    return np.array(of_drives, dtype=np.intp)
+    of_drives = np.zeros(len(torque_model.columns), dtype=bool)
+    for term, columns in torque_model.parts:
+        of_drives[columns] = not isinstance(term, CarriesBodies)
+    return np.flatnonzero(of_drives)
 
 
 def _first_with_deviation(columns: Array, right: Array) -> tuple[float, float]:
@@ -146,9 +143,8 @@ class _Misfit:
         self._noise = fit.errors(tau, bounded=False) * self._size
         matrix = (fit.matrix * fit.kept[..., None] / self._noise[:, None]).reshape(tau.size, -1)
         length = np.linalg.norm(matrix, axis=0)
-        matrix = matrix[:, length > RANK_TOLERANCE * length.max(initial=0.0)]
-        u, s, _ = np.linalg.svd(matrix / np.linalg.norm(matrix, axis=0), full_matrices=False)
-        self._imitated = u[:, s > RANK_TOLERANCE * s.max(initial=0.0)]
+        seen = length > RANK_TOLERANCE * length.max(initial=0.0)
+        self._imitated = orthonormal_basis(matrix[:, seen], RANK_TOLERANCE)
 
     def __call__(self, later: float | Array) -> float:
         left = self.left(self._recording.torque(later) - self._fit.known) * self._noise

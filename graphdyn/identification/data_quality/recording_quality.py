@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit, contradictions, halves_apart
@@ -49,11 +49,7 @@ class Excitation:
 
 def excitation(problem: Problem) -> tuple[Excitation, ...]:
     """Excitation of masses and centers of mass, of inertia tensors, and of every further term of the torque model."""
-    equations, base, structural = problem.equations, problem.base, problem.structure.base
-    size = np.sqrt(equations.measured_squares / np.maximum(equations.counts, 1))
-    r, _ = equations.weighted(np.where(size > 0, size, 1.0))
-    length = np.linalg.norm(r, axis=0)
-    unit = r / np.where(length > 0, length, 1.0)
+    base, structural, unit = problem.base, problem.structure.base, problem.equations.unit_regressor
     found = []
     for name, columns in groups(problem.torque_model):
         own = np.isin(base.independent, columns)
@@ -66,18 +62,16 @@ def excitation(problem: Problem) -> tuple[Excitation, ...]:
     return tuple(found)
 
 
-def groups(torque_model: TorqueModel) -> Iterator[tuple[str, list[int]]]:
+def groups(torque_model: TorqueModel) -> Iterator[tuple[str, NDArray[np.intp]]]:
     """Names of groups, and their columns of the torque model."""
-    start = 0
-    for term in torque_model.terms:
-        own = term.columns(torque_model.model)
-        columns = range(start, start + len(own))
+    for term, part in torque_model.parts:
+        columns = np.arange(part.start, part.stop)
         if isinstance(term, RigidBodies):
-            yield "masses and centers of mass", [k for k in columns if (k - start) % BODY_PARAMETERS < FIRST_MOMENTS]
-            yield "inertia tensors", [k for k in columns if (k - start) % BODY_PARAMETERS >= FIRST_MOMENTS]
-        elif own:
-            yield _words(type(term).__name__), list(columns)
-        start += len(own)
+            first = (columns - part.start) % BODY_PARAMETERS < FIRST_MOMENTS
+            yield "masses and centers of mass", columns[first]
+            yield "inertia tensors", columns[~first]
+        elif columns.size:
+            yield _words(type(term).__name__), columns
 
 
 def _words(name: str) -> str:

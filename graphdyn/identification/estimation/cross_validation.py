@@ -72,7 +72,7 @@ def cross_validation(
         )
     errors, failures = np.full((len(folds), len(strengths)), np.inf), list[str]()
     for k, held_out in enumerate(folds):
-        trained = train(merged([part for other, part in enumerate(folds) if other != k]))
+        trained = train(merged([*folds[:k], *folds[k + 1 :]]))
         for s, strength in enumerate(strengths):
             try:
                 x = problem.base.values(trained(strength))

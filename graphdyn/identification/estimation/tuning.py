@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.compressed import joint_noise
+from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
@@ -153,10 +154,7 @@ class _Projected:
         others = [term for k, term in enumerate(model.terms) if k not in searched]
         self._basis = np.zeros((len(self._noise), 0))
         if others:
-            columns = self._columns(others)
-            length = np.linalg.norm(columns, axis=0)  # zero where a joint rests
-            u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
-            self._basis = u[:, s > problem.rank_tolerance * s[0]]
+            self._basis = orthonormal_basis(self._columns(others), problem.rank_tolerance)
         self._right = self._without(np.concatenate([part.right for part in parts])[self._kept] / self._noise)
 
     def residual(self, terms: list[Term]) -> Array:

@@ -25,8 +25,8 @@ from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.compressed import (
     EPS,
     CompressedEquations,
-    Solution,
     leverages,
+    merged,
     solve,
     weighted_solution,
 )
@@ -37,7 +37,6 @@ from graphdyn.layout import Array
 
 NORMAL_MEDIAN = 0.6745
 """Median of |u| for normal noise of unit deviation."""
-
 
 HUBER_THRESHOLD = 1.345
 """Huber's threshold: 95 % efficient for normal noise."""
@@ -170,7 +169,10 @@ def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
     iterations, converged = 0, False
     while not converged and iterations < MAX_REWEIGHTINGS:
         scale = robust_scale(problem, residuals, used)
-        solution, used = _reweighted(problem, norm, residuals, scale)
+        weights = np.sqrt(norm.weight(np.nan_to_num(residuals / scale))) / scale
+        equations, ones = merged(weighted_blocks(problem, weights)), np.ones(problem.n_joints)
+        solution = solve(equations, ones)
+        used = leverages(equations, ones, solution.inverse)
         step, x = np.abs(solution.x - x), solution.x
         residuals = residuals_of(problem, x)
         converged = bool(
@@ -181,19 +183,6 @@ def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
     covariance, mean_weight = _covariance(problem, norm, residuals, scale)
     blocks = _blocks_at_minimum(problem, norm, x, residuals, scale)
     return _Fit(x, covariance, blocks, scale, mean_weight, iterations, converged)
-
-
-def _reweighted(problem: Problem, norm: Norm, residuals: Array, scale: Array) -> tuple[Solution, Array]:
-    """One least-squares solution, and the equations of each joint that it uses up."""
-    accumulator = Accumulator(problem.base.rank, problem.n_joints, support=problem.support)
-    position = 0
-    for rows in problem.rows():
-        u = np.nan_to_num(residuals[position : position + len(rows.right)] / scale)
-        accumulator.add(problem.reduced(rows), rows.right, kept=rows.kept, weights=np.sqrt(norm.weight(u)) / scale)
-        position += len(rows.right)
-    equations, ones = accumulator.compressed, np.ones(problem.n_joints)
-    solution = solve(equations, ones)
-    return solution, leverages(equations, ones, solution.inverse)
 
 
 def _blocks_at_minimum(

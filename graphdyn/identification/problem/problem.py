@@ -173,23 +173,12 @@ class Problem:
     @cached_property
     def condition_number(self) -> float:
         """Condition number of the regressor, joints weighted by their measured torque and columns at unit length."""
-        size = np.sqrt(self.equations.measured_squares / np.maximum(self.equations.counts, 1))
-        r, _ = self.equations.weighted(np.where(size > 0, size, 1.0))
-        return float(np.linalg.cond(r / np.linalg.norm(r, axis=0))) if self.base.rank else 1.0
+        return float(np.linalg.cond(self.equations.unit_regressor)) if self.base.rank else 1.0
 
     @cached_property
     def folds(self) -> tuple[CompressedEquations, ...]:
         """The time blocks for cross-validation, merged with their neighbors to at most MAX_FOLDS."""
         return together(self.blocks)
-
-    def all_but(self, fold: int) -> CompressedEquations:
-        """The factors without one fold."""
-        return merged([part for k, part in enumerate(self.folds) if k != fold])
-
-    def standard_equations(self, noise: Array) -> tuple[Array, Array]:
-        """R (r + 1, p), z (r + 1,) in all p parameters x: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g²."""
-        r, z = self.equations.weighted(noise)
-        return r @ self.base.matrix, z
 
     def part(self, used: NDArray[np.bool_]) -> Problem:
         """The same problem with only some of its rows (N,), filtered as before."""

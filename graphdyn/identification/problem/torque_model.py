@@ -10,7 +10,7 @@ columns of the regressor as it computes them. The columns of the other terms are
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -83,7 +83,7 @@ class TorqueModel:
         chosen = np.arange(len(self.columns)) if columns is None else columns
         w = np.empty((*samples.q.shape, len(chosen)))
         motion = TorqueFreeSamples(samples)
-        for term, part in self._parts:
+        for term, part in self.parts:
             first, last = np.searchsorted(chosen, (part.start, part.stop))
             if last - first == part.stop - part.start:
                 w[..., first:last] = term.rows(self.model, motion)
@@ -108,12 +108,12 @@ class TorqueModel:
 
     def slice_of(self, kind: type) -> slice | None:
         """The columns of the first term of this class, None if there is none."""
-        return next((columns for term, columns in self._parts if isinstance(term, kind)), None)
+        return next((columns for term, columns in self.parts if isinstance(term, kind)), None)
 
     def inertial_parameters(self, x: Array) -> Array:
         """Inertial parameters of the bodies (10 n,), payload included."""
         total = np.zeros(BODY_PARAMETERS * self.model.n_bodies)
-        for term, columns in self._parts:
+        for term, columns in self.parts:
             if isinstance(term, CarriesBodies):
                 total += term.inertial_parameters(self.model, x[columns])
         for known in self.known:
@@ -130,7 +130,7 @@ class TorqueModel:
     def prior(self) -> Array:
         """Prior mean (p,): the inertial parameters of the model for RigidBodies, zero for the rest."""
         x = np.zeros(len(self.columns))
-        for term, columns in self._parts:
+        for term, columns in self.parts:
             if isinstance(term, RigidBodies):
                 x[columns] = self.model.inertial_parameters
         return x
@@ -140,7 +140,8 @@ class TorqueModel:
         return tuple(term.columns(self.model) for term in self.terms)
 
     @property
-    def _parts(self) -> Iterable[tuple[Term, slice]]:
+    def parts(self) -> Iterator[tuple[Term, slice]]:
+        """The terms with their columns."""
         start = 0
         for term, columns in zip(self.terms, self._columns_of_terms, strict=True):
             yield term, slice(start, start + len(columns))

@@ -15,7 +15,7 @@ from graphdyn.identification.algebra.rank_revealing import (
     ParameterEstimate,
     rank_revealing_least_squares,
 )
-from graphdyn.layout import ANGULAR, LINEAR, Array
+from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,16 +71,6 @@ class IdentifiedBodies:
     def condition_number(self) -> float:
         """Largest condition number of the systems, over what they determine."""
         return max(system.condition_number for system in self.systems)
-
-    @property
-    def force_residual_rms(self) -> float:
-        """Root mean square of the force residuals [N]."""
-        return float(np.sqrt(np.mean(self.residual[..., LINEAR] ** 2)))
-
-    @property
-    def moment_residual_rms(self) -> float:
-        """Root mean square of the moment residuals [N m]."""
-        return float(np.sqrt(np.mean(self.residual[..., ANGULAR] ** 2)))
 
     def of(self, body: str) -> dict[str, float]:
         """The parameters of one body by name. Raises InvalidInput for an unknown body."""

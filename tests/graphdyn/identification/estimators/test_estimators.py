@@ -24,7 +24,7 @@ from graphdyn.identification import (
     WeightedLeastSquares,
     model_prior,
 )
-from graphdyn.identification.algebra.compressed import joint_noise
+from graphdyn.identification.algebra.compressed import joint_noise, merged
 from graphdyn.identification.estimators.generalized import error_covariance
 from graphdyn.identification.estimators.ridge import RidgePath
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Offset, RigidBodies
@@ -293,13 +293,19 @@ class TestReweighted:
             ReweightedLeastSquares("cauchy")
 
 
+def standard_equations(problem, noise):
+    """R, z in all parameters of the torque model: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g²."""
+    r, z = problem.equations.weighted(noise)
+    return r @ problem.base.matrix, z
+
+
 class TestRidge:
     @pytest.mark.parametrize("strength", [1e-3, 1.0, 1e4])
     def test_against_augmented_lstsq(self, strength, noisy):
         """λ as additional rows of an ordinary problem."""
         prior = model_prior(noisy.torque_model)
         noise = WeightedLeastSquares().estimate(noisy).noise
-        r, z = noisy.standard_equations(noise)
+        r, z = standard_equations(noisy, noise)
         drawn = np.isfinite(prior.scale)
         rows = np.sqrt(strength) * np.eye(len(drawn))[drawn] / prior.scale[drawn, None]
         stacked, right = np.vstack([r, rows]), np.concatenate([z, rows @ prior.mean])
@@ -345,7 +351,7 @@ class TestRidge:
         torque = model.torque(exact, x) + noise
         problem = Problem(model, Samples(exact.q, exact.v, exact.a, torque))
         prior = model_prior(model)
-        r, z = problem.standard_equations(np.ones(2))
+        r, z = standard_equations(problem, np.ones(2))
         found = RidgePath.of(*problem.equations.weighted(np.ones(2)), problem.base.matrix, prior).at(1.0)
         scale = np.where(np.isfinite(prior.scale), prior.scale, 1.0)
         drawn = np.isfinite(prior.scale)
@@ -363,7 +369,7 @@ class TestRidge:
         errors = np.zeros(4)
         for k, block in enumerate(noisy.folds):
             for s, strength in enumerate(strengths):
-                r, z = noisy.all_but(k).weighted(noise)
+                r, z = merged(noisy.folds[:k] + noisy.folds[k + 1 :]).weighted(noise)
                 x = noisy.base.values(
                     RidgePath.of(r, z, noisy.base.matrix, model_prior(noisy.torque_model)).at(strength)
                 )
