@@ -7,9 +7,9 @@ modules may change without notice.
 from graphdyn.identification import estimators
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
-from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, weighted_solution
+from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, joint_noise, weighted_solution
 from graphdyn.identification.algebra.least_squares import LeastSquares, one_thread, ordinary_least_squares
-from graphdyn.identification.algebra.rank_revealing import EPS, ParameterEstimate
+from graphdyn.identification.algebra.rank_revealing import ParameterEstimate
 from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.data.samples import Partitioned, RowFilter, Samples

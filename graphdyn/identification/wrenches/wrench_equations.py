@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.compressed import EPS
 from graphdyn.identification.algebra.rank_revealing import (
-    EPS,
     PRECISION_MARGIN,
     ParameterEstimate,
     rank_revealing_least_squares,
