@@ -5,9 +5,11 @@ Faults are made of changed numbers of joints and bodies. A fitted number that is
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -60,7 +62,7 @@ class CodeFault:
 
     right: Array
     change: Callable[[DynamicsCode, Array], DynamicsCode]
-    say: Callable[[Array], list[FaultDescription]]
+    say: Callable[[Array], Iterable[FaultDescription]]
     starts: Array | None = None
 
     @classmethod
@@ -97,6 +99,13 @@ def is_round(x: float) -> bool:
 
 
 E1, E2, E3 = np.eye(3)
+AXES = {"x": E1, "y": E2, "z": E3}
+QUARTER_TURNS = [
+    (name, degrees, rotation_about(axis, np.deg2rad(degrees)))
+    for name, axis in AXES.items()
+    for degrees in (90, 180, 270)
+]
+"""Turns by one to three right angles: name of the axis, degrees, matrix."""
 
 Changed = Callable[[Numbers, int], Mapping[str, Array]]
 """(numbers of a code, index of a joint or body) → its new entries by the name of the array."""
@@ -114,47 +123,38 @@ def changed(code: DynamicsCode, change: Changed, members: Sequence[int]) -> Dyna
 def of_joints(
     model: RobotModel,
     kind: str,
-    message: str,
     remedy: str,
-    change: Changed,
+    changes: Mapping[str, Changed],
     size: int = 1,
     joints: Sequence[int] | None = None,
 ) -> Iterator[CodeFault]:
-    """The same fault at one joint, for each joint or some, and at every joint at once."""
-    names = [f"joint '{name}'" for name in model.joint_names]
-    which = range(len(names)) if joints is None else joints
-    yield from _of_members(names, which, "joint", kind, message, remedy, change, size)
+    """Faults by their messages, {who} in it: each at one joint, for each joint or some, and at every joint at once."""
+    which = range(model.n_bodies) if joints is None else joints
+    yield from _of_members("joint", model.joint_names, which, kind, remedy, changes, size)
 
 
 def of_bodies(
-    model: RobotModel, kind: str, message: str, remedy: str, change: Changed, size: int = 1
+    model: RobotModel, kind: str, remedy: str, changes: Mapping[str, Changed], size: int = 1
 ) -> Iterator[CodeFault]:
-    """The same fault at one body, for each body, and at every body at once."""
-    names = [f"body '{name}'" for name in model.body_names]
-    yield from _of_members(names, range(len(names)), "body", kind, message, remedy, change, size)
+    """Faults by their messages, {who} in it: each at one body, for each body, and at every body at once."""
+    yield from _of_members("body", model.body_names, range(model.n_bodies), kind, remedy, changes, size)
 
 
 def _of_members(
+    what: str,
     names: Sequence[str],
     which: Sequence[int],
-    what: str,
     kind: str,
-    message: str,
     remedy: str,
-    change: Changed,
+    changes: Mapping[str, Changed],
     size: int,
 ) -> Iterator[CodeFault]:
-    sets = {names[k]: [k] for k in which}
+    sets = {f"{what} '{names[k]}'": [k] for k in which}
     if len(names) > 1:
         sets[f"every {what}"] = list(range(len(names)))
-    for who, members in sets.items():
-        yield CodeFault.of(
-            kind,
-            message.format(who=who),
-            remedy,
-            lambda code, members=members: changed(code, change, members),  # type: ignore[misc]
-            size + len(members) - 1,
-        )
+    for (message, change), (who, members) in itertools.product(changes.items(), sets.items()):
+        faulty = partial(changed, change=change, members=members)
+        yield CodeFault.of(kind, message.format(who=who), remedy, faulty, size + len(members) - 1)
 
 
 def rotation_from(rpy: Array) -> Array:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
+from crosscheck.judging.faults.arguments import scaled_arguments
 from crosscheck.judging.faults.fault import (
+    AXES,
     E1,
     E2,
     E3,
+    QUARTER_TURNS,
     Changed,
     CodeFault,
     FaultDescription,
@@ -18,7 +22,7 @@ from crosscheck.judging.faults.fault import (
     of_joints,
     rounded,
 )
-from crosscheck.judging.faults.recursion import DynamicsCode, turned_about
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, turned_about
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -27,56 +31,44 @@ from urdf.document import rpy_from_rotation
 
 
 def frames(model: RobotModel) -> Iterator[CodeFault]:
-    place = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
-    changes: tuple[tuple[str, Changed], ...] = (
-        ("the rotation of {who} is transposed", lambda x, j: {"rotations": x.rotations[j].T}),
-        ("the rotation of {who} is left out", lambda x, j: {"rotations": np.eye(3)}),
-        (
-            "the rpy angles of {who} are applied in the opposite order",
-            lambda x, j: {"rotations": _opposite(rpy_from_rotation(x.rotations[j]))},
-        ),
-        (
-            "the translation of {who} is expressed in the axes of the joint frame",
-            lambda x, j: {"translations": x.rotations[j] @ x.translations[j]},
-        ),
-        (
-            "the translation of {who} is expressed in the axes of the joint frame and turned the wrong way",
-            lambda x, j: {"translations": x.rotations[j].T @ x.translations[j]},
-        ),
-        ("the translation of {who} is left out", lambda x, j: {"translations": np.zeros(3)}),
-        ("the translation of {who} has the opposite sign", lambda x, j: {"translations": -x.translations[j]}),
-        (
-            "the placement of {who} is inverted",
-            lambda x, j: {"rotations": x.rotations[j].T, "translations": -x.rotations[j].T @ x.translations[j]},
-        ),
-        (
-            "the axis of {who} is expressed in the inside body's axes",
-            lambda x, j: {"axes": x.rotations[j].T @ x.axes[j]},
-        ),
-    )
-    for message, change in changes:
-        yield from of_joints(model, "frame", message, place, change)
-    for name, axis in (("x", E1), ("y", E2), ("z", E3)):
-        yield from of_joints(
-            model,
-            "frame",
-            f"the axis of {{who}} is taken as {name}",
-            "read the axis from the model",
-            lambda x, j, axis=axis: {"axes": axis},  # type: ignore[misc]
-        )
+    changes: dict[str, Changed] = {
+        "the rotation of {who} is transposed": lambda x, j: {"rotations": x.rotations[j].T},
+        "the rotation of {who} is left out": lambda x, j: {"rotations": np.eye(3)},
+        "the rpy angles of {who} are applied in the opposite order": lambda x, j: {
+            "rotations": _opposite(rpy_from_rotation(x.rotations[j]))
+        },
+        "the translation of {who} is expressed in the axes of the joint frame": lambda x, j: {
+            "translations": x.rotations[j] @ x.translations[j]
+        },
+        "the translation of {who} is expressed in the axes of the joint frame and turned the wrong way": lambda x, j: {
+            "translations": x.rotations[j].T @ x.translations[j]
+        },
+        "the translation of {who} is left out": lambda x, j: {"translations": np.zeros(3)},
+        "the translation of {who} has the opposite sign": lambda x, j: {"translations": -x.translations[j]},
+        "the placement of {who} is inverted": lambda x, j: {
+            "rotations": x.rotations[j].T,
+            "translations": -x.rotations[j].T @ x.translations[j],
+        },
+        "the axis of {who} is expressed in the inside body's axes": lambda x, j: {"axes": x.rotations[j].T @ x.axes[j]},
+    }
+    yield from of_joints(model, "frame", PLACEMENT_REMEDY, changes)
+    for name, axis in AXES.items():
+        taken = {f"the axis of {{who}} is taken as {name}": partial(_other_axis, axis)}
+        yield from of_joints(model, "frame", "read the axis from the model", taken)
     carried = [k for k, joint in enumerate(model.joints) if joint.inside > 0]  # the others: gravity, or a turned base
-    for name, axis in (("x", E1), ("y", E2), ("z", E3)):
-        for degrees in (90, 180, 270):
-            turn = rotation_about(axis, np.deg2rad(degrees))
-            yield from of_joints(
-                model,
-                "frame",
-                f"the placement of {{who}} is turned by {degrees}° about its {name} axis",
-                place,
-                lambda x, j, turn=turn: {"rotations": x.rotations[j] @ turn},  # type: ignore[misc]
-                size=2,
-                joints=carried,
-            )
+    turned = {
+        f"the placement of {{who}} is turned by {degrees}° about its {name} axis": partial(_turned, turn)
+        for name, degrees, turn in QUARTER_TURNS
+    }
+    yield from of_joints(model, "frame", PLACEMENT_REMEDY, turned, size=2, joints=carried)
+
+
+def _other_axis(axis: Array, x: Numbers, k: int) -> dict[str, Array]:
+    return {"axes": axis}
+
+
+def _turned(turn: Array, x: Numbers, k: int) -> dict[str, Array]:
+    return {"rotations": x.rotations[k] @ turn}
 
 
 def _opposite(rpy: Array) -> Array:
@@ -127,17 +119,16 @@ def _translation(model: RobotModel, k: int) -> CodeFault:
         moved[k] = moved[k] + x
         return code.but(translations=moved)
 
-    def say(x: Array) -> list[FaultDescription]:
+    def say(x: Array) -> Iterator[FaultDescription]:
         numbers = tuple(
             FittedNumber(axis, float(own + d), float(own), "m")
             for axis, own, d in zip("xyz", ours, x, strict=True)
             if d != 0
         )
-        if not numbers:
-            return []
-        moved = ", ".join(f"{number.name} by {number.difference:.6g} m" for number in numbers)
-        message = f"the translation of joint '{name}' is off: {moved}"
-        return [FaultDescription("geometry", message, PLACEMENT_REMEDY, 1 + len(numbers), numbers)]
+        if numbers:
+            moved = ", ".join(f"{number.name} by {number.difference:.6g} m" for number in numbers)
+            message = f"the translation of joint '{name}' is off: {moved}"
+            yield FaultDescription("geometry", message, PLACEMENT_REMEDY, 1 + len(numbers), numbers)
 
     return CodeFault(np.zeros(3), change, say)
 
@@ -151,17 +142,12 @@ def _rotation(k: int, message: str, field: str) -> CodeFault:
         array[k] = (np.eye(3) + (s + s @ s / 2) / (1 + x @ x / 4)) @ array[k]
         return code.but(**{field: array})
 
-    def say(x: Array) -> list[FaultDescription]:
-        if not x.any():
-            return []
-        size = float(np.linalg.norm(x))
-        about = ", ".join(f"{value:.4g}" for value in x / size)
-        numbers = (FittedNumber("turned by", 2 * np.arctan(size / 2), 0.0, "rad"),)
-        return [
-            FaultDescription(
-                "geometry", f"{message} by {numbers[0].theirs:.6g} rad about ({about})", PLACEMENT_REMEDY, 4, numbers
-            )
-        ]
+    def say(x: Array) -> Iterator[FaultDescription]:
+        if x.any():
+            size = float(np.linalg.norm(x))
+            number = FittedNumber("turned by", 2 * np.arctan(size / 2), 0.0, "rad")
+            said = f"{message} by {number.theirs:.6g} rad about ({', '.join(f'{value:.4g}' for value in x / size)})"
+            yield FaultDescription("geometry", said, PLACEMENT_REMEDY, 4, (number,))
 
     return CodeFault(np.zeros(3), change, say)
 
@@ -179,51 +165,40 @@ def _zero(name: str, k: int, slides: bool) -> CodeFault:
             rotations[k] = rotations[k] @ turned_about(axis, x[0])
         return code.but(rotations=rotations, translations=translations)
 
-    def say(x: Array) -> list[FaultDescription]:
+    def say(x: Array) -> Iterator[FaultDescription]:
         off = float(x[0])
         part = off / np.pi * 2
         shown = f"{round(part)} π/2" if not slides and abs(part - round(part)) < 1e-6 else f"{off:.6g}"
         said = f"the zero of joint '{name}' is off by {shown} {unit}: its position is taken as q + that"
-        number = FittedNumber("zero", off, 0.0, unit)
-        return (
-            [FaultDescription("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))]
-            if off
-            else []
-        )
+        if off:
+            number = FittedNumber("zero", off, 0.0, unit)
+            yield FaultDescription("zero", said, "use the zero of the model, or pass q shifted", 2, (number,))
 
     return CodeFault(np.zeros(1), change, say, starts=np.zeros((1, 1)) if slides else TRIAL_ZEROS)
 
 
 def _gear(name: str, at: Array) -> CodeFault:
-    def say(x: Array) -> list[FaultDescription]:
+    def say(x: Array) -> Iterator[FaultDescription]:
         factor = rounded(x[0])
-        if factor in TRIVIAL_SCALES:
-            return []
         ratio = rounded(1 / factor) if factor else 0.0
-        shown = f"1/{ratio:g}" if ratio and ratio != 1 and abs(ratio) > 1 and ratio.is_integer() else f"{factor:.6g}"
+        shown = f"1/{ratio:g}" if abs(ratio) > 1 and ratio.is_integer() else f"{factor:.6g}"
         what = "left out" if factor == 0 else f"multiplied by {shown}, as by a gear"
-        size = 1 if is_round(factor) else 2
-        return [
-            FaultDescription("gear", f"the torque of joint '{name}' is {what}", "give torques at the joint", size)
-        ] * (factor != 1)
+        if factor not in TRIVIAL_SCALES:
+            message = f"the torque of joint '{name}' is {what}"
+            yield FaultDescription("gear", message, "give torques at the joint", 1 if is_round(factor) else 2)
 
     return CodeFault(np.ones(1), lambda code, x: code.giving(lambda tau, _: tau * np.where(at, x[0], 1.0)), say)
 
 
 def _scale(what: str, at: Array, which: str) -> CodeFault:
     def change(code: DynamicsCode, x: Array) -> DynamicsCode:
-        scale = np.where(at, x[0], 1.0)
-        return code.taking(
-            lambda *state: tuple(scale * s if k in which else s for k, s in zip("qva", state, strict=True))
-        )
+        return code.taking(scaled_arguments(np.where(at, x[0], 1.0), which))
 
-    def say(x: Array) -> list[FaultDescription]:
+    def say(x: Array) -> Iterator[FaultDescription]:
         factor = rounded(x[0])
-        if factor in TRIVIAL_SCALES:
-            return []
-        are = "are" if " and " in what else "is"
-        message = f"{what} {are} multiplied by {factor:.6g}"
-        return [FaultDescription("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)]
+        if factor not in TRIVIAL_SCALES:
+            message = f"{what} {'are' if ' and ' in what else 'is'} multiplied by {factor:.6g}"
+            yield FaultDescription("gear", message, "pass rad, m, rad/s, m/s of the joint, not of a motor", 2)
 
     return CodeFault(np.ones(1), change, say, starts=TRIAL_SCALES)
 
@@ -239,11 +214,10 @@ def _coupled(model: RobotModel, k: int, i: int, transmitted: bool) -> CodeFault:
         code = code.taking(lambda q, v, a: (q @ matrix.T, v @ matrix.T, a @ matrix.T))
         return code.giving(lambda tau, _: tau @ matrix) if transmitted else code
 
-    def say(x: Array) -> list[FaultDescription]:
+    def say(x: Array) -> Iterator[FaultDescription]:
         factor = rounded(x[0])
-        if factor == 0:
-            return []
-        message = f"joint '{first}' turns with joint '{second}' too, by a factor {factor:.6g}{back}"
-        return [FaultDescription("coupling", message, "joint coordinates are relative to the inside body", 2)]
+        if factor:
+            message = f"joint '{first}' turns with joint '{second}' too, by a factor {factor:.6g}{back}"
+            yield FaultDescription("coupling", message, "joint coordinates are relative to the inside body", 2)
 
     return CodeFault(np.zeros(1), change, say, starts=COUPLING_TRIALS)

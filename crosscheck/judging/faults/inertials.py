@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
 from crosscheck.judging.faults.fault import (
-    E1,
-    E2,
-    E3,
+    QUARTER_TURNS,
     Changed,
     CodeFault,
     FaultDescription,
@@ -22,7 +21,7 @@ from crosscheck.judging.faults.recursion import DynamicsCode, Numbers
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from graphdyn.model import parallel_axis, rotation_about
+from graphdyn.model import parallel_axis
 
 UPPER_TRIANGLE = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 TENSOR_NAMES = ("I_xx", "I_xy", "I_xz", "I_yy", "I_yz", "I_zz")
@@ -39,103 +38,71 @@ OTHER_TENSOR_ORDERS = {
 
 def inertials(model: RobotModel) -> Iterator[CodeFault]:
     axes = "the inertial frame's rotation turns the tensor into link axes: R J Rᵀ"
-    turned: tuple[tuple[str, bool, bool, bool], ...] = (
-        ("the center of mass of {who} is expressed in the axes of the inside body", True, False, False),
-        ("the center of mass of {who} is turned the wrong way", True, False, True),
-        ("the tensor of {who} is expressed in the axes of the inside body", False, True, False),
-        ("the tensor of {who} is turned the wrong way", False, True, True),
-        ("center of mass and tensor of {who} are expressed in the axes of the inside body", True, True, False),
-        ("center of mass and tensor of {who} are turned the wrong way", True, True, True),
-    )
-    for message, center, tensor, wrong_way in turned:
-        yield from of_bodies(
-            model, "frame", message, axes,
-            lambda x, k, which=(center, tensor, wrong_way): _turned(  # type: ignore[misc]
-                x, k, x.rotations[k] if which[2] else x.rotations[k].T, *which[:2]
+    for what, parts in TURNED_PARTS.items():
+        inside: dict[str, Changed] = {
+            f"{what} expressed in the axes of the inside body": lambda x, k, parts=parts: _turned(  # type: ignore[misc]
+                parts, x.rotations[k].T, x, k
             ),
-        )  # fmt: skip
-    for name, axis in (("x", E1), ("y", E2), ("z", E3)):
-        for degrees in (90, 180, 270):
-            r = rotation_about(axis, np.deg2rad(degrees))
-            for what, center, tensor in (
-                ("center of mass and tensor of {who} are", True, True),
-                ("the tensor of {who} is", False, True),
-                ("the center of mass of {who} is", True, False),
-            ):
-                yield from of_bodies(
-                    model, "frame", f"{what} turned by {degrees}° about {name}", axes,
-                    lambda x, k, r=r, which=(center, tensor): _turned(x, k, r, *which), size=2,  # type: ignore[misc]
-                )  # fmt: skip
-    other: tuple[tuple[str, str, str, Changed], ...] = (
-        (
-            "frame",
-            "the tensor of {who} is taken in its principal axes as if they were the link axes",
-            axes,
-            lambda x, k: {"tensors": np.diag(np.linalg.eigvalsh(x.tensors[k]))},
-        ),
-        (
-            "inertial_parameters",
-            "the products of inertia of {who} are left out",
-            "use the full tensor",
-            lambda x, k: {"tensors": np.diag(np.diag(x.tensors[k]))},
-        ),
-        (
-            "inertial_parameters",
-            "the center of mass of {who} is taken at the link origin",
-            "use the center of mass in the link frame",
-            lambda x, k: {"centers": np.zeros(3)},
-        ),
-        *(
-            (
-                "inertia_point",
-                message,
-                TENSOR_POINT_REMEDY,
-                lambda x, k, f=factor: {"tensors": x.tensors[k] + f * _steiner(x, k)},
-            )
-            for factor, message in TENSOR_POINT_MESSAGES.items()
-        ),
-        *(
-            (
-                "inertial_parameters",
-                f"the tensor of {{who}} is read in the order {names}",
-                f"URDF writes {', '.join(TENSOR_NAMES)}",
-                lambda x, k, places=places: {"tensors": _reordered(x.tensors[k], places)},
-            )
-            for names, written in OTHER_TENSOR_ORDERS.items()
-            for places in (written, tuple(np.argsort(written)))
-        ),
-        *(
-            (
-                "inertial_parameters",
-                f"{TENSOR_NAMES[i]} and {TENSOR_NAMES[j]} of {{who}} are exchanged",
-                f"URDF writes {', '.join(TENSOR_NAMES)}",
-                lambda x, k, places=places: {"tensors": _reordered(x.tensors[k], places)},
-            )
-            for i, j in itertools.combinations(range(6), 2)
-            for places in [_exchanged(6, i, j)]
-        ),
-        *(
-            (
-                "inertial_parameters",
-                f"the center of mass of {{who}} is read in the order {', '.join('xyz'[i] for i in order)}",
-                "read x, y, z",
-                lambda x, k, order=order: {"centers": x.centers[k][list(order)]},
-            )
-            for order in itertools.permutations(range(3))
-            if order != (0, 1, 2)
-        ),
+            f"{what} turned the wrong way": lambda x, k, parts=parts: _turned(parts, x.rotations[k], x, k),  # type: ignore[misc]
+        }
+        yield from of_bodies(model, "frame", axes, inside)
+        turned = {
+            f"{what} turned by {degrees}° about {name}": partial(_turned, parts, turn)
+            for name, degrees, turn in QUARTER_TURNS
+        }
+        yield from of_bodies(model, "frame", axes, turned, size=2)
+    principal = "the tensor of {who} is taken in its principal axes as if they were the link axes"
+    yield from of_bodies(
+        model, "frame", axes, {principal: lambda x, k: {"tensors": np.diag(np.linalg.eigvalsh(x.tensors[k]))}}
     )
-    for kind, message, remedy, change in other:
-        yield from of_bodies(model, kind, message, remedy, change)
-    for i, k in itertools.combinations(range(model.n_bodies), 2):
-        order = _exchanged(model.n_bodies, i, k)
-        yield CodeFault.of(
-            "inertial_parameters",
-            f"the inertial parameters of bodies '{model.body_names[i]}' and '{model.body_names[k]}' are exchanged",
-            "assign them by name",
-            lambda code, order=order: _assigned(code, order),  # type: ignore[misc]
+    shifted = {message: partial(_shifted, factor) for factor, message in TENSOR_POINT_MESSAGES.items()}
+    yield from of_bodies(model, "inertia_point", TENSOR_POINT_REMEDY, shifted)
+    read_in_order = {
+        f"the tensor of {{who}} is read in the order {names}": partial(_reordered, places)
+        for names, written in OTHER_TENSOR_ORDERS.items()
+        for places in (written, tuple(np.argsort(written)))
+    }
+    exchanged = {
+        f"{TENSOR_NAMES[i]} and {TENSOR_NAMES[j]} of {{who}} are exchanged": partial(_reordered, _exchanged(6, i, j))
+        for i, j in itertools.combinations(range(6), 2)
+    }
+    yield from of_bodies(
+        model, "inertial_parameters", f"URDF writes {', '.join(TENSOR_NAMES)}", {**read_in_order, **exchanged}
+    )
+    yield from of_bodies(
+        model,
+        "inertial_parameters",
+        "use the full tensor",
+        {"the products of inertia of {who} are left out": lambda x, k: {"tensors": np.diag(np.diag(x.tensors[k]))}},
+    )
+    at_origin = "the center of mass of {who} is taken at the link origin"
+    yield from of_bodies(
+        model,
+        "inertial_parameters",
+        "use the center of mass in the link frame",
+        {at_origin: lambda x, k: {"centers": np.zeros(3)}},
+    )
+    other_axes = {
+        f"the center of mass of {{who}} is read in the order {', '.join('xyz'[i] for i in order)}": partial(
+            _read, order
         )
+        for order in itertools.permutations(range(3))
+        if order != (0, 1, 2)
+    }
+    yield from of_bodies(model, "inertial_parameters", "read x, y, z", other_axes)
+    for i, k in itertools.combinations(range(model.n_bodies), 2):
+        names = f"'{model.body_names[i]}' and '{model.body_names[k]}'"
+        message = f"the inertial parameters of bodies {names} are exchanged"
+        change = partial(_assigned, _exchanged(model.n_bodies, i, k))
+        yield CodeFault.of("inertial_parameters", message, "assign them by name", change)
 
+
+TURNED_PARTS = {
+    "the center of mass of {who} is": ("centers",),
+    "the tensor of {who} is": ("tensors",),
+    "center of mass and tensor of {who} are": ("centers", "tensors"),
+}
+"""What may be turned, in words, and its numbers."""
 
 TENSOR_POINT_REMEDY = "a tensor about the center of mass needs m (c·c E - c cᵀ) more about the link origin"
 
@@ -147,25 +114,25 @@ TENSOR_POINT_MESSAGES = {
 """Messages by what is wrongly added to the tensor about the center of mass, in parallel-axis terms."""
 
 
-def _steiner(x: Numbers, k: int) -> Array:
-    return parallel_axis(x.masses[k], x.centers[k])
+def _shifted(factor: float, x: Numbers, k: int) -> dict[str, Array]:
+    return {"tensors": x.tensors[k] + factor * parallel_axis(x.masses[k], x.centers[k])}
 
 
-def _turned(x: Numbers, k: int, rotation: Array, center: bool, tensor: bool) -> dict[str, Array]:
-    found = {}
-    if center:
-        found["centers"] = rotation @ x.centers[k]
-    if tensor:
-        found["tensors"] = rotation @ x.tensors[k] @ rotation.T
-    return found
+def _read(order: Sequence[int], x: Numbers, k: int) -> dict[str, Array]:
+    return {"centers": x.centers[k][list(order)]}
 
 
-def _reordered(tensor: Array, places: Sequence[int]) -> Array:
+def _turned(parts: Sequence[str], rotation: Array, x: Numbers, k: int) -> dict[str, Array]:
+    turned = {"centers": rotation @ x.centers[k], "tensors": rotation @ x.tensors[k] @ rotation.T}
+    return {name: turned[name] for name in parts}
+
+
+def _reordered(places: Sequence[int], x: Numbers, k: int) -> dict[str, Array]:
     """The tensor whose six numbers stand at other places: number i of it is number places[i] of this one."""
-    other = np.empty((3, 3), tensor.dtype)
-    for (i, k), place in zip(UPPER_TRIANGLE, places, strict=True):
-        other[i, k] = other[k, i] = tensor[UPPER_TRIANGLE[place]]
-    return other
+    other = np.empty((3, 3), x.tensors.dtype)
+    for (i, j), place in zip(UPPER_TRIANGLE, places, strict=True):
+        other[i, j] = other[j, i] = x.tensors[k][UPPER_TRIANGLE[place]]
+    return {"tensors": other}
 
 
 def _exchanged(n: int, i: int, k: int) -> list[int]:
@@ -174,9 +141,9 @@ def _exchanged(n: int, i: int, k: int) -> list[int]:
     return order
 
 
-def _assigned(code: DynamicsCode, order: Sequence[int]) -> DynamicsCode:
+def _assigned(order: list[int], code: DynamicsCode) -> DynamicsCode:
     x = code.numbers
-    return code.but(masses=x.masses[list(order)], centers=x.centers[list(order)], tensors=x.tensors[list(order)])
+    return code.but(masses=x.masses[order], centers=x.centers[order], tensors=x.tensors[order])
 
 
 MASS, CENTER, TENSOR = slice(0, 1), slice(1, 4), slice(4, 10)
@@ -237,22 +204,16 @@ def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
         ten[which] = ten[which] + x
         return with_ten_numbers(code, k, ten)
 
-    def say(x: Array) -> list[FaultDescription]:
+    def say(x: Array) -> Iterator[FaultDescription]:
         moved = [i for i, difference in zip(which, x, strict=True) if difference != 0]
         numbers = tuple(
             FittedNumber(PARAMETER_LABELS[i], float(own[i] + difference), float(own[i]), BODY_NUMBER_UNITS[i])
             for i, difference in zip(which, x, strict=True)
             if i in moved
         )
-        return (
-            [
-                FaultDescription(
-                    "inertial_parameters", _message(name, moved, numbers), PARAMETER_REMEDY, 1 + len(moved), numbers
-                )
-            ]
-            if moved
-            else []
-        )
+        if moved:
+            message = _message(name, moved, numbers)
+            yield FaultDescription("inertial_parameters", message, PARAMETER_REMEDY, 1 + len(moved), numbers)
 
     return CodeFault(np.zeros(len(which)), change, say)
 
@@ -277,19 +238,15 @@ def _factor(what: str, field: str, bodies: Array) -> CodeFault:
     return CodeFault(np.ones(1), change, lambda x: _scaled(what, x[0]), starts=np.array([[1.0], [1e3], [1e-3]]))
 
 
-def _scaled(what: str, x: float) -> list[FaultDescription]:
+def _scaled(what: str, x: float) -> Iterator[FaultDescription]:
     factor = rounded(x)
     size = 1 if is_round(factor) else 2
     if factor == 1 or ("tensor" not in what and factor == -1) or ("center" in what and factor == 0):
-        return []  # no fault, or one of those of signs and inertials
-    if factor == 0:
-        return [FaultDescription("inertial_parameters", f"{what} left out", "use the values of the model", size)]
-    power = np.log10(abs(factor))
-    if abs(factor) == 1 or not power.is_integer():
-        return [
-            FaultDescription(
-                "inertial_parameters", f"{what} multiplied by {factor:.6g}", "use the values of the model", size
-            )
-        ]
-    said = f"{what} multiplied by {'-' if factor < 0 else ''}1e{round(power)}"
-    return [FaultDescription("unit", said, "use kg, m, kg m², N m", size)]
+        return  # no fault, or one of those of signs and inertials
+    power = np.log10(abs(factor)) if factor else 0.0
+    if power and power.is_integer():
+        said = f"{what} multiplied by {'-' if factor < 0 else ''}1e{round(power)}"
+        yield FaultDescription("unit", said, "use kg, m, kg m², N m", size)
+    else:
+        said = f"{what} multiplied by {factor:.6g}" if factor else f"{what} left out"
+        yield FaultDescription("inertial_parameters", said, "use the values of the model", size)

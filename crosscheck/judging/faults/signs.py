@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import numpy as np
 
@@ -56,29 +57,23 @@ def signs(model: RobotModel) -> Iterator[CodeFault]:
             yield _reversed(model, pattern, joints, size)
         if model.n_bodies > 1 and pattern in OF_ALL:
             yield _reversed(model, pattern, every, model.n_bodies)
-    yield CodeFault.of(
-        "sign",
-        "all torques have the opposite sign",
-        "negate the result",
-        lambda code: code.giving(lambda tau, _: -tau),
-    )
+    negated = partial(DynamicsCode.giving, answer=lambda tau, _: -tau)
+    yield CodeFault.of("sign", "all torques have the opposite sign", "negate the result", negated)
     for pattern in IN_SETS:
         for joints in _several(model.n_bodies):
             yield _reversed(model, pattern, joints, size=len(joints))
     yield from of_bodies(
         model,
         "sign",
-        "the products of inertia of {who} have the opposite sign",
         "a tensor holds I_xy = -∫xy dm; some programs print +∫xy dm",
-        lambda x, k: {"tensors": 2 * np.diag(np.diag(x.tensors[k])) - x.tensors[k]},
+        {
+            "the products of inertia of {who} have the opposite sign": lambda x, k: {
+                "tensors": 2 * np.diag(np.diag(x.tensors[k])) - x.tensors[k]
+            }
+        },
     )
-    yield from of_bodies(
-        model,
-        "sign",
-        "the center of mass of {who} lies on the other side of the link origin",
-        "negate it",
-        lambda x, k: {"centers": -x.centers[k]},
-    )
+    opposite = "the center of mass of {who} lies on the other side of the link origin"
+    yield from of_bodies(model, "sign", "negate it", {opposite: lambda x, k: {"centers": -x.centers[k]}})
 
 
 def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: int) -> CodeFault:

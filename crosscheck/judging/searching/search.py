@@ -52,7 +52,7 @@ class Explanation:
 
     @property
     def said_by_element(self) -> list[list[FaultDescription]]:
-        return [fault.say(numbers) for fault, numbers in self.elements]
+        return [list(fault.say(numbers)) for fault, numbers in self.elements]
 
     @property
     def said(self) -> list[FaultDescription]:
