@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from crosscheck.judging.faults.fault import CodeFault, FaultDescription, factor_said, is_round, rounded
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import FittedNumber
-from graphdyn import MaximalState, RobotModel, maximal_state
+from graphdyn import RobotModel, maximal_state
 from graphdyn.equations import null_space
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model import apply, cross
@@ -42,7 +42,8 @@ def _spatial(model: RobotModel, q: Array, v: Array, whole: Array) -> Terms:
     """v ×* I v of every body, v its twist at the link origin, and the rest, from v × S q̇ in the accelerations."""
     state = maximal_state(model, q, v)
     omega = state.velocity[..., ANGULAR]
-    center, masses = np.stack([body.center_of_mass for body in model.bodies]), _masses(model)
+    center = np.stack([body.center_of_mass for body in model.bodies])
+    masses = np.array([body.mass for body in model.bodies])[:, None]
     at_center = np.einsum("...iba,...ib->...ia", state.rotation, state.velocity[..., LINEAR])
     at_origin = at_center - cross(omega, center)
     momentum = masses * at_center
@@ -50,7 +51,9 @@ def _spatial(model: RobotModel, q: Array, v: Array, whole: Array) -> Terms:
     spin = np.einsum("iab,...ib->...ia", tensors, omega) + cross(center, momentum)  # about the link origin
     force = cross(omega, momentum)
     moment = cross(omega, spin) + cross(at_origin, momentum) - cross(center, force)  # about the center
-    bias = _project(state, _in_world(state, force), moment)
+    world: Array = np.einsum("...iab,...ib->...ia", state.rotation, force)
+    wrench = np.concatenate([world, moment], axis=-1)  # forces in world axes, moments in body axes
+    bias = apply(np.swapaxes(null_space(state), -1, -2), wrench.reshape(len(wrench), -1))
     return {"the bias wrenches v ×* I v": bias, "the terms v × S q̇ in the accelerations": whole - bias}
 
 
@@ -73,21 +76,6 @@ def _christoffel(model: RobotModel, q: Array, v: Array) -> tuple[Terms, Terms]:
         {"the term Ṁ v": whole + gradient, "the gradient of the kinetic energy, -½ ∂(vᵀ M v)/∂q": -gradient},
         {"the squares v_j²": squares, "the products v_j v_k": whole - squares},
     )
-
-
-def _project(state: MaximalState, force: Array, moment: Array) -> Array:
-    """Nᵀ of forces at the centers of mass in world axes and moments in body axes: torques (N, n)."""
-    wrench = np.concatenate([force, moment], axis=-1)
-    return apply(np.swapaxes(null_space(state), -1, -2), wrench.reshape(len(wrench), -1))
-
-
-def _in_world(state: MaximalState, x: Array) -> Array:
-    world: Array = np.einsum("...iab,...ib->...ia", state.rotation, x)
-    return world
-
-
-def _masses(model: RobotModel) -> Array:
-    return np.array([body.mass for body in model.bodies])[:, None]
 
 
 EVERYWHERE = {
@@ -153,16 +141,12 @@ def _decompositions(model: RobotModel) -> Iterator[CodeFault]:
         yield CodeFault(np.ones(len(names)), partial(change, number), partial(_said, names, "coriolis"))
 
 
-def _said(names: Sequence[str], kind: str, x: Array) -> list[FaultDescription]:
+def _said(names: Sequence[str], kind: str, x: Array) -> Iterator[FaultDescription]:
     wrong = {name: rounded(factor) for name, factor in zip(names, x, strict=True) if rounded(factor) != 1}
-    if not wrong:
-        return []
-    size = sum(1 if is_round(factor) else 2 for factor in wrong.values())
-    return [
-        FaultDescription(
-            kind, "; ".join(factor_said(name, factor) for name, factor in wrong.items()), TERM_REMEDY, size
-        )
-    ]
+    if wrong:
+        message = "; ".join(factor_said(name, factor) for name, factor in wrong.items())
+        size = sum(1 if is_round(factor) else 2 for factor in wrong.values())
+        yield FaultDescription(kind, message, TERM_REMEDY, size)
 
 
 GRAVITY_ROUNDING = 1e-6
@@ -213,10 +197,14 @@ def joint_terms(model: RobotModel) -> Iterator[CodeFault]:
     yield CodeFault(
         np.zeros(len(JOINT_TERMS) * n),
         lambda code, x: code.giving(lambda tau, state: tau + _added(x.reshape(-1, n), state)),
-        lambda x: list(_joint_descriptions(model, x.reshape(-1, n))),
+        lambda x: _joint_descriptions(model, x.reshape(-1, n)),
     )
     if n > 1:
-        yield CodeFault(np.zeros(n * (n + 1) // 2), _constant_inertia(n), lambda x: _matrix_said(model, x))
+        yield CodeFault(
+            np.zeros(n * (n + 1) // 2),
+            lambda code, x: code.giving(lambda tau, state: tau + state[2] @ _symmetric(x, n)),
+            lambda x: _matrix_said(model, x),
+        )
 
 
 def _added(x: Array, state: State) -> Array:
@@ -259,20 +247,13 @@ def _values(row: Array, unit: str) -> str:
     return f"({', '.join(f'{x:.4g}' for x in row)}) {unit}"
 
 
-def _constant_inertia(n: int) -> Callable[[DynamicsCode, Array], DynamicsCode]:
-    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
-        return code.giving(lambda tau, state: tau + state[2] @ _symmetric(x, n))
-
-    return change
-
-
 def _symmetric(x: Array, n: int) -> Array:
     matrix = np.diag(x[:n])
     matrix[np.triu_indices(n, 1)] = x[n:]
     return matrix + np.triu(matrix, 1).T
 
 
-def _matrix_said(model: RobotModel, x: Array) -> list[FaultDescription]:
+def _matrix_said(model: RobotModel, x: Array) -> Iterator[FaultDescription]:
     n = model.n_bodies
     pairs = [*((k, k) for k in range(n)), *itertools.combinations(range(n), 2)]
     numbers = tuple(
@@ -280,8 +261,7 @@ def _matrix_said(model: RobotModel, x: Array) -> list[FaultDescription]:
         for (i, k), value in zip(pairs, x, strict=True)
         if value != 0
     )
-    if not x[n:].any():
-        return []
-    said = ", ".join(f"{number.name} + {number.theirs:.4g}" for number in numbers)
-    message = f"a constant matrix, as of coupled rotors, is added to the mass matrix: {said}"
-    return [FaultDescription("rotor_inertia", message, DRIVE_REMEDY, 1 + len(numbers), numbers)]
+    if x[n:].any():
+        said = ", ".join(f"{number.name} + {number.theirs:.4g}" for number in numbers)
+        message = f"a constant matrix, as of coupled rotors, is added to the mass matrix: {said}"
+        yield FaultDescription("rotor_inertia", message, DRIVE_REMEDY, 1 + len(numbers), numbers)

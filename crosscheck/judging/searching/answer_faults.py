@@ -14,6 +14,7 @@ from itertools import chain, combinations
 
 import numpy as np
 
+from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
@@ -92,14 +93,13 @@ def _other_arguments(known: Quantity) -> Iterator[AnswerFault]:
     subsets = [x for size in range(len(moving), 0, -1) for x in combinations(moving, size)]
     for names in subsets:
         are = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'}"
-        for what, remedy, change in (
-            ("taken as degrees", "the arguments are in rad", _as_degrees),
-            ("taken with the opposite sign", "compare the senses of the joints", np.negative),
-            ("ignored", "use the arguments", np.zeros_like),
+        for kind, what, remedy, change in (
+            ("unit", "taken as degrees", "the arguments are in rad", np.deg2rad),
+            ("sign", "taken with the opposite sign", "compare the senses of the joints", np.negative),
+            ("argument", "ignored", "use the arguments", np.zeros_like),
         ):
             yield AnswerFault(
-                "unit" if change is _as_degrees else "sign" if change is np.negative else "argument",
-                f"{are} {what}", remedy,
+                kind, f"{are} {what}", remedy,
                 lambda s, c, names=names, change=change: known.of_graphdyn(  # type: ignore[misc]
                     s.but(**{name: change(getattr(s, name)) for name in names}), c
                 ),
@@ -109,10 +109,6 @@ def _other_arguments(known: Quantity) -> Iterator[AnswerFault]:
             "argument", f"{x} and {y} are exchanged", f"the arguments are {', '.join(known.arguments)}",
             lambda s, c, x=x, y=y: known.of_graphdyn(s.but(**{x: getattr(s, y), y: getattr(s, x)}), c),  # type: ignore[misc]
         )  # fmt: skip
-
-
-def _as_degrees(x: Array) -> Array:
-    return np.deg2rad(x)
 
 
 def _other_loads(known: Quantity) -> Iterator[AnswerFault]:
@@ -275,9 +271,7 @@ FIRST_TRIAL_STATES = 5
 class FoundFault:
     """A fault that gives the answers of a function, the relative error that it leaves, and how the answers are read."""
 
-    kind: str
-    message: str
-    remedy: str
+    said: FaultDescription
     left: float
     chosen: Chosen = field(default_factory=dict)
 
@@ -295,5 +289,5 @@ def answer_fault(
                 return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
 
             if left(states.rows(few), answer[few]) <= bound and (rest := left(states, answer)) <= bound:
-                return FoundFault(fault.kind, fault.message, fault.remedy, rest, chosen)
+                return FoundFault(FaultDescription(fault.kind, fault.message, fault.remedy), rest, chosen)
     return None

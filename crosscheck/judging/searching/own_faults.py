@@ -102,7 +102,7 @@ OwnFault = Callable[[Array, Array, JudgedStates, float], FoundFault | None]
 
 def _of_columns(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
     found = column_fault(answer, ours, states.model)
-    return None if found is None else FoundFault(found[0].kind, found[0].message, found[0].remedy, found[1])
+    return None if found is None else FoundFault(*found)
 
 
 def _of_coriolis_matrix(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
@@ -113,7 +113,7 @@ def _of_coriolis_matrix(answer: Array, ours: Array, states: JudgedStates, bound:
         return None
     message = "C v is right, but C + Cᵀ is not Ṁ: Ṁ - 2C is not skew"
     remedy = "enough for C v + g; laws that need Ṁ - 2C skew, such as passivity, take C of the Christoffel symbols"
-    return FoundFault("not_skew", message, remedy, left)
+    return FoundFault(FaultDescription("not_skew", message, remedy), left)
 
 
 def _of_base_regressor(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
@@ -130,7 +130,7 @@ def _of_base_regressor(answer: Array, ours: Array, states: JudgedStates, bound: 
         said.append(f"no combination of its columns gives those of {_listed(names)}")
     message = f"{'; '.join(said)} ({ranks})"
     remedy = "compare these columns; friction and drives are no inertial parameters"
-    return FoundFault("column_space", message, remedy, np.inf)
+    return FoundFault(FaultDescription("column_space", message, remedy), np.inf)
 
 
 def _parameter(model: RobotModel, k: int) -> str:

@@ -17,7 +17,7 @@ from math import comb
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.fault import CodeFault, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
@@ -195,6 +195,22 @@ def _differ(first: DynamicsCode, second: DynamicsCode, state: State, search: Sea
 MAX_ALTERNATIVES = 4
 
 
+def diagnosis_of(
+    function: str,
+    said: FaultDescription,
+    evidence: str,
+    left: float,
+    status: DiagnosisStatus = "confirmed",
+    also: Sequence[str] = (),
+    apart: str = "",
+) -> Diagnosis:
+    """A fault as a diagnosis; the first of the others that give the same numbers are listed with it."""
+    others = tuple(also[:MAX_ALTERNATIVES])
+    return Diagnosis(
+        function, said.kind, said.message, evidence, said.remedy, left, status, others, apart, said.numbers
+    )
+
+
 def unknown(deviation: Deviation, message: str, evidence: str, left: float) -> Diagnosis:
     remedy = "look at the worst state; the fault is in terms that the parts that agree do not use"
     return Diagnosis(deviation.function, "unknown", message, evidence, remedy, left, "unknown")
@@ -216,32 +232,21 @@ def unexplained(
         also = [said.message for x in others if x.size == explanation.size for said in x.said]
         left = float(np.abs(search.all_rows.residuals([explanation.code])).max())
         diagnoses += [
-            Diagnosis(
-                deviation.function,
-                said.kind,
-                said.message,
-                f"explains {EXPERIMENT_PARTS[part]}; {evidence}",
-                said.remedy,
-                left,
-                "part",
-                tuple(also[:MAX_ALTERNATIVES]),
-                numbers=said.numbers,
-            )
+            diagnosis_of(deviation.function, said, f"explains {EXPERIMENT_PARTS[part]}; {evidence}", left, "part", also)
             for said in explanation.said
         ]
     rest = [part for part in wrong if part not in explained]
     if rest:
-        message = (
-            f"no fault of the catalog explains the deviation {' and '.join(EXPERIMENT_PARTS[part] for part in rest)}"
-        )
+        where = " and ".join(EXPERIMENT_PARTS[part] for part in rest)
+        message = f"no fault of the catalog explains the deviation {where}"
     elif wrong:
         message = "what the parts leave together has no explanation"
     else:
         message = (
             "gravity, mass matrix and velocity terms are right separately; only certain states or their sum deviate"
         )
-    where = _where(deviation, search)
-    return [*diagnoses, unknown(deviation, message + where, evidence, float(nothing.worst.max()))]
+    message += _where(deviation, search)
+    return [*diagnoses, unknown(deviation, message, evidence, float(nothing.worst.max()))]
 
 
 def _no_worse(explanation: Explanation, nothing: Explanation, bound: float) -> bool:
@@ -315,21 +320,11 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
         same_code(first.code, x.code) or (x.kinds == first.kinds and same_everywhere(first, x, search)) for x in alike
     )
     status: DiagnosisStatus = "confirmed" if one else "candidate"
-    also = tuple("; and ".join(said.message for said in x.said) for x in listed)[:MAX_ALTERNATIVES]
+    also = ["; and ".join(said.message for said in x.said) for x in listed]
     apart = what_distinguishes(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
+    left = float(first.worst.max())
     return [
-        Diagnosis(
-            deviation.function,
-            said.kind,
-            said.message,
-            evidence,
-            said.remedy,
-            float(first.worst.max()),
-            status,
-            also,
-            apart,
-            said.numbers,
-        )
+        diagnosis_of(deviation.function, said, evidence, left, status, also, apart)
         for said in sorted(first.said, key=lambda said: said.message)
     ]
 
@@ -348,9 +343,8 @@ def merged(diagnoses: list[Diagnosis]) -> tuple[Diagnosis, ...]:
     """Each different diagnosis once, with the functions that it applies to."""
     by_message: dict[tuple[str, str], Diagnosis] = {}
     for diagnosis in diagnoses:
-        key = diagnosis.kind, diagnosis.message
-        known = by_message.get(key)
-        by_message[key] = (
-            diagnosis if known is None else replace(known, function=f"{known.function}, {diagnosis.function}")
-        )
+        known = by_message.setdefault((diagnosis.kind, diagnosis.message), diagnosis)
+        if known is not diagnosis:
+            function = f"{known.function}, {diagnosis.function}"
+            by_message[diagnosis.kind, diagnosis.message] = replace(known, function=function)
     return tuple(by_message.values())

@@ -15,7 +15,7 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.fault import CodeFault
+from crosscheck.judging.faults.fault import CodeFault, FaultDescription
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import observe, of_judged
@@ -23,7 +23,7 @@ from crosscheck.judging.observing.references import found_conventions, relative_
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.states import JudgedStates
-from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, noise
+from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
@@ -190,14 +190,14 @@ def _of_numbers(
         message = (
             "the answers are not finite" if not np.isfinite(found.answer).all() else f"answers beyond {MAX_ANSWER:g}"
         )
-        return [Diagnosis(name, "not_finite", message, evidence, WORST_STATE_REMEDY, np.inf, "unknown")]
+        return [_unknown(name, message, evidence, "not_finite")]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
 
     def one(fault: FoundFault) -> list[Diagnosis]:
         read = ", ".join(f"{convention} '{way}'" for convention, way in fault.chosen.items())
         evidence = f"{count}{f'; answers read with {read}' if read else ''}"
-        return [Diagnosis(name, fault.kind, fault.message, evidence, fault.remedy, fault.left)]
+        return [diagnosis_of(name, fault.said, evidence, fault.left)]
 
     if other := _other_convention(found, declared):
         return one(other)
@@ -218,29 +218,16 @@ def _of_numbers(
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
     if where:
-        message = f"the answers deviate only where {where}"
-        return [
-            Diagnosis(
-                name,
-                "region",
-                message,
-                count,
-                "look for a case, a limit or a table that begins there",
-                np.inf,
-                "located",
-            )
-        ]
-    return by_terms or [
-        Diagnosis(
-            name,
-            "unknown",
-            "no fault that is known here gives the answers",
-            count,
-            WORST_STATE_REMEDY,
-            np.inf,
-            "unknown",
+        message, remedy = (
+            f"the answers deviate only where {where}",
+            "look for a case, a limit or a table that begins there",
         )
-    ]
+        return [Diagnosis(name, "region", message, count, remedy, np.inf, "located")]
+    return by_terms or [_unknown(name, "no fault that is known here gives the answers", count)]
+
+
+def _unknown(name: str, message: str, evidence: str = "", kind: str = "unknown") -> Diagnosis:
+    return Diagnosis(name, kind, message, evidence, WORST_STATE_REMEDY, np.inf, "unknown")
 
 
 def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
@@ -256,7 +243,7 @@ def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
         found.known, found.answer, found.known.of_graphdyn(found.states, other.chosen), found.states, other.chosen
     )
     message = f"the answers follow another convention: {said}"
-    return FoundFault("convention", message, "convert them", float(left.max()))
+    return FoundFault(FaultDescription("convention", message, "convert them"), float(left.max()))
 
 
 def _of_terms(
@@ -270,14 +257,9 @@ def _of_terms(
     try:
         observed = observe(function, states.model, states.trial, torque)
     except np.linalg.LinAlgError:
-        message = "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular"
-        return [Diagnosis(name, "unknown", message, "", WORST_STATE_REMEDY, np.inf, "unknown")]
+        return [_unknown(name, "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular")]
     except FunctionFailure as failure:
-        return [
-            Diagnosis(
-                name, "unknown", f"an experiment has no answer: {failure}", "", WORST_STATE_REMEDY, np.inf, "unknown"
-            )
-        ]
+        return [_unknown(name, f"an experiment has no answer: {failure}")]
     if observed is None:
         return []
     judged = of_judged(name, found.answer, states)

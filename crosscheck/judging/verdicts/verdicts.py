@@ -9,6 +9,7 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import Diagnosis, FailedState, JudgedFunction, WorstCall, largest_errors
 from crosscheck.judging.observing.function_under_test import Answers, FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.references import (
@@ -90,7 +91,7 @@ def kept_between_calls(
     if not all(np.array_equal(same[-1], x, equal_nan=True) for x in same[1:]):
         return diagnosis("not_repeatable", "the same question, asked several times in a row, has different answers")
     if found := earlier_arguments(function, first, states, chosen, tolerance):
-        return diagnosis(found.kind, found.message, found.left)
+        return diagnosis(found.said.kind, found.said.message, found.left)
     return diagnosis("kept_state", "an answer depends on the calls before it")
 
 
@@ -110,7 +111,7 @@ def earlier_arguments(
             return float(errors.max(initial=0.0))
 
         if left(few) <= tolerance and (whole := left(rest)) <= tolerance:
-            return FoundFault("kept_state", message, PURE_FUNCTION_REMEDY, whole, chosen)
+            return FoundFault(FaultDescription("kept_state", message, PURE_FUNCTION_REMEDY), whole, chosen)
     return None
 
 
