@@ -24,7 +24,7 @@ METHODS: tuple[Method, ...] = ("auto", "recursive", "projected", "dense")
 Answer = TypeVar("Answer")
 
 
-class Keywords(TypedDict, Generic[Answer], total=False):
+class VerbKeywords(TypedDict, Generic[Answer], total=False):
     """The keywords of every verb, which answers an Answer; KEYWORDS says what they mean."""
 
     base: BaseMotion | None
@@ -59,8 +59,8 @@ def with_keywords(verb: Function) -> Function:
     """Completes signature and docstring of a verb by the keywords that it has, and what they mean."""
     signature = inspect.signature(verb)
     own = {each.name: each for each in signature.parameters.values() if each.kind is not each.VAR_KEYWORD}
-    if len(own) < len(signature.parameters):  # **keywords: Unpack[Keywords[…]]
-        for name, kind in Keywords.__annotations__.items():
+    if len(own) < len(signature.parameters):  # **keywords: Unpack[VerbKeywords[…]]
+        for name, kind in VerbKeywords.__annotations__.items():
             annotation = f"{signature.return_annotation} | None" if name == "out" else kind.__forward_arg__
             own[name] = inspect.Parameter(
                 name, inspect.Parameter.KEYWORD_ONLY, default=DEFAULTS[name], annotation=annotation

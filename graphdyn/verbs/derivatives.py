@@ -10,7 +10,7 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.choices import Keywords
+from graphdyn.arguments.choices import VerbKeywords
 from graphdyn.equations import complex_steps, regressors
 from graphdyn.equations.loops import derivatives as loop_derivatives
 from graphdyn.layout import Array
@@ -46,7 +46,7 @@ def inverse_dynamics_derivatives(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[InverseDynamicsDerivatives]],
+    **keywords: Unpack[VerbKeywords[InverseDynamicsDerivatives]],
 ) -> InverseDynamicsDerivatives:
     """∂τ/∂q, ∂τ/∂v and ∂τ/∂a = M of inverse_dynamics.
 
@@ -71,7 +71,7 @@ def inverse_dynamics_second_derivatives(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[InverseDynamicsSecondDerivatives]],
+    **keywords: Unpack[VerbKeywords[InverseDynamicsSecondDerivatives]],
 ) -> InverseDynamicsSecondDerivatives:
     """∂²τ/∂q∂q, ∂²τ/∂q∂v, ∂²τ/∂q∂a and ∂²τ/∂v∂v of inverse_dynamics.
 
@@ -94,7 +94,7 @@ def forward_dynamics_derivatives(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[ForwardDynamicsDerivatives]],
+    **keywords: Unpack[VerbKeywords[ForwardDynamicsDerivatives]],
 ) -> ForwardDynamicsDerivatives:
     """∂a/∂q, ∂a/∂v and ∂a/∂τ = M⁻¹ of forward_dynamics.
 
@@ -115,7 +115,7 @@ def reaction_derivatives(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[ReactionDerivatives]],
+    **keywords: Unpack[VerbKeywords[ReactionDerivatives]],
 ) -> ReactionDerivatives:
     """Derivatives of the constraint forces of inverse_dynamics: multipliers and joint_wrenches, in q, v and a.
 
@@ -131,7 +131,7 @@ def forward_dynamics_parameter_derivatives(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """∂a/∂π (…, n, 10n) of forward_dynamics, π = model.inertial_parameters [rad/s² or m/s² per parameter].
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import one_state
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import Keywords
+from graphdyn.arguments.choices import VerbKeywords
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import bias_acceleration
 from graphdyn.equations.loops import dynamics as loops
@@ -44,7 +44,7 @@ def forward_dynamics(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[ForwardDynamics]],
+    **keywords: Unpack[VerbKeywords[ForwardDynamics]],
 ) -> ForwardDynamics:
     """All accelerations and all constraint forces, given the actuator torques.
 
@@ -65,7 +65,7 @@ def inverse_dynamics(
     external_wrenches: ArrayLike | None = None,
     *,
     actuated: Sequence[str] | None = None,
-    **keywords: Unpack[Keywords[InverseDynamics]],
+    **keywords: Unpack[VerbKeywords[InverseDynamics]],
 ) -> InverseDynamics:
     """Actuator torques and all constraint forces, given the joint accelerations.
 
@@ -93,7 +93,7 @@ def solve_kkt(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[tuple[Array, Array]]],
+    **keywords: Unpack[VerbKeywords[tuple[Array, Array]]],
 ) -> tuple[Array, Array]:
     """The unknowns of Eq. (111), and nothing else: body_accelerations (…, n, 6) and multipliers (…, n, 5).
 
@@ -109,7 +109,7 @@ def joint_torques(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """inverse_dynamics(…).tau alone (…, n), which takes a third of the time [N m or N].
 
@@ -125,7 +125,7 @@ def joint_accelerations(
     v: ArrayLike,
     tau: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """forward_dynamics(…).a alone (…, n), which takes a third of the time [rad/s² or m/s²].
 
@@ -135,7 +135,7 @@ def joint_accelerations(
 
 
 @verb(projected.bias_torque, closed=loops.at_motors(projected.bias_torque))
-def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """h (…, n): τ = M a + h without external wrenches: velocity, gravity and base motion [N m or N].
 
     q, v: joint state (…, n) [rad or m, …/s]
@@ -146,7 +146,7 @@ def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpac
 
 
 @verb(projected.gravity_torque, closed=loops.at_motors(projected.gravity_torque))
-def gravity_torque(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def gravity_torque(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """g (…, n): τ that holds the robot at rest against gravity, the gradient of its potential energy [N m or N].
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
@@ -158,7 +158,7 @@ def gravity_torque(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[
 
 @verb(projected.static_torque, closed=loops.at_motors(projected.static_torque))
 def static_torque(
-    model: RobotModel, q: ArrayLike, external_wrenches: ArrayLike | None = None, **keywords: Unpack[Keywords[Array]]
+    model: RobotModel, q: ArrayLike, external_wrenches: ArrayLike | None = None, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
     """τ (…, n) that holds the robot at rest against gravity and external wrenches [N m or N].
 
@@ -171,7 +171,7 @@ def static_torque(
     return computed(static_torque, model, (q,), _at_rest(keywords), external_wrenches)
 
 
-def _at_rest(keywords: Keywords[Array]) -> Keywords[Array]:
+def _at_rest(keywords: VerbKeywords[Array]) -> VerbKeywords[Array]:
     """The keywords with the base where it is, without its motion."""
     base = keywords.get("base")
     return {**keywords, "base": base and BaseMotion(base.rotation, base.translation)}

@@ -9,7 +9,7 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.choices import Keywords
+from graphdyn.arguments.choices import VerbKeywords
 from graphdyn.equations import projected, regressors
 from graphdyn.equations.loops import dynamics as loops
 from graphdyn.layout import Array
@@ -27,7 +27,7 @@ __all__ = [
 
 
 @verb(projected.kinetic_energy)
-def kinetic_energy(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def kinetic_energy(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """T = Σ ½ (m ṙ² + ωᵀ J ω) of all bodies (…) [J], in the world also where the base moves.
 
     q, v: joint state (…, n) [rad or m, …/s]
@@ -38,7 +38,7 @@ def kinetic_energy(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Un
 
 
 @verb(projected.potential_energy)
-def potential_energy(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def potential_energy(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """U = -Σ m g·r of all bodies (…) [J]; zero where the centers of mass are at the height of the world's origin.
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
@@ -55,7 +55,7 @@ def power(
     v: ArrayLike,
     a: ArrayLike,
     external_wrenches: ArrayLike | None = None,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """P_j = τ_j v_j (…, n) [W]: what each actuator supplies, with the torques of inverse_dynamics.
 
@@ -70,7 +70,7 @@ def power(
 
 @verb(regressors.energy_regressor, answer=EnergyRegressor)
 def energy_regressor(
-    model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[EnergyRegressor]]
+    model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[EnergyRegressor]]
 ) -> EnergyRegressor:
     """T = kinetic @ π and U = potential @ π, π = model.inertial_parameters: (…, 10n) each.
 

@@ -16,7 +16,7 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.choices import Keywords, Reference, frame_choice
+from graphdyn.arguments.choices import Reference, VerbKeywords, frame_choice
 from graphdyn.equations import complex_steps, frame_motion
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
@@ -33,7 +33,7 @@ __all__ = [
 
 @verb(frame_motion.frame_jacobian)
 def frame_jacobian(
-    model: RobotModel, q: ArrayLike, frame: str, *, reference: Reference, **keywords: Unpack[Keywords[Array]]
+    model: RobotModel, q: ArrayLike, frame: str, *, reference: Reference, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
     """J (…, 6, n): frame_velocity = J v, on a base at rest [m, 1 of revolute joints, 1, 0 of prismatic ones].
 
@@ -57,7 +57,7 @@ def frame_velocity(
     frame: str,
     *,
     reference: Reference,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """Linear velocity and ω of a frame (…, 6) [m/s, rad/s]; of velocities, classical and spatial are the same.
 
@@ -83,7 +83,7 @@ def frame_acceleration(
     *,
     reference: Reference,
     classical: bool = True,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """Linear acceleration, classical or spatial, and ω̇ of a frame (…, 6) [m/s², rad/s²], without gravity.
 
@@ -107,7 +107,7 @@ def frame_jacobian_derivative(
     frame: str,
     *,
     reference: Reference,
-    **keywords: Unpack[Keywords[Array]],
+    **keywords: Unpack[VerbKeywords[Array]],
 ) -> Array:
     """J̇ (…, 6, n): the derivative in time of each entry of frame_jacobian, on a base at rest.
 

@@ -9,7 +9,7 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.choices import Keywords
+from graphdyn.arguments.choices import VerbKeywords
 from graphdyn.equations import complex_steps, projected, regressors
 from graphdyn.equations.loops import dynamics as loops
 from graphdyn.errors import InvalidInput
@@ -29,7 +29,7 @@ __all__ = [
 
 
 @verb(projected.mass_matrix)
-def mass_matrix(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def mass_matrix(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """M = NᵀAN (…, n, n) [kg m², kg m, kg].
 
     q: joint positions (…, n) [rad or m]. The motion of a base does not change M; all verbs take the keyword.
@@ -40,7 +40,7 @@ def mass_matrix(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Arr
 
 
 @verb(projected.mass_matrix_inverse, remedy="joint_accelerations says what torques do")
-def mass_matrix_inverse(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def mass_matrix_inverse(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """M⁻¹ (…, n, n): the accelerations that unit torques give [1/(kg m²), 1/(kg m), 1/kg].
 
     q: joint positions (…, n) [rad or m]. The motion of a base does not change M.
@@ -51,7 +51,7 @@ def mass_matrix_inverse(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keyw
 
 
 @verb(complex_steps.coriolis_matrix)
-def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """C (…, n, n): C v is the part of the bias torque that velocities cause, and Ṁ - 2C is skew [N m s, N s, kg/s].
 
     C = ½ (Ṁ + B - Bᵀ) with B = ∂(M v)/∂q, the matrix of the Christoffel symbols (Siciliano et al., Robotics, 2009,
@@ -67,7 +67,7 @@ def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: U
 
 @verb(regressors.joint_torque_regressor, closed=loops.at_motors(regressors.joint_torque_regressor))
 def joint_torque_regressor(
-    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[Keywords[Array]]
+    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
     """W (…, n, 10n) with τ = W π, π = model.inertial_parameters [N m or N].
 
@@ -82,7 +82,7 @@ def joint_torque_regressor(
 
 @verb(regressors.body_regressor)
 def body_regressor(
-    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[Keywords[Array]]
+    model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
     """Y (…, n, 6, 10): Y_i π_i = inertial minus gravity wrench of body i, at O_i, in link axes [N, N m].
 
@@ -97,7 +97,7 @@ def body_regressor(
 
 
 @verb(regressors.momentum_regressor)
-def momentum_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def momentum_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """(…, n, 10n): M v = it @ π, π = model.inertial_parameters [kg m²/s or kg m/s].
 
     The momenta of the joints, ∂T/∂v on a base at rest. Their rate is τ + ∂T/∂q - ∂U/∂q: with energy_regressor, an

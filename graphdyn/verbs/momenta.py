@@ -10,7 +10,7 @@ from typing import Unpack
 
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.choices import Keywords
+from graphdyn.arguments.choices import VerbKeywords
 from graphdyn.equations import body_sums
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
@@ -28,7 +28,7 @@ __all__ = [
 
 
 @verb(body_sums.center_of_mass)
-def center_of_mass(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def center_of_mass(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """c = Σ m r / Σ m of all bodies (…, 3), in the world [m].
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
@@ -40,7 +40,7 @@ def center_of_mass(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[
 
 @verb(body_sums.center_of_mass_velocity)
 def center_of_mass_velocity(
-    model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Array]]
+    model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
     """ċ = Σ m ṙ / Σ m (…, 3), world axes [m/s].
 
@@ -52,7 +52,7 @@ def center_of_mass_velocity(
 
 
 @verb(body_sums.center_of_mass_jacobian)
-def center_of_mass_jacobian(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def center_of_mass_jacobian(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """∂c/∂q (…, 3, n), world axes: ċ = it @ v while the base is at rest [m or 1].
 
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
@@ -63,7 +63,7 @@ def center_of_mass_jacobian(model: RobotModel, q: ArrayLike, **keywords: Unpack[
 
 
 @verb(body_sums.momentum, answer=Momentum)
-def momentum(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[Keywords[Momentum]]) -> Momentum:
+def momentum(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Momentum]]) -> Momentum:
     """Linear and angular momentum of all bodies, about the center of mass and about the world's origin, world axes.
 
     Linear Σ m ṙ; angular Σ (r - c) × m ṙ + R J ω, or Σ r × m ṙ + R J ω. Its rate about the origin is the moment of
@@ -76,7 +76,7 @@ def momentum(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[K
 
 
 @verb(body_sums.centroidal_map)
-def centroidal_map(model: RobotModel, q: ArrayLike, **keywords: Unpack[Keywords[Array]]) -> Array:
+def centroidal_map(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """A_G (…, 6, n): momentum about the center of mass = A_G v while the base is at rest; linear first, world axes.
 
     Orin, Goswami and Lee, "Centroidal dynamics of a humanoid robot", Autonomous Robots 35(2), 2013; kg m and kg m² for

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn.arguments.base_motion import BaseMotion
-from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, Keywords, is_recursive, with_keywords
+from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, VerbKeywords, is_recursive, with_keywords
 from graphdyn.arguments.keywords import refuse_unknown
 from graphdyn.compiler.batch import Evaluation, evaluate
 from graphdyn.equations import projected
@@ -140,7 +140,7 @@ def computed(
     function: Callable[..., Answer],
     model: RobotModel,
     arguments: tuple[ArrayLike, ...],
-    keywords: Keywords[Answer],
+    keywords: VerbKeywords[Answer],
     external_wrenches: ArrayLike | None = None,
     frame: FrameChoice | None = None,
 ) -> Answer:
