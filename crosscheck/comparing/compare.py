@@ -161,7 +161,7 @@ def _compare_chunk(
         states = beside(pinocchio)
         for quantity in quantities:
             if not quantity.solves and (route == "urdf" or not quantity.row.from_file):
-                at = states.few if quantity.row.when == "few" else states
+                at = states.few if quantity.form.when == "few" else states
                 record.add(route, at.case, {quantity.name: at.errors(quantity)})
         if regular.any():
             record.add(route, states.solvable.case, _solved_errors(states.solvable, quantities))
@@ -177,7 +177,7 @@ def _compared_at(chunk: Case, derive: bool) -> Iterator[TabulatedQuantity]:
         if not isinstance(quantity, TabulatedQuantity):
             continue
         if (
-            (derive or quantity.row.when == "all")
+            (derive or quantity.form.when == "all")
             and (recursive or not quantity.name.endswith(RECURSIVE))
             and (has_mass(chunk.model) or not quantity.massive)
             and (chunk.model.frames or not quantity.row.from_file)

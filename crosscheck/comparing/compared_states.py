@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from crosscheck.quantities import TabulatedQuantity
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.states import Case
-from crosscheck.reference.frame_choices import FRAME_REFERENCES
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
+from crosscheck.reference.subject import FRAME_REFERENCES
 from graphdyn.layout import Array
 
 SECOND_DERIVATIVE_STATES = slice(20)

@@ -6,12 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from crosscheck.quantities.rows.derivatives import DerivativeFunctions
-from crosscheck.quantities.rows.dynamics import DynamicsFunctions
-from crosscheck.quantities.rows.energies import EnergyFunctions
-from crosscheck.quantities.rows.frames import FrameFunctions
-from crosscheck.quantities.rows.matrices import MatrixFunctions
-from crosscheck.quantities.rows.regressors import RegressorFunctions
+from crosscheck.quantities.table import FunctionsUnderTest
 from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE, Tolerance
 from crosscheck.reference.subject import Robot
 from urdf import Reading, ReadingKeywords
@@ -42,12 +37,6 @@ class Setting:
     def bound(self) -> float:
         """Largest relative error that counts as agreement."""
         return TOLERANCES[self.precision].bound if self.tolerance is None else self.tolerance
-
-
-class FunctionsUnderTest(
-    DynamicsFunctions, MatrixFunctions, FrameFunctions, EnergyFunctions, DerivativeFunctions, RegressorFunctions
-):
-    """The functions that crosscheck.judge takes as keywords; docs/judge.md lists arguments and answers."""
 
 
 class JudgedKeywords(FunctionsUnderTest, ReadingKeywords, total=False):

@@ -12,8 +12,8 @@ import numpy as np
 from crosscheck.quantities.measures import Chosen, Measure, linear_first
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.tolerances import AGREEMENT, Tolerance
-from crosscheck.reference.frame_choices import compared_frames
 from crosscheck.reference.pinocchio_model import FrameFunction, NativeFunction, PinocchioAnswers
+from crosscheck.reference.subject import compared_frames
 from graphdyn.arguments import Method
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.recursions import ARRAY_SPECS
@@ -100,12 +100,14 @@ class Form:
     suffix: of the name of the quantity in this form
     method: by which graphdyn computes it; words: this method, where the row does not say it
     loaded: with external wrenches
+    when: at which states: all, the first random ones, a few of these
     """
 
     suffix: str
     method: Method
     words: str = ""
     loaded: bool = False
+    when: Literal["all", "first", "few"] = "all"
 
 
 RECURSIVE = "_recursive"
@@ -118,8 +120,9 @@ LOADED = Form("_external", "auto", loaded=True)
 SOLVED = (Form("", "dense", _DENSE), Form(RECURSIVE, "recursive", _BY_RECURSION))
 SOLVED_LOADED = Form("_external", "dense", _DENSE, loaded=True)
 PROJECTED = Form("_projected", "projected", "null space")
-DERIVED = (Form("", "projected"), Form(RECURSIVE, "recursive", _BY_RECURSION))
+DERIVED = (Form("", "projected", when="first"), Form(RECURSIVE, "recursive", _BY_RECURSION, when="first"))
 DERIVED_LOADED = tuple(replace(form, loaded=True) for form in DERIVED)
+AT_FEW_STATES = tuple(replace(form, when="few") for form in DERIVED)
 
 
 Shown = Literal[
@@ -148,11 +151,9 @@ class Quantity:
     against: Pinocchio's function in words, its name if left out; after a semicolon, the method of graphdyn
     tolerance: the bound of graphdyn's errors
     forms: in which it is compared
-    when: at which states: all, the first random ones, a few of these
     massive: whether it needs a body with mass; solves: whether it needs a regular mass matrix
     of_frame: whether it belongs to one frame of the robot; from_file: to Pinocchio's reading of the file
-    judged: whether functions of users are judged by it
-    judged_errors, judged_scale: of these functions, where they are measured otherwise
+    judged_errors, judged_scale: of functions of users, where they are measured otherwise
     shows: what of the equations of motion its answers show
     mujoco: name of its answer in MujocoModel.evaluate; None where it has none
     conventions: for each thing that codes do differently and rightly, the ways to do it; the usual one first
@@ -170,12 +171,10 @@ class Quantity:
     against: str = ""
     tolerance: Tolerance = AGREEMENT
     forms: tuple[Form, ...] = DERIVED
-    when: Literal["all", "first", "few"] = "first"
     massive: bool = False
     solves: bool = False
     of_frame: bool = False
     from_file: bool = False
-    judged: bool = True
     judged_errors: Measure | None = None
     judged_scale: str = ""
     shows: Shown = ""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from crosscheck.quantities.quantity import Form, Quantity
-from crosscheck.quantities.rows.derivatives import DERIVATIVES
-from crosscheck.quantities.rows.dynamics import DYNAMICS, SOLVED_SCALE, TORQUE
-from crosscheck.quantities.rows.energies import ENERGIES, MOMENTA
-from crosscheck.quantities.rows.frames import FRAMES
-from crosscheck.quantities.rows.matrices import MATRICES
-from crosscheck.quantities.rows.regressors import BY_TYPE, REGRESSORS
+from crosscheck.quantities.rows.derivatives import DERIVATIVES, DerivativeFunctions
+from crosscheck.quantities.rows.dynamics import DYNAMICS, SOLVED_SCALE, TORQUE, DynamicsFunctions
+from crosscheck.quantities.rows.energies import ENERGIES, MOMENTA, EnergyFunctions
+from crosscheck.quantities.rows.frames import FRAMES, FrameFunctions
+from crosscheck.quantities.rows.matrices import MATRICES, MatrixFunctions
+from crosscheck.quantities.rows.regressors import BY_TYPE, REGRESSORS, RegressorFunctions
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, IDENTIFICATION, RANK, Tolerance
 from graphdyn import InvalidInput
 from graphdyn.arguments import closest
@@ -19,7 +19,14 @@ QUANTITIES: dict[str, Quantity] = {
     row.name: row for row in (*DYNAMICS, *MATRICES, *FRAMES, *MOMENTA, *ENERGIES, *DERIVATIVES, *REGRESSORS)
 }
 
-FUNCTIONS: dict[str, Quantity] = {name: row for name, row in QUANTITIES.items() if row.judged}
+
+class FunctionsUnderTest(
+    DynamicsFunctions, MatrixFunctions, FrameFunctions, EnergyFunctions, DerivativeFunctions, RegressorFunctions
+):
+    """The functions that crosscheck.judge takes as keywords; docs/judge.md lists arguments and answers."""
+
+
+FUNCTIONS = {name: row for name, row in QUANTITIES.items() if name in FunctionsUnderTest.__annotations__}
 """The functions that can be judged."""
 
 

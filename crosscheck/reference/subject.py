@@ -1,4 +1,4 @@
-"""Arguments that compare, judge and identify share: the robot, by name, path or RobotModel, and counts."""
+"""Arguments that compare, judge and identify share: the robot, by name, path or RobotModel, counts, and frames."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import hashlib
 from dataclasses import dataclass
 from numbers import Integral
 from os import PathLike
+from typing import get_args
 
 import urdf
 from graphdyn import InvalidInput, RobotModel
+from graphdyn.arguments import Reference
 from urdf import Reading, Xacro
 from urdf.document import UNNAMED_SOURCES, content_of, locate, path_of
 from urdf.reading import Chain
@@ -100,3 +102,16 @@ def check_counts(samples: int, seed: int) -> None:
         raise InvalidInput(f"samples is {samples!r}; give a whole number of random states, at least 1")
     if not isinstance(seed, Integral) or seed < 0:
         raise InvalidInput(f"seed is {seed!r}; give a whole number from 0 on")
+
+
+FRAME_REFERENCES: tuple[Reference, ...] = get_args(Reference)
+"""Points and axes in which a frame is described, in the words of graphdyn.frame_velocity."""
+
+
+def compared_frames(model: RobotModel) -> tuple[str, ...]:
+    """Frames that are compared: of every leaf of the tree the last frame fixed in it, or the body itself; and the last
+    one fixed in any body."""
+    fixed = {frame.body: frame.name for frame in model.frames if frame.body > 0}
+    leaves = [i for i in range(1, model.n_bodies + 1) if not model.graph.outside(i)]
+    names = [fixed.get(i, model.bodies[i - 1].name) for i in leaves]
+    return tuple(dict.fromkeys([*names, *list(fixed.values())[-1:]]))

@@ -12,7 +12,6 @@ import urdf
 from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgment
 from crosscheck.quantities import COUPLED, LOADS, LOOPED, ComparedQuantity, TabulatedQuantity
-from crosscheck.quantities.quantity import DERIVED
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf import Reading
@@ -34,7 +33,7 @@ def _calls(quantity: ComparedQuantity) -> tuple[str, str] | None:
     if not isinstance(quantity, TabulatedQuantity):
         return _RANKS.get(quantity.name)
     row, form = quantity.row, quantity.form
-    usual = form.method == "auto" or form in DERIVED  # which one state is computed by in any case
+    usual = form.method == "auto" or (form.when != "all" and not form.loaded)  # as one state is computed in any case
     code = row.ours.code if form.loaded else row.ours.code.replace(f", {LOADS}", "")
     code = code if usual and not form.suffix else code.replace(")", f", method={form.method!r})", 1)
     theirs = (
@@ -90,7 +89,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
 
 _IMPORTS = (
     ("crosscheck.quantities", "QUANTITIES, PinocchioAnswers, PinocchioModel", "there"),
-    ("crosscheck.reference.frame_choices", "FRAME_REFERENCES, compared_frames", "FRAME_REFERENCES"),
+    ("crosscheck.reference.subject", "FRAME_REFERENCES, compared_frames", "FRAME_REFERENCES"),
     ("graphdyn.equations", "link_origins", "link_origins"),
 )
 """Modules, their names, and what in the code shows that these are needed."""

@@ -17,7 +17,7 @@ from crosscheck.quantities.measures import (
     through_mass_matrix,
     total_mass,
 )
-from crosscheck.quantities.quantity import Quantity, verb
+from crosscheck.quantities.quantity import AT_FEW_STATES, Quantity, verb
 from crosscheck.quantities.rows.dynamics import TORQUE
 from crosscheck.quantities.rows.matrices import BY_RATE, SOLVED_INVERSE, solved_errors
 from crosscheck.quantities.scaled_states import ScaledStates
@@ -99,8 +99,7 @@ def _second(name: str, errors: Measure, scale: str, against: str = _TWICE) -> Qu
         against=against,
         errors=errors,
         scale=scale,
-        when="few",
-        judged=False,
+        forms=AT_FEW_STATES,
     )
 
 
@@ -152,7 +151,6 @@ DERIVATIVES = (
         errors=relative_to(lambda states: constant(largest_tensor(states.model), states)),
         scale="largest entry of a tensor",
         forms=(),
-        judged=False,
     ),
     Quantity(
         name="da_dq",
@@ -187,7 +185,6 @@ DERIVATIVES = (
         scale=SOLVED_INVERSE,
         tolerance=ACCELERATION,
         solves=True,
-        judged=False,
     ),
     *(_of_reactions("multipliers", by) for by in "qva"),
     *(_of_reactions("wrenches", by) for by in "qva"),

@@ -153,7 +153,6 @@ DYNAMICS = (
         errors=relative_to(largest_wrench, spin),
         scale=TORQUE,
         forms=(*USUAL_TWICE, LOADED),
-        when="all",
         mujoco="inverse_dynamics",
     ),
     Quantity(
@@ -166,7 +165,6 @@ DYNAMICS = (
         scale=SOLVED_SCALE,
         tolerance=ACCELERATION,
         forms=(*SOLVED, PROJECTED, SOLVED_LOADED),
-        when="all",
         solves=True,
         mujoco="forward_dynamics",
     ),
@@ -178,7 +176,6 @@ DYNAMICS = (
         errors=_at_rest("v"),
         scale=_WRENCH,
         forms=USUAL,
-        when="all",
     ),
     Quantity(
         name="gravity_torque",
@@ -188,7 +185,6 @@ DYNAMICS = (
         errors=_at_rest(),
         scale=_WRENCH,
         forms=USUAL,
-        when="all",
     ),
     Quantity(
         name="static_torque",
@@ -216,7 +212,6 @@ DYNAMICS = (
         errors=parts_relative_to(lambda states: states.sizes.force, lambda states: states.sizes.moment),
         scale=_BY_PART,
         forms=(*USUAL_TWICE, LOADED),
-        when="all",
         conventions=_WRENCH_CONVENTIONS,
         as_chosen=_wrenches_as_chosen,
     ),
@@ -228,7 +223,6 @@ DYNAMICS = (
         errors=relative_to(largest_wrench),
         scale=_WRENCH,
         forms=USUAL_TWICE,
-        when="all",
     ),
     Quantity(
         name="backward_error",
@@ -248,9 +242,7 @@ DYNAMICS = (
             replace(PROJECTED, suffix="_projected_external", loaded=True),
             replace(SOLVED[1], suffix="_external_recursive", loaded=True),
         ),
-        when="all",
         solves=True,
-        judged=False,
     ),
     Quantity(
         name="forward_body_accelerations",
@@ -261,9 +253,7 @@ DYNAMICS = (
         scale="that of forward_dynamics × n × max(1, lever)",
         tolerance=ACCELERATION,
         forms=SOLVED,
-        when="all",
         solves=True,
-        judged=False,
     ),
     Quantity(
         name="forward_joint_wrenches",
@@ -274,9 +264,7 @@ DYNAMICS = (
         scale=_BY_PART,
         tolerance=FORWARD_WRENCH,
         forms=(*SOLVED, SOLVED_LOADED),
-        when="all",
         solves=True,
-        judged=False,
     ),
     Quantity(
         name="forward_multipliers",
@@ -287,9 +275,7 @@ DYNAMICS = (
         scale="force and moment",
         tolerance=FORWARD_WRENCH,
         forms=SOLVED,
-        when="all",
         solves=True,
-        judged=False,
     ),
     Quantity(
         name="link_placement",
@@ -303,8 +289,6 @@ DYNAMICS = (
         errors=_placement_errors,
         scale=PLACED,
         forms=USUAL,
-        when="all",
-        judged=False,
     ),
     Quantity(
         name="body_velocities",
@@ -314,8 +298,6 @@ DYNAMICS = (
         errors=parts_relative_to(lambda states: states.sizes.velocity, lambda states: constant(0, states)),
         scale="linear: ‖ω‖ × lever + slide rate",
         forms=USUAL,
-        when="all",
-        judged=False,
     ),
     Quantity(
         name="body_accelerations",
@@ -325,8 +307,6 @@ DYNAMICS = (
         errors=parts_relative_to(lambda states: states.sizes.acceleration, lambda states: states.sizes.turn),
         scale="linear: swing; angular: turn",
         forms=USUAL,
-        when="all",
-        judged=False,
     ),
     Quantity(
         name="dynamics_residual",
@@ -337,9 +317,7 @@ DYNAMICS = (
         scale="only the largest row of Σ ∣terms∣",
         tolerance=RESIDUAL,
         forms=USUAL,
-        when="all",
         solves=True,
-        judged=False,
     ),
     Quantity(
         name="constraint_residual",
@@ -350,8 +328,6 @@ DYNAMICS = (
         scale="only q̈ and the largest row of Σ ∣terms∣",
         tolerance=RESIDUAL,
         forms=USUAL,
-        when="all",
         solves=True,
-        judged=False,
     ),
 )  # fmt: skip

@@ -150,7 +150,6 @@ MOMENTA = (
         errors=_by_part(_linear, _spin, about=_ORIGIN),
         scale="the same, levers from the world's origin",
         massive=True,
-        judged=False,
     ),
     Quantity(
         name="centroidal_map",

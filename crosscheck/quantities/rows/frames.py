@@ -14,8 +14,8 @@ from crosscheck.quantities.rows.dynamics import PLACED
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import Sizes, by_part, center_offset, largest, relative
 from crosscheck.quantities.tested_function import TestedFunction
-from crosscheck.reference.frame_choices import compared_frames
 from crosscheck.reference.pinocchio_model import FrameFunction, PinocchioAnswers
+from crosscheck.reference.subject import compared_frames
 from graphdyn.arguments import Method
 from graphdyn.layout import Array
 
@@ -99,7 +99,6 @@ FRAMES = (
         errors=_placement_errors,
         scale=PLACED,
         forms=USUAL,
-        when="all",
         of_frame=True,
         from_file=True,
     ),
@@ -150,6 +149,5 @@ FRAMES = (
         scale=_ACCELERATION,
         of_frame=True,
         conventions=_BY_REFERENCE,
-        judged=False,
     ),
 )  # fmt: skip

@@ -62,7 +62,6 @@ MATRICES = (
         errors=relative_to(lambda states: constant(largest_tensor(states.model), states)),
         scale="largest entry of a tensor",
         forms=USUAL_TWICE,
-        when="all",
         mujoco="mass_matrix",
     ),
     Quantity(

@@ -69,7 +69,6 @@ REGRESSORS = (
         errors=columns_relative_to(*(lambda states, k=k: states.sizes.regressor_columns[k] for k in range(3))),
         scale=BY_TYPE,
         forms=USUAL_TWICE,
-        when="all",
     ),
     Quantity(
         name="base_regressor",
@@ -114,6 +113,5 @@ REGRESSORS = (
         ),
         scale="columns of m and m c: compensated; of I: turn",
         forms=USUAL,
-        when="all",
     ),
 )

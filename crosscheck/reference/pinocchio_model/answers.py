@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.reference.frame_choices import compared_frames
 from crosscheck.reference.pinocchio_model.derivation import second_derivatives
-from crosscheck.reference.pinocchio_model.frames import frame_values
 from crosscheck.reference.pinocchio_model.model import PinocchioModel
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.pinocchio_model.reactions import reaction_derivatives
 from crosscheck.reference.reference_values import at_centers, multipliers_of
+from crosscheck.reference.subject import compared_frames
 from graphdyn import Placement, RobotModel
 from graphdyn.layout import Array
+
+_AXES = {"world": pin.WORLD, "local": pin.LOCAL, "local_world_aligned": pin.LOCAL_WORLD_ALIGNED}
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,10 +233,18 @@ class PinocchioAnswers:
 
     def of_frames(self, function: str, reference: str) -> Array:
         """One of Pinocchio's functions of a frame, of the frame, or of those that are compared (N, m, …)."""
-        robot, names = self.robot if reference == "world" else self.rooted, compared_frames(self.robot.model)
-        names = (self.frame,) if self.frame else names
-        rows = [frame_values(robot, function, names, reference, x.q, x.v, x.a) for x in self._states]
-        found = np.array(rows)
+        names = (self.frame,) if self.frame else compared_frames(self.robot.model)
+        compute = getattr(pin, function)
+
+        def of_one(robot: OrderedModel, state: NativeState) -> Array:
+            native, data = robot.native, robot.data
+            pin.computeJointJacobiansTimeVariation(native, data, state.q, state.v)  # the Jacobians, too
+            pin.forwardKinematics(native, data, state.q, state.v, state.a)
+            pin.updateFramePlacements(native, data)
+            found = [compute(native, data, k, _AXES[reference]) for k in robot.frame_ids(names)]
+            return np.array([x.vector if isinstance(x, pin.Motion) else robot.columns_of(x) for x in found])
+
+        found = self.each(of_one, self.robot if reference == "world" else self.rooted)
         return found[:, 0] if self.frame else found
 
     @property

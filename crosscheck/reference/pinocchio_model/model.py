@@ -8,12 +8,18 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.reference.pinocchio_model.frames import frame_placements
 from crosscheck.reference.pinocchio_model.moving_base import carried
-from crosscheck.reference.pinocchio_model.native import PinocchioRefuses, built, held, moved, read, se3
+from crosscheck.reference.pinocchio_model.native import (
+    PinocchioRefuses,
+    built,
+    held,
+    kept_standard_error,
+    moved,
+    read,
+    se3,
+)
 from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.reference_values import BareCalls, CarriedValues
-from crosscheck.reference.standard_error import kept_standard_error
 from crosscheck.reference.subject import tip
 from graphdyn import BaseMotion, Placement, RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -74,7 +80,14 @@ class PinocchioModel(OrderedModel):
 
     def frame_placements(self, q: Array, names: Sequence[str]) -> tuple[Array, Array]:
         """Rotations (N, m, 3, 3) and positions (N, m, 3) of links by name. Raises PinocchioRefuses if unknown."""
-        return frame_placements(self, q, names)
+        ids = self.frame_ids(names)
+        rotations, positions = [], []
+        for row in q:
+            pin.framesForwardKinematics(self.native, self.data, self.configuration(row))
+            # copied: these are views of data, which the next state overwrites
+            rotations.append(np.array([self.data.oMf[k].rotation for k in ids]))
+            positions.append(np.array([self.data.oMf[k].translation for k in ids]))
+        return np.array(rotations), np.array(positions)
 
     def rnea(self, q: Array, v: Array, a: Array) -> Array:
         """τ (N, n) of N states."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +15,26 @@ from graphdyn import Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import Array
 from urdf import Xacro
 from urdf.document import content_of
+
+
+@contextmanager
+def kept_standard_error() -> Iterator[list[str]]:
+    """Collect standard error, where C++ writes past Python; at the end the list holds its lines.
+
+    It is that of the whole process.
+    """
+    written: list[str] = []
+    kept = os.dup(2)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 2)
+        try:
+            yield written
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            file.seek(0)
+            written += file.read().decode(errors="replace").splitlines()
+
 
 PINOCCHIO_VERSION: str = pin.__version__
 

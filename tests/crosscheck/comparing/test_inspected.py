@@ -47,7 +47,7 @@ def errors(states):
     found = {
         name: states.errors(quantity)
         for name, quantity in COMPARED.items()
-        if isinstance(quantity, TabulatedQuantity) and quantity.row.when == "all" and not quantity.row.from_file
+        if isinstance(quantity, TabulatedQuantity) and quantity.form.when == "all" and not quantity.row.from_file
     }
     assert {"inverse_dynamics", "forward_dynamics", "joint_torque_regressor", "joint_wrenches"} <= set(found)
     return {name: error.max() for name, error in found.items() if not error.max() <= COMPARED[name].tolerance.bound}

@@ -7,7 +7,7 @@ import pytest
 from inspected.sample import CLEAN, changed
 
 import crosscheck
-from crosscheck.reference.standard_error import kept_standard_error
+from crosscheck.reference.pinocchio_model.native import kept_standard_error
 
 MASS = changed('value="2.5"', 'value="2.5 "')
 REFUSED = changed('lower="-1"', 'lower="-1 "')

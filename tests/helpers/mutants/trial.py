@@ -164,7 +164,7 @@ def _wrong(model: RobotModel, pinocchio: PinocchioModel) -> dict[str, float]:
         name: states.errors(quantity)
         for name, quantity in COMPARED.items()
         if isinstance(quantity, TabulatedQuantity)
-        and quantity.row.when == "all"
+        and quantity.form.when == "all"
         and not (quantity.solves or name.endswith(RECURSIVE))
         and (model.frames or not quantity.row.from_file)
     }
