@@ -145,7 +145,7 @@ class TestDebug:
             raise ZeroDivisionError("two\nlines")
 
         monkeypatch.setattr(comparing, "compare", broken)
-        monkeypatch.setattr(errata, "measure", broken)
+        monkeypatch.setattr(errata, "kr500", broken)
         plain, traced = program(*command), program("--debug", *command)
         assert plain.code == traced.code == INTERNAL_ERROR == 3
         assert plain.err == "internal error: ZeroDivisionError: two lines; run with --debug and report it\n"
