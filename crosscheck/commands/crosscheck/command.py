@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from crosscheck.commands.crosscheck.folder import compare_folder
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, err, progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.options import EXAMPLES, is_folder
+from crosscheck.commands.program.options import (
+    EXAMPLES,
+    is_folder,
+)
 from crosscheck.commands.program.reading_options import refuse_for_several
 from graphdyn import GraphDynError
 
@@ -57,6 +59,8 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
     if folder and reading.stated:
         raise typer.BadParameter(f"--{reading.stated[0]} is not for folders; name the robots")
     if folder:
+        from crosscheck.commands.crosscheck.folder import compare_folder
+
         raise typer.Exit(compare_folder(context, options))
     from crosscheck.commands.crosscheck.report import crosscheck_report
     from crosscheck.comparing.compare import compare

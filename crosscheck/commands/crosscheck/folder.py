@@ -2,26 +2,80 @@
 
 from __future__ import annotations
 
+import warnings
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
 import typer
 
+from crosscheck.commands.crosscheck.folder_file import SweepFile, taken_over
+from crosscheck.commands.crosscheck.folder_report import (
+    DISAGREES,
+    MAX_DETAILED_ROBOTS,
+    compared_row,
+    failed_row,
+    folder_report,
+)
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
+from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.program.console import complain, progress, say
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.commands.program.options import command_line, files_below, is_folder
+from crosscheck.comparing import compare as comparing
+from crosscheck.comparing.comparison import Comparison
 from crosscheck.distributing import Lost
+from crosscheck.report.records.json import plain
 from graphdyn import GraphDynError
+
+Details = Literal["none", "disagreeing", "all"]
+"""The robots whose whole Comparison is returned, which is larger than its record."""
+
+
+@dataclass(frozen=True)
+class ComparisonTask:
+    """A robot to be compared, and how."""
+
+    robot: str
+    samples: int
+    seed: int
+    details: Details
+
+
+@dataclass(frozen=True, eq=False)
+class ComparisonOutcome:
+    """The result of a task: a record as in the JSON file, or the reason for a failure.
+
+    comparison: where the task asks for it
+    """
+
+    robot: str
+    record: dict[str, Any] | None = None
+    failure: str | None = None
+    comparison: Comparison | None = None
+
+
+def examine(task: ComparisonTask) -> ComparisonOutcome:
+    """Compare one robot. Warnings go into the notes, and every error into the outcome."""
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            comparison = comparing.compare(task.robot, task.samples, task.seed)
+    except (GraphDynError, OSError) as error:
+        return ComparisonOutcome(task.robot, failure=str(error))
+    except Exception as error:
+        return ComparisonOutcome(
+            task.robot, failure=f"the comparison failed: {type(error).__name__}: {error}; report it"
+        )
+    notes = [*comparison.notes, *(str(warning.message).removeprefix(f"{task.robot}: ") for warning in caught)]
+    comparison = replace(comparison, notes=tuple(notes))
+    wanted = task.details == "all" or (task.details == "disagreeing" and not comparison.agrees)
+    return ComparisonOutcome(task.robot, plain(robot_record(comparison)), None, comparison if wanted else None)
 
 
 def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
     """Compare all robots and files below folders, report, and return the exit code."""
-    from crosscheck.commands.crosscheck.folder_file import SweepFile, taken_over
-    from crosscheck.commands.crosscheck.folder_report import MAX_DETAILED_ROBOTS, folder_report
-    from crosscheck.commands.crosscheck.summary import DISAGREES, compared_row, failed_row
-    from crosscheck.commands.crosscheck.worker import ComparisonTask, Details, examine
-
     samples, seed, json_file = options.samples, options.seed, options.json_file
-    workers = options.workers
     robots, failures = [], []
     for argument in options.robots or []:
         try:
@@ -42,7 +96,7 @@ def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
     try:
         with progress("crosscheck", len(robots)) as advance:
             advance("", len(file.records))
-            for k, outcome in workers.each(examine, tasks):
+            for k, outcome in options.workers.each(examine, tasks):
                 robot = tasks[k].robot
                 if isinstance(outcome, Lost):
                     message = f"the comparison was lost: {outcome.reason}; report it, with the file"

@@ -1,4 +1,4 @@
-"""CrosscheckOptions of `graphdyn crosscheck`."""
+"""Options of `graphdyn crosscheck`."""
 
 from __future__ import annotations
 

@@ -1,20 +1,24 @@
-"""`graphdyn excite`: the motion from which a robot's parameters can be identified best, within its limits."""
+"""`graphdyn excite`: the motion from which a robot's parameters can be identified best, within its limits.
+
+It is searched for from several seeds in parallel; the best is kept, also after an interruption.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
 from crosscheck.commands.excite.options import ExciteOptions
-from crosscheck.commands.excite.search import best_of
 from crosscheck.commands.program.console import progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver, planned_figures
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.distributing import LocalProcesses, Lost
 
 if TYPE_CHECKING:
     from crosscheck.exciting.excited import Excited, PlannedMotion
@@ -22,7 +26,7 @@ if TYPE_CHECKING:
     from crosscheck.exciting.self_collision import SelfCollision
     from crosscheck.recordings import Recording
     from graphdyn import RobotModel
-    from graphdyn.excitation import ExcitationProblem
+    from graphdyn.excitation import ExcitationProblem, OptimizedMotion
 
 EPILOG = f"""{EXAMPLES}  graphdyn excite --robot ur5 --out motion.csv --html plan.html
   graphdyn excite --robot arm.urdf --plane 0,0,1,0.05 --jerk 50 --out motion.yaml --out-rate 100
@@ -138,3 +142,67 @@ def _write(found: Excited, model: RobotModel, out: OutputFile, rate: float, sett
         OutputFile(str(name)).write(document(timed, name, settings))
         names.append(str(name))
     return tuple(names)
+
+
+class SearchTask(NamedTuple):
+    problem: ExcitationProblem
+    seed: int
+    collisions: SelfCollision | None
+
+
+class SearchSummary(NamedTuple):
+    """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done"""
+
+    best: OptimizedMotion | None
+    failures: list[str]
+    interrupted: bool
+
+
+def search(task: SearchTask) -> OptimizedMotion | str:
+    """The motion from one seed, or why there is none."""
+    from crosscheck.exciting.self_collision import collision_free
+    from graphdyn.excitation import NoFeasibleMotion, optimized
+
+    try:
+        if task.collisions is None:
+            return optimized(task.problem, task.seed)
+        return collision_free(task.problem, task.collisions, task.seed)
+    except NoFeasibleMotion as error:
+        return str(error)
+
+
+def one_by_one(tasks: list[SearchTask]) -> Generator[tuple[int, OptimizedMotion | str]]:
+    """Search in this process: starting another takes longer than a search."""
+    for k, task in enumerate(tasks):
+        yield k, search(task)
+
+
+def best_of(
+    problem: ExcitationProblem,
+    collisions: SelfCollision | None,
+    seeds: range,
+    processes_used: int,
+    advance: Callable[[str, int], None],
+) -> SearchSummary:
+    """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
+    tasks = [SearchTask(problem, seed, collisions) for seed in seeds]
+    best: OptimizedMotion | None = None
+    failures = list[str]()
+    answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)
+    try:
+        for k, outcome in answers:
+            if isinstance(outcome, Lost):
+                failures.append(f"the search from seed {tasks[k].seed} was lost: {outcome.reason}")
+            elif isinstance(outcome, str):
+                failures.append(outcome)
+            elif best is None or outcome.value < best.value:
+                best = outcome
+            advance(f"seed {tasks[k].seed}", 1)
+    except KeyboardInterrupt:
+        if best is None:
+            raise
+        say(f"interrupted: the best motion so far, of seed {best.seed}, is kept", "yellow")
+        return SearchSummary(best, failures, True)
+    finally:
+        answers.close()  # ends its processes
+    return SearchSummary(best, failures, False)

@@ -13,6 +13,6 @@ EPILOG = f"""{EXAMPLES}  graphdyn robots
 def run(options: JsonOptions) -> None:
     """List the robots known by name, with origin and licence."""
     import urdf
-    from crosscheck.commands.robots.report import robots_report
+    from crosscheck.commands.robots.record import robots_report
 
     deliver(robots_report(urdf.robots()), options)

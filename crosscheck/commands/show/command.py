@@ -1,9 +1,11 @@
-"""`graphdyn show`: one robot, its graph and its equations."""
+"""`graphdyn show`: one robot, its graph and its equations, and what it is like at a given state."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -11,7 +13,11 @@ from crosscheck.commands.program.console import warnings_shown
 from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument
 from crosscheck.commands.program.reading_options import ReadingOptions
-from crosscheck.commands.show.states import StateOption, given_state
+from graphdyn.errors import counted
+
+if TYPE_CHECKING:
+    from graphdyn import RobotModel
+    from graphdyn.layout import Array
 
 Reference = Literal["world", "local", "local_world_aligned"]
 
@@ -28,7 +34,14 @@ class ShowOptions(ReadingOptions, PageOptions):
     """What `graphdyn show` is asked for."""
 
     robot: RobotArgument
-    state: StateOption = None
+    state: Annotated[
+        str | None,
+        typer.Option(
+            metavar="Q[,V]|FILE|random[:SEED]",
+            help="A state: n joint positions, or n positions and n velocities, with commas ('Q;V' with a semicolon) "
+            "[rad or m, …/s]; a JSON file with q and v; or a random one. The default of v is 0.",
+        ),
+    ] = None
     frame: Annotated[
         str | None,
         typer.Option(
@@ -72,3 +85,55 @@ def run(options: ShowOptions) -> None:
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
     report = show_report(describe(model, robot, reading.locked, there))
     deliver(report, options, lambda: [figure_at_rest(robot, model, reading, q)])
+
+
+def given_state(text: str, model: RobotModel) -> tuple[Array, Array]:
+    """q, v (n,). Raises typer.BadParameter; InvalidInput for wrong lengths, NaN and infinity."""
+    from graphdyn.arguments import one_state
+
+    q, v = _random(text, model) if text.partition(":")[0] == "random" else _written(text, model.nv)
+    state = one_state(model, q=q, v=v)
+    return state["q"], state["v"]
+
+
+def _random(text: str, model: RobotModel) -> tuple[Any, Any]:
+    import numpy as np
+
+    seed = text.partition(":")[2] or "0"
+    if not seed.isdecimal():
+        raise typer.BadParameter(f"--state {text}: '{seed}' is not a seed, a whole number from 0 on")
+    return model.random_state(np.random.default_rng(int(seed)))
+
+
+def _written(text: str, n: int) -> tuple[Any, Any]:
+    file = Path(text)
+    if text.lower().endswith(".json") or file.is_file():
+        return _from_file(file, n)
+    first, semicolon, second = text.partition(";")
+    q = _numbers(text, first)
+    if semicolon:
+        return q, _numbers(text, second)
+    if len(q) not in (n, 2 * n):
+        raise typer.BadParameter(
+            f"--state has {counted(len(q), 'number')}; the robot needs {n} for q, or {2 * n} for q and v"
+        )
+    return q[:n], q[n:] or [0.0] * n
+
+
+def _numbers(text: str, part: str) -> list[float]:
+    try:
+        return [float(number) for number in part.split(",")]
+    except ValueError:
+        wanted = "give numbers with commas, a JSON file with q and v, or random"
+        raise typer.BadParameter(f"--state {text}: '{part}' is not a row of numbers; {wanted}") from None
+
+
+def _from_file(file: Path, n: int) -> tuple[Any, Any]:
+    """Fields q and v of the one object in a JSON file. Raises OSError too."""
+    try:
+        record = json.loads(file.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:
+        raise typer.BadParameter(f"--state {file}: is not a JSON file ({error})") from None
+    if not isinstance(record, dict) or "q" not in record:
+        raise typer.BadParameter(f"""--state {file}: has no field q; write {{"q": […], "v": […]}}""")
+    return record["q"], record.get("v", [0.0] * n)

@@ -13,7 +13,7 @@ from planting import mixed_tree
 from shared_data import REPOSITORY
 
 import urdf
-from crosscheck.commands.excite import search as excite_search
+from crosscheck.commands.excite import command as excite_search
 from crosscheck.commands.excite.report import random_is_better
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.distributing import LocalProcesses, Lost

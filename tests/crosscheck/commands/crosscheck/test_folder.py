@@ -15,9 +15,9 @@ from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
 from crosscheck.commands import main
+from crosscheck.commands.crosscheck import folder as sweeping
 from crosscheck.commands.crosscheck import folder_report as report_of_folder
-from crosscheck.commands.crosscheck import summary
-from crosscheck.commands.crosscheck import worker as sweeping
+from crosscheck.commands.crosscheck import folder_report as summary
 from crosscheck.commands.crosscheck.folder_file import NAMES_BEFORE, SweepFile
 from crosscheck.commands.program import console
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
