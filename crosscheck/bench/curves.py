@@ -21,6 +21,7 @@ from crosscheck.bench.states import States, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, PINOCCHIO_FORMS
 from graphdyn import Body, Joint, Placement, RobotModel
 from graphdyn.compiler import MAX_UNROLLED_BODIES, chosen_backend, cores, is_long
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 
@@ -129,7 +130,7 @@ def chain_lengths(
     rows: dict[tuple[str, int], list[tuple[int, Times]]] = {}
     first: list[tuple[int, Times]] = []
     for n in lengths:
-        done(f"{n} bodies")
+        done(counted(n, "body", "bodies"))
         states = random_states(chain(n), CHAIN_SAMPLES, 0)
         first.append((n, Times(tuple(_first_call(n) for _ in range(first_calls)))))
         contenders = tuple(replace(c, errors=None) for c in _forms(states, "solve_kkt", (1,)))

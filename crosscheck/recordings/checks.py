@@ -8,7 +8,7 @@ the first row, and checked for order, gaps, missing samples and jitter.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -56,52 +56,43 @@ MIN_TRAVEL, N_WINDOWS = 0.05, 20
 """Distance traveled below which v and q are not compared [rad or m]; number of intervals in which they are."""
 
 
-def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
-    """Findings on cells that are not finite numbers, in sound rows (N,): those whose line is not malformed as a
-    whole.
-    """
-    findings = []
+Findings = Iterator[RecordingFinding]
+
+
+def cell_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> Findings:
+    """Findings on cells that are not finite numbers, in sound rows (N,): those whose line is not wholly malformed."""
     for column in columns:
         rows = tuple(np.flatnonzero(sound & ~np.isfinite(column.values)).tolist())
         if rows:
             text = column.table.texts.get(column.number, {}).get(rows[0])
             cell = quoted(text) if text else "an empty cell" if text == "" else str(column.values[rows[0]])
-            message = (
-                f"{cell} is not a finite number" if len(rows) == 1 else f"{cell} and others are not finite numbers"
-            )
-            findings.append(_of(column, "not-a-number", "error", rows, message, "repair the rows, or drop them"))
-    return findings
+            message = f"{cell} {'is not a finite number' if len(rows) == 1 else 'and others are not finite numbers'}"
+            yield _of(column, "not-a-number", "error", rows, message, "repair the rows, or drop them")
 
 
 def value_findings(
     file: str, joints: Iterable[str], slides: Iterable[bool], channels: Mapping[str, Array], lines: int | None
-) -> list[RecordingFinding]:
+) -> Findings:
     """Findings on joint coordinates beyond a robot's reach, and on positions that look like degrees."""
-    findings = []
     for j, (joint, sliding) in enumerate(zip(joints, slides, strict=True)):
         for name, values in channels.items():
             limit = (SLIDING_LIMITS if sliding else TURNING_LIMITS)[name]
             size = np.abs(values[:, j])
             rows = tuple(np.flatnonzero((size > limit.value) & np.isfinite(size)).tolist())
             if rows:
-                message = (
-                    f"|{name}| of {joint!r} up to {size[list(rows)].max():.3g}, beyond {limit.value:g} ({limit.why})"
-                )
+                largest = size[list(rows)].max()
+                message = f"|{name}| of {joint!r} up to {largest:.3g}, beyond {limit.value:g} ({limit.why})"
                 remedy = "check units and gains; drop the rows if lines of the file are broken"
-                findings.append(
-                    RecordingFinding("implausible-value", "error", file, None, rows, message, remedy, lines)
-                )
+                yield RecordingFinding("implausible-value", "error", file, None, rows, message, remedy, lines)
             sane = size[size <= limit.value]
             if name == "q" and not sliding and sane.size and sane.max() > MAX_RADIANS:
                 message = f"q of {joint!r} reaches {sane.max():.4g} rad"
                 remedy = "if these are degrees, or motor angles in front of the gears, say so in a mapping"
-                findings.append(RecordingFinding("many-turns", "warning", file, None, (), message, remedy))
-    return findings
+                yield RecordingFinding("many-turns", "warning", file, None, (), message, remedy)
 
 
-def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> list[RecordingFinding]:
+def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]) -> Findings:
     """Findings on constant channels, and on torques held at their limits, among the sound rows."""
-    findings = []
     rows = np.flatnonzero(sound)
     for column in columns:
         values = column.values[sound]
@@ -109,44 +100,37 @@ def channel_findings(columns: Iterable[RecordedColumn], sound: NDArray[np.bool_]
             continue
         if not values.any():
             message, remedy = "zero in all rows", "leave the channel out of the mapping if it was not measured"
-            findings.append(_of(column, "all-zero-channel", "warning", (), message, remedy))
+            yield _of(column, "all-zero-channel", "warning", (), message, remedy)
         elif np.ptp(values) == 0:
             message, remedy = f"{values[0]:g} in all rows", "its joint is not excited, or its sensor is stuck"
-            findings.append(_of(column, "constant-channel", "warning", (), message, remedy))
+            yield _of(column, "constant-channel", "warning", (), message, remedy)
         elif column.quantity == "tau":
             held = _held(values, values.max()) | _held(values, values.min())
             if held.any():
                 at = ", ".join(f"{value:g}" for value in np.unique(values[held]))
                 message = f"held at {at}, the end of its range, for {MIN_SATURATED_ROWS} rows or more"
                 remedy = "the drive or the sensor is saturated; drop the rows, or record slower motion"
-                held_rows = tuple(rows[held].tolist())
-                findings.append(_of(column, "saturation", "warning", held_rows, message, remedy))
-    return findings
+                yield _of(column, "saturation", "warning", tuple(rows[held].tolist()), message, remedy)
 
 
 def motion_findings(
     file: str, joints: Iterable[str], t: Array, block: NDArray[np.intp], q: Array, v: Array
-) -> list[RecordingFinding]:
-    """Findings on velocities that do not fit the positions: other units, signs or joints.
-
-    block: block number of each row (N,)
-    """
+) -> Findings:
+    """Findings on velocities that do not fit the positions: other units, signs or joints. block: of each row (N,)"""
     inside = np.diff(block) == 0
     steps = np.diff(t)[inside, None]
     edges = np.unique(np.linspace(0, max(len(steps) - 1, 0), N_WINDOWS, dtype=int))
     if not len(steps):
-        return []
+        return
     from_q = np.add.reduceat(np.diff(q, axis=0)[inside], edges)
     from_v = np.add.reduceat((v[1:] + v[:-1])[inside] / 2 * steps, edges)
-    findings = []
     for j, joint in enumerate(joints):
         way = float(np.linalg.norm(from_q[:, j]))
         error = float(np.linalg.norm(from_v[:, j] - from_q[:, j]))
         if max(way, float(np.linalg.norm(from_v[:, j]))) > MIN_TRAVEL and error > TRAVEL_TOLERANCE * way:
             message = f"v of {joint!r} is not the rate of its q: its integral is off by {error / (way or 1):.0%}"
             remedy = "check units, signs and order of the columns, or leave v out of the mapping and derive it"
-            findings.append(RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy))
-    return findings
+            yield RecordingFinding("velocity-mismatch", "warning", file, None, (), message, remedy)
 
 
 def _held(values: Array, limit: float) -> NDArray[np.bool_]:
@@ -240,81 +224,66 @@ def increasing(t: Array) -> NDArray[np.bool_]:
     return kept
 
 
-def stamp_findings(
-    file: str, t: Array, sound: NDArray[np.bool_], lines: int | None, origin: float = 0.0
-) -> list[RecordingFinding]:
+def stamp_findings(file: str, t: Array, sound: NDArray[np.bool_], lines: int | None, origin: float = 0.0) -> Findings:
     """Findings on stamps that do not increase, or are too large for any clock, among the sound rows (N,).
 
     origin: the stamp at t = 0 [s]
     """
-    findings = []
 
-    def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> None:
+    def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> Findings:
         if where.any():
             rows = tuple(np.flatnonzero(where).tolist())
-            findings.append(RecordingFinding(code, "error", file, None, rows, message, remedy, lines))
+            yield RecordingFinding(code, "error", file, None, rows, message, remedy, lines)
 
     stamps = t + origin
     wild = sound & (np.abs(stamps) > TIME_LIMIT.value)
     remedy = "check the unit of time; drop the rows if lines of the file are broken"
     units = [unit for unit in ("ms", "us", "ns") if wild.any() and _recent(stamps[wild] * TIME_UNITS[unit])]
     if units:
-        remedy = (
-            f"as {units[0]} they are dates of this century: say so in the column's name (time_{units[0]}) or mapping"
-        )
-    found("implausible-value", wild, f"time beyond {TIME_LIMIT.value:g} s ({TIME_LIMIT.why})", remedy)
+        unit = units[0]
+        remedy = f"as {unit} they are dates of this century: say so in the column's name (time_{unit}) or mapping"
+    yield from found("implausible-value", wild, f"time beyond {TIME_LIMIT.value:g} s ({TIME_LIMIT.why})", remedy)
     rows = np.flatnonzero(sound & ~wild)
     if rows.size:
         kept = increasing(t[rows])
         out = np.zeros(len(t), dtype=bool)
         out[rows[~kept]] = True
         repeated = out & np.isin(t, t[rows[kept]])
-        found("repeated-stamp", repeated, "a repeated stamp", "drop the rows: the first of each stays")
+        yield from found("repeated-stamp", repeated, "a repeated stamp", "drop the rows: the first of each stays")
         message, remedy = "a stamp out of order", "drop the rows, or split the file where its clock was set back"
-        found("backward-stamp", out & ~repeated, message, remedy)
-    return findings
+        yield from found("backward-stamp", out & ~repeated, message, remedy)
 
 
 def _recent(seconds: Array) -> bool:
     return bool(np.all((seconds > PLAUSIBLE_TIMES[0]) & (seconds < PLAUSIBLE_TIMES[1])))
 
 
-def step_findings(
-    file: str, t: Array, rows: NDArray[np.intp], rate: float | None, lines: int | None
-) -> list[RecordingFinding]:
+def step_findings(file: str, t: Array, rows: NDArray[np.intp], rate: float | None, lines: int | None) -> Findings:
     """Findings on gaps, missing samples and jitter of increasing stamps (N,); rows: their rows in the file."""
     if len(t) < 3:
-        return []
+        return
     steps = np.diff(t)
     period = float(np.median(steps))
-    findings = []
 
-    def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> None:
+    def found(code: str, where: NDArray[np.bool_], message: str, remedy: str) -> Findings:
         if where.any():
             before = tuple(rows[1:][where].tolist())
-            findings.append(RecordingFinding(code, "warning", file, None, before, message, remedy, lines))
+            yield RecordingFinding(code, "warning", file, None, before, message, remedy, lines)
 
-    longest = f"up to {steps.max():.4g} s, where the period is {period:.4g} s"
-    missing = (
-        (steps > MIN_MISSING_PERIODS * period) & (steps <= MIN_GAP_PERIODS * period) & (np.diff(rows) == 1)
-    )  # others are faulty rows
-    found(
-        "gap",
-        steps > MIN_GAP_PERIODS * period,
-        f"a gap before it, {longest}",
-        "the recording is divided there into blocks",
-    )
-    found("missing-samples", missing, "samples are missing before it", "resampling interpolates there")
+    gap = steps > MIN_GAP_PERIODS * period
+    message = f"a gap before it, up to {steps.max():.4g} s, where the period is {period:.4g} s"
+    yield from found("gap", gap, message, "the recording is divided there into blocks")
+    missing = (steps > MIN_MISSING_PERIODS * period) & ~gap & (np.diff(rows) == 1)  # others are faulty rows
+    yield from found("missing-samples", missing, "samples are missing before it", "resampling interpolates there")
     uneven = (np.abs(steps - period) > MIN_JITTER * period) & (steps <= MIN_MISSING_PERIODS * period)
     worst = np.abs(steps[uneven] - period).max() / period if uneven.any() else 0.0
     message = f"steps differ from the period of {period:.4g} s by up to {worst:.0%}"
-    found("jitter", uneven, message, "resampling makes them even; if only the stamps jitter, give a rate instead")
+    remedy = "resampling makes them even; if only the stamps jitter, give a rate instead"
+    yield from found("jitter", uneven, message, remedy)
     if rate is not None and abs(rate * period - 1) > RATE_MISMATCH:
         message = f"the rate of the stamps is {1 / period:.5g} Hz, that of the mapping {rate:.5g} Hz"
-        findings.append(
-            RecordingFinding("other-rate", "warning", file, None, (), message, "the stamps are used; correct the rate")
-        )
-    return findings
+        remedy = "the stamps are used; correct the rate"
+        yield RecordingFinding("other-rate", "warning", file, None, (), message, remedy)
 
 
 def blocks_of(t: Array) -> NDArray[np.intp]:

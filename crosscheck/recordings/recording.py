@@ -13,6 +13,7 @@ from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.virtual import JOINT_UNITS
 from graphdyn import InvalidInput, VirtualRecording
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 MOTION_CHANNELS = ("q", "v", "a", "tau")
@@ -85,7 +86,9 @@ class Recording:
         n = len(self.joint_names)
         object.__setattr__(self, "prismatic", tuple(self.prismatic) or (False,) * n)
         if len(self.prismatic) != n:
-            raise InvalidInput(f"prismatic has {len(self.prismatic)} entries for {n} joints")
+            raise InvalidInput(
+                f"prismatic has {counted(len(self.prismatic), 'entry', 'entries')} for {counted(n, 'joint')}"
+            )
         count = np.asarray(self.t).size
         if count == 0:
             raise InvalidInput("the recording has no rows; give at least one")

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.recordings.errors import BadMapping, RecordingFinding, quoted
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 NUMBER_PATTERN = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
@@ -182,7 +183,11 @@ class RecordedTable:
             raise BadMapping(f"{where}: {self.path} has {column!r} in the columns {listed}; give the number of one")
         if column in self.left_out:
             raise BadMapping(f"{where}: {column!r} of {self.path} is not a column: {self.left_out[column]}")
-        there = in_words(self.names) if self.has_names else f"{len(self.names)} columns without names; give numbers"
+        there = (
+            in_words(self.names)
+            if self.has_names
+            else f"{counted(len(self.names), 'column')} without names; give numbers"
+        )
         raise BadMapping(f"{where}: {self.path} has no column {column!r}; it has {there}")
 
 

@@ -21,6 +21,7 @@ import numpy as np
 from crosscheck.recordings.errors import BadRecordingFile, quoted
 from crosscheck.recordings.table import cells_of_column
 from graphdyn import InvalidInput, VirtualRecording
+from graphdyn.errors import counted
 from graphdyn.experiments import CHANNELS
 from graphdyn.layout import Array
 from urdf.document import write_whole
@@ -93,7 +94,8 @@ def elements_of(path: Path, headers: Iterable[str]) -> Elements:
             bodies[name] = None
     if not joints or len(joints) != len(bodies):
         raise BadRecordingFile(
-            f"{path}, header: {len(joints)} joints ({', '.join(joints)}), {len(bodies)} bodies ({', '.join(bodies)}); "
+            f"{path}, header: {counted(len(joints), 'joint')} ({', '.join(joints)}), "
+            f"{counted(len(bodies), 'body', 'bodies')} ({', '.join(bodies)}); "
             "each joint needs its columns '<joint>.q [rad]' … and its body the columns '<body>.r_x [m]' …"
         )
     return Elements(tuple(joints), tuple(joints.values()), tuple(bodies))
@@ -273,7 +275,8 @@ def _read_csv(path: Path) -> Any:
         if row is None:
             raise BadRecordingFile(f"{path}: {error}; write files with save_virtual_recording") from error
         raise BadRecordingFile(
-            f"{path}, line {row[1]}: {row[3]} cells under {row[2]} headers; complete the line or leave it out"
+            f"{path}, line {row[1]}: {counted(int(row[3]), 'cell')} under {counted(int(row[2]), 'header')}; "
+            "complete the line or leave it out"
         ) from error
 
 

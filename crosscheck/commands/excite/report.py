@@ -55,7 +55,7 @@ def collisions_text(found: Excited) -> str:
     poses = sum(motion.poses for motion in found.motions)
     checked = f"{counted(len(known.meshes), 'link')}, {counted(len(known.pairs), 'pair')}, {poses} poses at 1 kHz"
     near = f" nearer than {1000 * known.margin:g} mm" if known.margin else ""
-    hits = ", ".join(f"{hit.name} in {hit.poses} poses" for hit in found.hits)
+    hits = ", ".join(f"{hit.name} in {counted(hit.poses, 'pose')}" for hit in found.hits)
     bare = [*known.missing, *known.without_shapes]
     passed = f"; links without shapes pass unchecked: {_some(bare, ', ')}" if bare else ""
     near += f", but for {len(known.near)} pairs that always are," if known.near else ""

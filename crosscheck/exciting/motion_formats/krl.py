@@ -16,6 +16,7 @@ import numpy as np
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
 from crosscheck.recordings.errors import BadRecordingFile
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 MILLIMETERS_PER_METER = 1000.0
@@ -41,7 +42,7 @@ class AxisSettings:
         """Signs and zeros (n,)."""
         for what, values in (("signs", self.signs), ("zeros", self.zeros)):
             if len(values) not in (1, n):
-                raise InvalidInput(f"{len(values)} axis {what} for {n} joints; give one, or one for each")
+                raise InvalidInput(f"{len(values)} axis {what} for {counted(n, 'joint')}; give one, or one for each")
         return np.broadcast_to(self.signs, n), np.broadcast_to(self.zeros, n)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
 from crosscheck.recordings.errors import BadRecordingFile
+from graphdyn.errors import counted
 
 LOOKAHEAD, GAIN = 0.1, 300
 """[s, -] Settings of servoj: the values of the manual's example."""
@@ -42,5 +43,5 @@ def read(path: Path, joints: Sequence[str]) -> TimedPositions:
     except ValueError:
         raise BadRecordingFile(f"{path}: a servoj holds something else than as many numbers as the others") from None
     if positions.shape[1] != len(joints):
-        raise BadRecordingFile(f"{path}: servoj has {positions.shape[1]} joints, the robot {len(joints)}")
+        raise BadRecordingFile(f"{path}: servoj has {counted(positions.shape[1], 'joint')}, the robot {len(joints)}")
     return TimedPositions(np.arange(len(positions)) * np.float64(step), positions)

@@ -14,6 +14,7 @@ from crosscheck.recordings import Recording, Split, concatenated, split_by_rows,
 from crosscheck.recordings.preparation.filtering import settling_time
 from crosscheck.recordings.preparation.splits import GUARD_TIME, Interval, fold_rows
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 
 MAX_FILTER_LEAKAGE = 1e-2
 """Fraction of a predicted torque that the filter may still carry into the fit across the guard."""
@@ -105,10 +106,11 @@ class OtherRecordings:
     def divide(self, recordings: Sequence[Recording]) -> Division:
         fit = concatenated(recordings)
         fitted = _rows_of_files(fit)
-        for file, rows in _rows_of_files(concatenated(self.recordings)).items():
-            shared = rows & fitted.get(file, set())
+        for file, numbers in _rows_of_files(concatenated(self.recordings)).items():
+            shared = numbers & fitted.get(file, set())
             if shared:
-                raise InvalidInput(f"{file}: {len(shared)} rows are fitted and predicted; predict another recording")
+                rows = counted(len(shared), "row is", "rows are")
+                raise InvalidInput(f"{file}: {rows} fitted and predicted; predict another recording")
         trials = [
             Fold(Path(other.provenance.files[0]).name, fit, other, own_recording=True) for other in self.recordings
         ]

@@ -12,6 +12,7 @@ import numpy as np
 
 from crosscheck.judging.exchange.line_process import shown
 from crosscheck.quantities.tested_function import Refusal
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 Shape = tuple[int | None, ...]
@@ -85,7 +86,7 @@ def shaped(numbers: Array, shape: Shape, what: str) -> Array:
     known = math.prod(size for size in shape if size is not None)
     if numbers.size == 0 or (numbers.size % known if None in shape else numbers.size != known):
         expected = f"a multiple of {known}" if None in shape else f"{known}"
-        raise UnreadableAnswer(f"{what}: {numbers.size} numbers, expected {expected}")
+        raise UnreadableAnswer(f"{what}: {counted(numbers.size, 'number')}, expected {expected}")
     return numbers.reshape([-1 if size is None else size for size in shape])
 
 

@@ -14,6 +14,7 @@ from crosscheck.recordings.formats.format import Format
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable, in_words
 from crosscheck.recordings.virtual import RecordedMotion
+from graphdyn.errors import counted
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = ("position", "velocity", "effort")
@@ -83,7 +84,7 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
         listed = in_words(sorted(frozenset.union(*sets)))
         raise BadRecordingFile(f"{path}: no message on {topic} has all of {in_words(joints)}; there are: {listed}")
     if not all(have):
-        text = f"{have.count(False)} messages on {topic} without all of {in_words(joints)}"
+        text = f"{counted(have.count(False), 'message')} on {topic} without all of {in_words(joints)}"
         findings.append(RecordingFinding("other-joints", "note", str(path), None, (), text, "they are left out"))
         messages = [message for message, has in zip(messages, have, strict=True) if has]
     stamps = np.array([m.header.stamp.sec * 10**9 + m.header.stamp.nanosec for _, m in messages], dtype=np.int64)

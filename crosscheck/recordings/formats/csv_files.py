@@ -6,6 +6,7 @@ This includes joint states as `ros2 topic echo --csv` prints them, without a hea
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from crosscheck.recordings.table import (
     in_words,
 )
 from crosscheck.recordings.virtual import virtual_recording_document
+from graphdyn.errors import counted
 
 
 def read_text(path: Path, mapping: ColumnMapping | None, _joints: tuple[str, ...] | None) -> RecordedTable:
@@ -47,12 +49,13 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     table, wrong = _parsed(path, body, layout)
     if table.num_rows + len(wrong) != count:
         raise BadRecordingFile(
-            f"{path}: {table.num_rows + len(wrong)} rows in {count} lines, so a quotation mark is not closed; remove it"
+            f"{path}: {counted(table.num_rows + len(wrong), 'row')} in {counted(count, 'line')}, so a quotation mark "
+            "is not closed; remove it"
         )
     if 2 * len(wrong) > count:
         row, cells = next(iter(wrong.items()))
         raise BadRecordingFile(
-            f"{path}: {len(wrong)} of {count} lines do not have {n} cells like the first one "
+            f"{path}: {len(wrong)} of {count} lines do not have {counted(n, 'cell')} like the first one "
             f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
         )
     good = np.delete(np.arange(count), list(wrong))
@@ -60,28 +63,27 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     texts: dict[int, dict[int, str]] = {}
     for k, column in enumerate(table.columns):
         read = _cells(column, layout.decimal_comma)
-        texts[k] = {int(good[row]): _shown(column[int(row)].as_py()) for row in np.flatnonzero(np.isnan(read.values))}
+        unread = np.flatnonzero(np.isnan(read.values)).tolist()
+        texts[k] = {int(good[row]): str(column[row].as_py() or "") for row in unread}
         values = np.full(count, np.nan)
         values[good] = read.values
         columns.append(read._replace(values=values))
     for row in set.intersection(*({row for row, cell in cells.items() if not cell} for cells in texts.values())):
         wrong[row] = 0
-    findings = _line_findings(path, wrong, n, count, lines)
+    findings, file = list(_line_findings(str(path), wrong, n, count, lines)), str(path)
     if not ends and count - 1 not in wrong:
         last = columns[-1].values
         cut = bool(np.isnan(last[-1])) and not np.isnan(last[-2:-1]).any()
-        findings.append(_last_line(path, count - 1, lines, cut))
+        findings.append(_last_line(file, count - 1, lines, cut))
     if any(re.fullmatch(r"-?\d+\.\d+", name) for name in layout.names):
-        message, remedy = (
-            "the first line is taken for names, though it has decimals",
-            "if it is a row, write names above",
-        )
-        findings.append(RecordingFinding("header-of-numbers", "warning", str(path), None, (), message, remedy))
+        message = "the first line is taken for names, though it has decimals"
+        remedy = "if it is a row, write names above"
+        findings.append(RecordingFinding("header-of-numbers", "warning", file, None, (), message, remedy))
     if not any(layout.names):
         message = "the first line holds numbers, so the columns have no names"
-        findings.append(noted(str(path), "no-header", message, "they can be mapped by number only"))
+        findings.append(noted(file, "no-header", message, "they can be mapped by number only"))
     if layout.decimal_comma:
-        findings.append(noted(str(path), "decimal-comma", "the numbers have decimal commas", "they are read with them"))
+        findings.append(noted(file, "decimal-comma", "the numbers have decimal commas", "they are read with them"))
     return RecordedTable.of(path, layout.names, columns, texts=texts, lines=lines, findings=tuple(findings))
 
 
@@ -151,41 +153,28 @@ def _cells(column: Any, comma: bool) -> Cells:
     return cells
 
 
-def _shown(cell: Any) -> str:
-    return "" if cell is None else str(cell)
-
-
-def _line_findings(path: Path, wrong: dict[int, int], n: int, count: int, lines: int) -> list[RecordingFinding]:
+def _line_findings(file: str, wrong: dict[int, int], n: int, count: int, lines: int) -> Iterator[RecordingFinding]:
     blank = tuple(row for row, cells in wrong.items() if cells == 0)
     cut = tuple(row for row, cells in wrong.items() if row == count - 1 and 0 < cells < n)
     others = tuple(row for row in wrong if row not in blank and row not in cut)
-    findings = []
     if blank:
-        message, remedy = "an empty line", "it is left out"
-        findings.append(RecordingFinding("blank-line", "note", str(path), None, blank, message, remedy, lines))
+        yield RecordingFinding("blank-line", "note", file, None, blank, "an empty line", "it is left out", lines)
     if cut:
         message, remedy = f"{wrong[cut[0]]} of {n} cells, the file is cut off", "the line is left out"
-        findings.append(
-            RecordingFinding("truncated-last-line", "warning", str(path), None, cut, message, remedy, lines)
-        )
+        yield RecordingFinding("truncated-last-line", "warning", file, None, cut, message, remedy, lines)
     if others:
         message = f"{', '.join(map(str, sorted({wrong[row] for row in others})))} cells instead of {n}"
         remedy = "repair the lines, or drop them"
-        findings.append(
-            RecordingFinding("wrong-column-count", "error", str(path), None, others, message, remedy, lines)
-        )
-    return findings
+        yield RecordingFinding("wrong-column-count", "error", file, None, others, message, remedy, lines)
 
 
-def _last_line(path: Path, row: int, lines: int, cut: bool) -> RecordingFinding:
-    """The finding on a last line without line end: its last cell may be cut off, and certainly is if it is not a
-    number.
-    """
+def _last_line(file: str, row: int, lines: int, cut: bool) -> RecordingFinding:
+    """The finding on a last line without line end: its last cell may be cut off, and is if it is not a number."""
     if cut:
         message, remedy = "the file is cut off inside a number", "the line is left out"
-        return RecordingFinding("truncated-last-line", "warning", str(path), None, (row,), message, remedy, lines)
+        return RecordingFinding("truncated-last-line", "warning", file, None, (row,), message, remedy, lines)
     message, remedy = "the last line has no line end, so its last number may be cut off", "drop it if it is"
-    return RecordingFinding("unterminated-last-line", "note", str(path), None, (row,), message, remedy, lines)
+    return RecordingFinding("unterminated-last-line", "note", file, None, (row,), message, remedy, lines)
 
 
 BATCH_BYTES = 1 << 20

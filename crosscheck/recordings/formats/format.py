@@ -21,6 +21,7 @@ from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, not
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, cells_of_column, in_words
 from crosscheck.recordings.virtual import RecordedMotion
+from graphdyn.errors import counted
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ def table_of(path: Path, arrays: Mapping[str, Any]) -> RecordedTable:
             values = values.T
             turned.append(name)
         if len(values) != count:
-            left_out[name] = f"its shape is {shape}, most others have {count} rows"
+            left_out[name] = f"its shape is {shape}, most others have {counted(count, 'row')}"
         elif values.ndim == 1:
             names.append(name)
             columns.append(cells)

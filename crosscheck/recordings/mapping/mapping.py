@@ -19,6 +19,7 @@ import numpy as np
 from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.mapping.units import Unit, known_unit
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 
@@ -26,7 +27,7 @@ def toml_square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array
     """A matrix of n rows of n finite numbers (n, n). Raises BadMapping."""
     rows = table[key]
     if not isinstance(rows, list) or len(rows) != n:
-        raise BadMapping(f"{where}: {key} needs {n} rows of {n} numbers")
+        raise BadMapping(f"{where}: {key} needs {counted(n, 'row')} of {counted(n, 'number')}")
     return np.array([toml_numbers({key: row}, key, n, 0.0, where) for row in rows])
 
 
@@ -35,7 +36,7 @@ def toml_numbers(table: Mapping[str, Any], key: str, n: int, default: float, whe
     value = table.get(key, default)
     values = [value] * n if is_number(value) else value
     if not isinstance(values, list) or len(values) != n or not all(map(is_number, values)):
-        raise BadMapping(f"{where}: {key} is {value!r}; give {n} numbers")
+        raise BadMapping(f"{where}: {key} is {value!r}; give {counted(n, 'number')}")
     return np.array(values, dtype=float)
 
 
@@ -193,7 +194,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         not isinstance(prismatic, list) or [type(slides) for slides in prismatic] != [bool] * len(joints)
     ):
         given = shown(prismatic)
-        raise BadMapping(f"{source}: prismatic is {given}; give true or false for each of {len(joints)} joints")
+        raise BadMapping(f"{source}: prismatic is {given}; give true or false for each joint")
     channels = {
         name: _channel(name, toml_table(document, name, source), tuple(joints), f"{source}, [{name}]")
         for name in MAPPED_QUANTITIES
@@ -235,8 +236,8 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         ]
     if not isinstance(columns, list) or len(columns) != n or not all(type(column) in (str, int) for column in columns):
         raise BadMapping(
-            f"{where}: columns is {shown(columns)}; give {n} names or numbers from 1, or a text with {{number}} or "
-            "{joint}"
+            f"{where}: columns is {shown(columns)}; give {counted(n, 'name')} or numbers from 1, or a text with "
+            "{number} or {joint}"
         )
     units = table.get("unit", SI_UNITS[name])
     units = [units] * n if isinstance(units, str) else units

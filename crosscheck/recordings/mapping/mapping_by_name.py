@@ -24,6 +24,7 @@ from crosscheck.recordings.mapping.column_names import (
 )
 from crosscheck.recordings.mapping.mapping import MAPPED_QUANTITIES, SI_UNITS, Channel, ColumnMapping, TimeColumn
 from crosscheck.recordings.table import RecordedTable, in_words
+from graphdyn.errors import counted
 
 
 def clocks(
@@ -145,7 +146,9 @@ def _order(where: str, found: list[str], joints: Sequence[str] | None) -> list[s
     """
     if all(joint.isdigit() for joint in found):
         if joints and len(joints) != len(found):
-            raise BadMapping(f"{where}: positions of {len(found)} joints, the robot has {len(joints)}; give a mapping")
+            raise BadMapping(
+                f"{where}: positions of {counted(len(found), 'joint')}, the robot has {len(joints)}; give a mapping"
+            )
         return sorted(found, key=int)
     missing = [joint for joint in joints or () if joint not in found]
     if missing:

@@ -36,6 +36,7 @@ from crosscheck.recordings.preparation.resampling import refuse_delays, sampling
 from crosscheck.recordings.preparation.splits import GUARD_TIME
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.identification import Samples
 
 PARQUET_SUFFIXES = FORMATS[0].suffixes
@@ -228,8 +229,8 @@ def partitions(logs: list[ReadableLog], rows: int, blocks: int) -> list[Partitio
         count = source.n_rows
         if rows <= source.shortest:
             raise InvalidInput(
-                f"parts of {rows} rows are too short for the borders of the filter; give more than {source.shortest}, "
-                "or a higher cutoff"
+                f"parts of {counted(rows, 'row')} are too short for the borders of the filter; give more than "
+                f"{source.shortest}, or a higher cutoff"
             )
         size = max(min(rows, block_rows), source.shortest + 1)
         parts = -(-count // size)

@@ -28,6 +28,7 @@ from crosscheck.recordings.preparation.resampling import PERIOD_TOLERANCE, refus
 from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.identification import RowFilter, Samples
 
 
@@ -125,8 +126,8 @@ class StreamedRecording:
                 overlap = 2 * FORGETTING_BORDERS * border
                 if overlap >= len(whole.t):
                     raise InvalidInput(
-                        f"a window of {self.window} rows is too short for the borders of the filter; give more than "
-                        f"{overlap}, or a higher cutoff"
+                        f"a window of {counted(self.window, 'row')} is too short for the borders of the filter; "
+                        f"give more than {overlap}, or a higher cutoff"
                     )
                 inner = (FORGETTING_BORDERS - 1) * border
                 row_filter = row_filter if first else torque_filter(done)

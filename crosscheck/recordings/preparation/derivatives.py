@@ -31,6 +31,7 @@ from crosscheck.recordings.preparation.filtering import (
 from crosscheck.recordings.preparation.resampling import is_even, resampled, sampling_rate
 from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Recording
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.identification import RowFilter
 from graphdyn.layout import Array
 
@@ -72,7 +73,9 @@ def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAna
     nyquist = rate / 2
     shortest = max(MIN_CUTOFF * nyquist, rate * 4 / max(len(values), 1))  # a border of the recording must fit into it
     if shortest > NOISE_FROM * nyquist / 2:
-        raise InvalidInput(f"{len(values)} rows are too few to choose a cutoff from; give the cutoff")
+        raise InvalidInput(
+            f"{counted(len(values), 'row is', 'rows are')} too few to choose a cutoff from; give the cutoff"
+        )
     frequencies = np.geomspace(shortest, MAX_CUTOFF * nyquist, N_TRIAL_CUTOFFS)
     cut = min(border(rate, float(frequencies[0]), order), len(values) // 4)
     squares = np.array(
@@ -206,7 +209,7 @@ def differentiated(
     if not parts["rows"]:
         longest = max(rows.stop - rows.start for rows in recording.block_slices)
         raise InvalidInput(
-            f"the longest block has {longest} rows, {needed} are needed with borders of {cut} rows; "
+            f"the longest block has {counted(longest, 'row')}, {needed} are needed with borders of {cut} rows; "
             "choose a higher cutoff, or record longer"
         )
     words = {"tau": "tau and every column of the regressor"}

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from crosscheck.recordings.preparation.resampling import sampling_rate
 from crosscheck.recordings.recording import MOTION_CHANNELS, Recording
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.identification import RowFilter, Samples
 from graphdyn.layout import Array
 
@@ -43,7 +44,8 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER
         raise InvalidInput(f"the order of the filter is {order}; choose 1 or more, usually 4")
     if len(values) <= padding(order):
         raise InvalidInput(
-            f"{len(values)} rows are too few for a filter of order {order}; give more than {padding(order)}"
+            f"{counted(len(values), 'row is', 'rows are')} too few for a filter of order {order}; "
+            f"give more than {padding(order)}"
         )
     sections = butter(order, cutoff, fs=rate, output="sos")
     return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding(order)))
@@ -101,7 +103,8 @@ def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
     values = np.asarray(columns, dtype=float)
     if len(values) < rows_needed(factors):
         raise InvalidInput(
-            f"{len(values)} rows are too few to be decimated by {tuple(factors)}; give {rows_needed(factors)} or more"
+            f"{counted(len(values), 'row is', 'rows are')} too few to be decimated by {tuple(factors)}; "
+            f"give {rows_needed(factors)} or more"
         )
     for factor in factors:
         values = sosfiltfilt(_anti_aliasing(factor), values, axis=0)[::factor]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crosscheck.recordings.recording import Recording
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 
 Interval = tuple[float, float]
 
@@ -58,7 +59,7 @@ def split_by_file(recording: Recording, test: Sequence[str]) -> Split:
 def fold_numbers(recording: Recording, folds: int) -> NDArray[np.intp]:
     """The fold 0 … folds - 1 of each row (N,), for cross-validation: consecutive pieces of equally many rows."""
     if not 2 <= folds <= len(recording.t):
-        raise InvalidInput(f"{folds} folds of {len(recording.t)} rows; choose from 2 to the number of rows")
+        raise InvalidInput(f"{folds} folds of {counted(len(recording.t), 'row')}; choose from 2 to the number of rows")
     return np.arange(len(recording.t)) * folds // len(recording.t)
 
 

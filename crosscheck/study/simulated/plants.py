@@ -28,6 +28,7 @@ from graphdyn import (
     RobotModel,
     mass_matrix,
 )
+from graphdyn.errors import counted
 from graphdyn.excitation import MotionLimits
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.closed_loop import MAX_SIMULATION_STEP
@@ -94,8 +95,8 @@ def plant_of(settings: RobotSettings) -> ControlledRobot:
         array = np.asarray(value, dtype=float)
         if array.shape not in ((), (model.nv,)):
             raise BadConfiguration(
-                f"{settings.file}: {name} in [robot] has {array.size} numbers; robot '{settings.name}' has "
-                f"{model.nv} joints: {', '.join(model.independent_joints)}"
+                f"{settings.file}: {name} in [robot] has {counted(array.size, 'number')}; robot '{settings.name}' has "
+                f"{counted(model.nv, 'joint')}: {', '.join(model.independent_joints)}"
             )
         return np.array(np.broadcast_to(array, (model.nv,)))
 

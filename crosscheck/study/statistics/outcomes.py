@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn import InvalidInput
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 Measures = Literal["torques", "wrenches"]
@@ -172,6 +173,6 @@ def _whole(row: Mapping[str, Any], column: str, size: int) -> Array:
     if len(values) != size:
         raise InvalidInput(
             f"results.parquet: '{column}' of '{row['method']}', run {row['run']} of scenario '{row['scenario']}' has "
-            f"{len(values)} values, scenarios.parquet names {size} base parameters"
+            f"{counted(len(values), 'value')}, scenarios.parquet names {counted(size, 'base parameter')}"
         )
     return values

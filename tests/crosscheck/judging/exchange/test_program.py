@@ -123,7 +123,7 @@ class TestUnreadable:
                 '{"id": 1, "answer": [1, true]}',
                 """'{"id": 1, "answer": [1, true]}': the answer is no array of numbers""",
             ),
-            ("json", '{"id": 1, "answer": [1]}', """'{"id": 1, "answer": [1]}': 1 numbers, expected 2"""),
+            ("json", '{"id": 1, "answer": [1]}', """'{"id": 1, "answer": [1]}': 1 number, expected 2"""),
             ("plain", "x" * 100, f"'{'x' * 79}…', which is no line of numbers"),
         ],
     )

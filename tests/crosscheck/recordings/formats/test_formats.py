@@ -109,7 +109,7 @@ def test_quoted_cells(tmp_path):
         (b"t,q1\n0,\xff\n", r"r.csv, line 2: not UTF-8 text; save the file as CSV in UTF-8"),
         (b"t,q1\n0,\0\n", r"r.csv, line 2: a zero byte, so not text; save the file"),
         (b"t|q1\n0|1\n1|1\n", r"r.csv: no delimiter \(semicolon, tab, comma, space\) splits half of the first 3 lines"),
-        (b't,q1\n0,"1\n1,2\n', r"r.csv: 1 rows in 2 lines, so a quotation mark is not closed; remove it"),
+        (b't,q1\n0,"1\n1,2\n', r"r.csv: 1 row in 2 lines, so a quotation mark is not closed; remove it"),
         (b"t,q1\n0,1\n1," + b"2" * 3_000_000, r"r.csv, from line 2 on: straddling object .*; repair the file"),
         (b"t,q1\n0,1,2\n1,1,2\n2,1\n", r"2 of 3 lines do not have 2 cells like the first one \(line 2 has 3\); name"),
     ],

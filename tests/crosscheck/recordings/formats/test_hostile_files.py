@@ -155,7 +155,7 @@ def test_very_many_columns(tmp_path):
 
 def test_a_very_long_cell(tmp_path):
     (tmp_path / "r.csv").write_text('t,q_1,"' + "x" * 200_000 + '"\n0,1,2\n1,2,3\n')
-    with pytest.raises(BadRecordingFile, match=r"r.csv: 2 of 2 lines do not have 1 cells like the first one"):
+    with pytest.raises(BadRecordingFile, match=r"r.csv: 2 of 2 lines do not have 1 cell like the first one"):
         load_recording(tmp_path / "r.csv")
 
 
@@ -183,8 +183,8 @@ def test_truncated_matlab_files(tmp_path, options):
             'joints=["a"]\nrate=' + "9" * 400 + "\n[q]\ncolumns=[1]",
             r"m.toml: rate is 9{18}\.{3}9{19}; give samples per second",
         ),
-        ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=' + "9" * 400, r"m.toml, \[q\]: offset is 9+; give 1 numbers"),
-        ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=nan', r"m.toml, \[q\]: offset is nan; give 1 numbers"),
+        ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=' + "9" * 400, r"m.toml, \[q\]: offset is 9+; give 1 number"),
+        ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=nan', r"m.toml, \[q\]: offset is nan; give 1 number"),
         ('joints=["a"]\nrate=1\ndelimiter=""\n[q]\ncolumns=[1]', r"m.toml: delimiter is ''; give the one character"),
         (
             'joints=["a"]\nrate=1\ndelimiter="::"\n[q]\ncolumns=[1]',

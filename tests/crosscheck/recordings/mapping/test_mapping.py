@@ -151,7 +151,7 @@ def test_ambiguous_names_are_refused_with_the_candidates(tmp_path, names, joints
     [
         (["x", "y"], None, r"no columns of joint positions \(q_1, .*\) among t_s, x, y; give a mapping"),
         (["q_1", "q_2", "tau_1"], None, r"tau has columns for 1, joints are 1, 2; give a mapping"),
-        (["q_1"], ["a", "b"], r"positions of 1 joints, the robot has 2; give a mapping"),
+        (["q_1"], ["a", "b"], r"positions of 1 joint, the robot has 2; give a mapping"),
         (["q_a"], ["a", "b"], r"no position of 'b' \(there are a\); give a mapping"),
         (["q_1 [N]"], None, r"column 'q_1 \[N\]' is in 'N', which is not a unit of q; give a mapping"),
         (["q_1", "tau_1 [A]"], None, r"column 'tau_1 \[A\]' is in 'A', which is not a unit of tau; give a mapping"),
@@ -322,7 +322,7 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
             {"joints": ["a"], "q": {"columns": [1]}},
             r"m: without \[time\]; name its column, or give the rate in samples",
         ),
-        (GOOD | {"prismatic": [True]}, r"m: prismatic is \[True\]; give true or false for each of 2 joints"),
+        (GOOD | {"prismatic": [True]}, r"m: prismatic is \[True\]; give true or false for each joint"),
         (GOOD | {"q": [1, 2]}, r"m: q is \[1, 2\]; make it a table: \[q\]"),
         (GOOD | {"topic": 3}, r"m: topic is 3; give a text in quotes"),
         (GOOD | {"time": {"unit": "s"}}, r"m, \[time\]: column is None; give its name, or its number from 1"),

@@ -302,7 +302,7 @@ def test_a_record_refuses_what_is_none():
     for changed, message in [
         ({"q": good.q[:, :1]}, r"q has shape \(3000, 1\), expected \(3000, 2\)"),
         ({"tau": np.full_like(good.q, np.nan)}, r"tau is nan in row 0; leave out the rows without numbers"),
-        ({"prismatic": (True,)}, r"prismatic has 1 entries for 2 joints"),
+        ({"prismatic": (True,)}, r"prismatic has 1 entry for 2 joints"),
         ({"t": T[::-1]}, r"time 5.996 s in row 1 does not increase inside its block"),
         (
             {"block": np.arange(3000)[::-1]},
