@@ -18,7 +18,6 @@ from crosscheck.bench.forms.graphdyn_forms import our_name
 from crosscheck.bench.forms.pinocchio_forms import PINOCCHIO_PARALLEL
 from crosscheck.bench.states import States
 from graphdyn.compiler import aligned
-from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 
@@ -40,7 +39,7 @@ class CallWork:
         name = f"{'forward' if self.forward else 'inverse'} dynamics"
         if self.whole:
             return f"whole {name}, with motions and reactions"
-        return f"{name}, {counted(self.samples, 'state')} per call{', cold memory' if self.cold else ''}"
+        return f"{name}, {self.samples} states per call{', cold memory' if self.cold else ''}"
 
 
 CALL_WORKS = {

@@ -10,7 +10,7 @@ import numpy as np
 
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import in_loop, with_exogeneity
-from crosscheck.identifying.methods.methods import WithPinocchio, method_named
+from crosscheck.identifying.methods.methods import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.preparing.holding_out import Division, Fold
 from crosscheck.identifying.preparing.preparation import Preparation
@@ -52,8 +52,7 @@ def identified_model(
     progress: called with the name of every method that begins
     """
     torque_model = candidate.of(subject.model)
-    named = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
-    estimators = _with_pinocchio(in_loop(named, loop), subject)
+    estimators = _with_pinocchio(in_loop(candidate.estimators, loop), subject)
 
     def say(what: str) -> None:
         progress(f"{candidate.name}: {what}" if candidate.name else what)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
-from crosscheck.identifying.methods.methods import WithPinocchio, method_named
+from crosscheck.identifying.methods.methods import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
 from crosscheck.identifying.preparing.holding_out import Division, Fold, HeldOut
 from crosscheck.identifying.preparing.preparation import Preparation
@@ -99,7 +99,7 @@ class LongRecordings:
         preparation = preparation or Preparation(cutoff=data.cutoff)
         _refuse_needs_of_samples(data, held_out, preparation, loop)
         for candidate in candidates:
-            _estimators(candidate)
+            _refuse_methods_of_samples(candidate.estimators)
             _refuse_terms_of_samples(candidate.of(compared.model))
         joints = compared.model.independent_joints
         data = data if data.joints else replace(data, joints=joints)
@@ -153,7 +153,7 @@ class LongRecordings:
         name, division, preparation = candidate.name or "torque model", self.division, self.preparation
         steps = (f"{name}: fit", f"{name}: prediction")
         fit, ahead = self._problems(torque_model, preparation.min_speed, steps, progress)
-        comparison = compare_methods(fit, _estimators(candidate), ahead, poses=poses)
+        comparison = compare_methods(fit, candidate.estimators, ahead, poses=poses)
 
         def prediction(problem: Problem, excerpt: Recording, of: str) -> PredictedParts:
             answered = [result for result in comparison.results if result.estimate is not None]
@@ -194,14 +194,12 @@ def _refuse_needs_of_samples(
         )
 
 
-def _estimators(candidate: CandidateModel) -> list[Estimator]:
-    found = [method_named(method) if isinstance(method, str) else method for method in candidate.methods]
-    for estimator in found:
+def _refuse_methods_of_samples(estimators: Sequence[Estimator]) -> None:
+    for estimator in estimators:
         if isinstance(estimator, SAMPLE_METHODS):
             raise InvalidInput(
                 f"{estimator.name} looks at samples, of which only sums are kept here; use {', '.join(METHODS_OF_SUMS)}"
             )
-    return found
 
 
 def _refuse_terms_of_samples(torque_model: TorqueModel) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -107,7 +107,7 @@ def data_quality(
         return None
     said = [*_faults(found, recordings[0]), *_of_channels(found)]
     if not any(finding.severity == "fault" for finding in said):  # else gains and fits suffer from it
-        said += _of_fits(found) or _of_units(found)
+        said += list(_of_fits(found)) or _of_units(found)
     return DataQuality(found, tuple(said), _unseen(found))
 
 
@@ -124,8 +124,7 @@ def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
     return replace(torque_model, terms=terms, expected={})
 
 
-def _faults(found: RecordingQuality, recording: Recording) -> list[QualityFinding]:
-    said = []
+def _faults(found: RecordingQuality, recording: Recording) -> Iterator[QualityFinding]:
     for fault in found.faults:
         names = tuple(found.joint_names[j] for j in fault.change.joints)
         remedy = "correct it in the mapping"
@@ -135,8 +134,7 @@ def _faults(found: RecordingQuality, recording: Recording) -> list[QualityFindin
         what = change_in_words(fault.change, found.joint_names, _late_by(found, fault.change))
         message = f"{what}: undone, the equations of motion fit with {_errors(fault)}"
         code = fault.change.kind.replace(" ", "-")
-        said.append(QualityFinding(code, "fault", names, message, remedy, mapping_lines(fault.change, recording)))
-    return said
+        yield QualityFinding(code, "fault", names, message, remedy, mapping_lines(fault.change, recording))
 
 
 def _errors(fault: DataFault) -> str:
@@ -153,34 +151,30 @@ def _late_by(found: RecordingQuality, change: Change) -> float:
     return found.lag.deviation if len(change.joints) > 1 else float(found.lag.deviations[change.joints[0]])
 
 
-def _of_channels(found: RecordingQuality) -> list[QualityFinding]:
-    names, raw, said = found.joint_names, found.channels, list[QualityFinding]()
+def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
+    names, raw = found.joint_names, found.channels
     for what, pairs in (("positions", raw.duplicated_positions), ("torques", raw.duplicated_torques)):
         for i, j in pairs:
             message = f"the {what} of {names[i]} and {names[j]} are the same signal"
-            said.append(
-                QualityFinding("duplicated", "fault", (names[i], names[j]), message, "name the right column for each")
-            )
+            yield QualityFinding("duplicated", "fault", (names[i], names[j]), message, "name the right column for each")
     for j in raw.constant_torques:
         message = f"the torque of {names[j]} does not change"
-        said.append(
-            QualityFinding("constant-torque", "fault", (names[j],), message, "name the right column, or lock the joint")
-        )
+        remedy = "name the right column, or lock the joint"
+        yield QualityFinding("constant-torque", "fault", (names[j],), message, remedy)
     explained = {j for fault in found.faults for j in fault.change.joints if fault.change.alone}
     for j, gain in enumerate(raw.velocity_gain):
         if abs(gain - 1) > MAX_RATE_GAIN_ERROR and j not in explained:
             message = f"v of {names[j]} is {gain:.3g} times the rate of q"
             remedy = "correct unit, sign or column of [v] or [q], or leave [v] out"
-            said.append(QualityFinding("velocity", "fault", (names[j],), message, remedy))
+            yield QualityFinding("velocity", "fault", (names[j],), message, remedy)
     for j in np.flatnonzero(raw.clipped > MIN_CLIPPED_SHARE).tolist():
         if j in raw.constant_torques:
             continue
         message = f"the torque of {names[j]} is held at an end of its range in {100 * raw.clipped[j]:.0f} % of the rows"
-        said.append(QualityFinding("clipped", "warning", (names[j],), message, "use --drop saturation"))
+        yield QualityFinding("clipped", "warning", (names[j],), message, "use --drop saturation")
     for j in np.flatnonzero(raw.standstill > MIN_STANDSTILL_SHARE).tolist():
         message = f"{names[j]} stands still in {100 * raw.standstill[j]:.0f} % of the rows"
-        said.append(QualityFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it"))
-    return said
+        yield QualityFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it")
 
 
 def _of_units(found: RecordingQuality) -> list[QualityFinding]:
@@ -210,8 +204,7 @@ def _of_units(found: RecordingQuality) -> list[QualityFinding]:
     return [QualityFinding("torque-unit", "warning", found.joint_names, message, remedy)]
 
 
-def _of_fits(found: RecordingQuality) -> list[QualityFinding]:
-    said = []
+def _of_fits(found: RecordingQuality) -> Iterator[QualityFinding]:
     contradicted = contradictions(found.halves)
     for j, name in enumerate(found.joint_names):
         common, own = found.halves[:, 0, j], found.halves[:, 1, j]
@@ -222,36 +215,31 @@ def _of_fits(found: RecordingQuality) -> list[QualityFinding]:
                 f"{('first', 'second')[half]} half by the common fit, {100 * own[half]:.3g} % by its own"
             )
             remedy = "something changed in between (load, sign, controller, slipping belt): use one part, by --split"
-            said.append(QualityFinding("halves", "fault", (name,), message, remedy))
+            yield QualityFinding("halves", "fault", (name,), message, remedy)
         elif found.variation[j] > 0 and found.free_errors[j] > MIN_UNRELATED_RESIDUAL * found.variation[j]:
             message = (
                 f"the torque of {name} has nothing to do with the motion: no parameters leave less than "
                 f"{100 * found.free_errors[j] / found.variation[j]:.0f} % of its variation"
             )
             remedy = "check its column; it may be noise around a mean, or another signal"
-            said.append(QualityFinding("unrelated", "fault", (name,), message, remedy))
-    return said
+            yield QualityFinding("unrelated", "fault", (name,), message, remedy)
 
 
 def _unseen(found: RecordingQuality) -> tuple[str, ...]:
     """Changes after which the recording would fit equally well, and tests that would reveal them."""
     said = []
     names = found.joint_names
-    by_kind: dict[str, list[Change]] = {}
-    for change in found.unseen:
-        by_kind.setdefault(change.kind, []).append(change)
-    zeros = _joints(by_kind.pop("zero", ()), names)
-    if zeros:
+    if zeros := _joints(found, "zero"):
         said.append(
             f"a zero offset of 90° or 180° at {zeros}; move to the zero pose and compare it with the URDF's picture"
         )
-    reversed_ = _joints(by_kind.pop("reversed joint", ()), names)
-    if reversed_:
+    if gears := _joints(found, "reversed joint"):
         said.append(
-            f"sign of the gear of {reversed_}, position and torque reversed together; jog the joint forth and look "
+            f"sign of the gear of {gears}, position and torque reversed together; jog the joint forth and look "
             "which way it turns"
         )
-    for change in (change for changes in by_kind.values() for change in changes):
+    others = [change for change in found.unseen if change.kind not in ("zero", "reversed joint")]
+    for change in sorted(others, key=lambda change: [other.kind for other in others].index(change.kind)):
         said.append(f"whether {change_in_words(change, names)}; move that joint alone, and look at the columns")
     said.append(
         "the URDF of a similar robot, whose kinematics fit nearly as well; measure the flange in a few poses, and "
@@ -260,6 +248,6 @@ def _unseen(found: RecordingQuality) -> tuple[str, ...]:
     return tuple(dict.fromkeys(said))
 
 
-def _joints(changes: Sequence[Change], names: Sequence[str]) -> str:
-    numbers = dict.fromkeys(j for change in changes for j in change.joints)
-    return ", ".join(names[j] for j in numbers)
+def _joints(found: RecordingQuality, kind: str) -> str:
+    numbers = dict.fromkeys(j for change in found.unseen if change.kind == kind for j in change.joints)
+    return ", ".join(found.joint_names[j] for j in numbers)

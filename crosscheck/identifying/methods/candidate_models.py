@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from numpy.typing import ArrayLike
 
-from crosscheck.identifying.methods.methods import STANDARD_METHODS
+from crosscheck.identifying.methods.methods import STANDARD_METHODS, method_named
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.identification import Estimator, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.terms import CarriesBodies, KnownBodies, KnownTerm, Offset, RigidBodies, Term
@@ -34,6 +34,11 @@ class CandidateModel:
     expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noise: ArrayLike | None = None
 
+    @property
+    def estimators(self) -> list[Estimator]:
+        """The methods, those that are given by name as well. Raises InvalidInput for an unknown name."""
+        return [method_named(method) if isinstance(method, str) else method for method in self.methods]
+
     def of(self, robot: RobotModel) -> TorqueModel:
         """The torque model of a robot."""
         expected = self.expected
@@ -57,18 +62,8 @@ def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:
     for model in models:
         everything.append(model)
         if any(isinstance(term, RigidBodies) for term in model.terms):
-            everything.append(_links_of_cad(model))
+            drives = tuple(term for term in model.terms if not isinstance(term, CarriesBodies)) or (Offset(),)
+            name, known = f"{model.name}, {CAD_NAME}" if model.name else CAD_NAME, (KnownBodies(), *model.known)
+            methods = (WeightedLeastSquares(),)
+            everything.append(CandidateModel(name, drives, known, methods, model.name, model.expected, model.noise))
     return everything
-
-
-def _links_of_cad(model: CandidateModel) -> CandidateModel:
-    drives = tuple(term for term in model.terms if not isinstance(term, CarriesBodies)) or (Offset(),)
-    name = f"{model.name}, {CAD_NAME}" if model.name else CAD_NAME
-    return replace(
-        model,
-        name=name,
-        terms=drives,
-        known=(KnownBodies(), *model.known),
-        methods=(WeightedLeastSquares(),),
-        cad_of=model.name,
-    )

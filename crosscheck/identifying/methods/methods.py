@@ -36,7 +36,26 @@ from graphdyn.identification.terms import RigidBodies
 
 
 @dataclass(frozen=True, eq=False)
-class WithPinocchio:
+class OfEstimator:
+    """A method that runs an estimator, and states what this one states."""
+
+    estimator: Estimator
+
+    @property
+    def reference(self) -> str:
+        return self.estimator.reference
+
+    @property
+    def assumptions(self) -> str:
+        return self.estimator.assumptions
+
+    @property
+    def needs(self) -> str:
+        return self.estimator.needs
+
+
+@dataclass(frozen=True, eq=False)
+class WithPinocchio(OfEstimator):
     """An estimator that runs on Pinocchio's regressor, and on ours for comparison.
 
     estimator: runs on both; reference: Pinocchio's reading of the robot, made from its RobotModel if left out
@@ -45,7 +64,6 @@ class WithPinocchio:
     difference, as the torque it causes, relative to the largest torque of a base parameter.
     """
 
-    estimator: Estimator
     pinocchio: PinocchioModel | None = None
 
     @property
@@ -54,15 +72,11 @@ class WithPinocchio:
 
     @property
     def reference(self) -> str:
-        return f"{self.estimator.reference}; Pinocchio, computeJointTorqueRegressor"
-
-    @property
-    def assumptions(self) -> str:
-        return self.estimator.assumptions
+        return f"{super().reference}; Pinocchio, computeJointTorqueRegressor"
 
     @property
     def needs(self) -> str:
-        return f"{self.estimator.needs}; unknown rigid bodies"
+        return f"{super().needs}; unknown rigid bodies"
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed if no body is unknown."""
@@ -157,23 +171,10 @@ def _short(value: Any) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Labeled:
+class Labeled(OfEstimator):
     """An estimator under another name."""
 
-    estimator: Estimator
     name: str
-
-    @property
-    def reference(self) -> str:
-        return self.estimator.reference
-
-    @property
-    def assumptions(self) -> str:
-        return self.estimator.assumptions
-
-    @property
-    def needs(self) -> str:
-        return self.estimator.needs
 
     @property
     def takes_expected(self) -> bool:

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.recordings import PartitionedRecording
 from crosscheck.reference.subject import Subject
@@ -87,17 +89,17 @@ class HeldOutPrediction:
         moving_rows = np.zeros(self.problem.n_joints)
         for rows in self.problem.rows():
             piece = np.arange(first, first + len(rows)) * pieces // total
-            errors = rows.matrix @ (matrix @ x) - rows.right[..., None]
-            squares = np.concatenate([errors**2, rows.measured[..., None] ** 2], axis=-1)
-            moves = np.abs(rows.velocity) > MIN_MOVING_SPEED
-            for k, counted in enumerate((np.ones(moves.shape), moves)):
-                for part in np.unique(piece):
-                    here = piece == part
-                    sums[k, :, part] += np.sum(squares[here] * counted[here, :, None], axis=0).T
+            squares, moves = _squares(rows, matrix @ x)
+            for part in np.unique(piece):
+                sums[:, :, part] += squares[:, piece == part].sum(axis=1).swapaxes(1, 2)
             moving_rows += moves.sum(axis=0)
             first += len(rows)
-        named = [dict(zip(self.parameters, of_rows, strict=False)) for of_rows in sums]
-        return PieceSquares(named[0], named[1], sums[0, -1], sums[1, -1], moving_rows)
+        return self._named(sums, moving_rows)
+
+    def _named(self, sums: Array, moving_rows: Array) -> PieceSquares:
+        """Sums over all rows, and over those that move, of every method and of the torque (2, m + 1, K, n), by name."""
+        everything, moving = (dict(zip(self.parameters, of_rows, strict=False)) for of_rows in sums)
+        return PieceSquares(everything, moving, sums[0, -1], sums[1, -1], moving_rows)
 
     def curves(self, method: str) -> list[TorqueCurve]:
         """One curve per interval."""
@@ -162,11 +164,7 @@ class IdentifiedModel:
         return _measured_squares(self.problem, slice(None))
 
     def body_parameters(self, result: MethodResult) -> Array:
-        """Ten parameters per link (n, 10): unknown or known bodies with an unknown payload; a known payload is left
-        out.
-
-        The result must have an estimate.
-        """
+        """Ten parameters per link (n, 10), with an unknown payload, without a known one; the result has an estimate."""
         assert result.estimate is not None
         total = self.torque_model.inertial_parameters(result.estimate.parameters)
         for term in self.torque_model.known:
@@ -232,9 +230,7 @@ class PredictedParts(HeldOutPrediction):
         assert isinstance(data, PartitionedRecording)
         x = self.problem.structure.base.matrix @ np.array(list(self.parameters.values())).T
         parts = [part for _, part in data.each_part(self.problem, partial(_squares_of_part, x))]
-        sums = np.stack([sums for sums, _ in parts], axis=2)
-        named = [dict(zip(self.parameters, of_rows, strict=False)) for of_rows in sums]
-        return PieceSquares(named[0], named[1], sums[0, -1], sums[1, -1], np.sum([rows for _, rows in parts], axis=0))
+        return self._named(np.stack([sums for sums, _ in parts], axis=2), np.sum([rows for _, rows in parts], axis=0))
 
 
 def _squares_of_part(x: Array, problem: Problem, own: slice) -> tuple[Array, Array]:
@@ -244,10 +240,16 @@ def _squares_of_part(x: Array, problem: Problem, own: slice) -> tuple[Array, Arr
     sums = np.zeros((2, x.shape[1] + 1, problem.n_joints))
     moving_rows = np.zeros(problem.n_joints)
     for rows in own_rows(problem, own):
-        errors = rows.matrix @ x - rows.right[..., None]
-        squares = np.concatenate([errors**2, rows.measured[..., None] ** 2], axis=-1)
-        moves = np.abs(rows.velocity) > MIN_MOVING_SPEED
-        sums[0] += squares.sum(axis=0).T
-        sums[1] += np.sum(squares * moves[..., None], axis=0).T
+        squares, moves = _squares(rows, x)
+        sums += squares.sum(axis=1).swapaxes(1, 2)
         moving_rows += moves.sum(axis=0)
     return sums, moving_rows
+
+
+def _squares(rows: Any, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Squares of the errors of every method and of the torque in all rows, zero in the second item for those that do
+    not move (2, N, n, m + 1), and which move (N, n). x: base parameters of every method (r, m)"""
+    errors = rows.matrix @ x - rows.right[..., None]
+    squares = np.concatenate([errors**2, rows.measured[..., None] ** 2], axis=-1)
+    moves = np.abs(rows.velocity) > MIN_MOVING_SPEED
+    return np.stack([squares, squares * moves[..., None]]), moves

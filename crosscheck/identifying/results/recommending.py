@@ -145,10 +145,11 @@ def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
     words = "physically consistent in every link and pose, and its held-out error, averaged over the joints, is "
     if simplest is not best:
         apart = difference(simplest, best)
+        advantage = "more parameters" if numbers_of(best) > numbers_of(simplest) else "the weaker prior"
         return Recommendation(
             simplest.name,
             f"{words}{100 * mean_error(simplest.result):.1f} %; {best.name} has {100 * error:.1f} % and "
-            f"{_more(best, simplest)}, and the difference is less than its standard deviation over the pieces of the "
+            f"{advantage}, and the difference is less than its standard deviation over the pieces of the "
             f"held-out rows, {100 * apart.deviation:.1f} %",
             best=simplest.name,
         )
@@ -157,21 +158,18 @@ def recommendation(candidates: Sequence[Candidate]) -> Recommendation:
 
 
 def simplicity(candidate: Candidate) -> tuple[int, float, float]:
-    """Sort key, small for a simple result: few base parameters and settings, then a strong prior, then a small
-    error.
+    """Sort key, small for a simple result: few base parameters and settings, strong prior of the links, small error.
+
+    Methods without a prior have one of strength zero.
     """
-    return (numbers_of(candidate), -prior_strength(candidate), mean_error(candidate.result))
+    assert candidate.result.estimate is not None
+    strength = float(candidate.result.estimate.settings.get("strength", 0.0))
+    return (numbers_of(candidate), -strength, mean_error(candidate.result))
 
 
 def numbers_of(candidate: Candidate) -> int:
     """Number of base parameters and settings that were found."""
     return candidate.model.problem.base.rank + sum(len(setting.values) for setting in candidate.model.settings)
-
-
-def prior_strength(candidate: Candidate) -> float:
-    """Strength of the prior of the links; zero for methods without one."""
-    assert candidate.result.estimate is not None
-    return float(candidate.result.estimate.settings.get("strength", 0.0))
 
 
 def _as_good(candidate: Candidate, best: Candidate) -> bool:
@@ -180,12 +178,6 @@ def _as_good(candidate: Candidate, best: Candidate) -> bool:
         return False
     apart = difference(candidate, best)
     return apart.value <= apart.deviation
-
-
-def _more(one: Candidate, other: Candidate) -> str:
-    """Advantage of the first result, as text."""
-    ranks = [numbers_of(candidate) for candidate in (one, other)]
-    return "more parameters" if ranks[0] > ranks[1] else "the weaker prior"
 
 
 def rejected(found: Recommendation, rejection_reasons: tuple[str, ...]) -> Recommendation:
