@@ -57,7 +57,6 @@ def _draw(axes: Axes, comparisons: Sequence[SpeedRatio]) -> None:
     axes.set_axis_off()
     height = AXIS + ROW * len(comparisons)
     inner = axes.inset_axes((0.56, AXIS / height, 0.4, 1 - AXIS / height))
-    inner.set_facecolor("none")
     inner.spines[["top", "right"]].set_visible(False)
     inner.tick_params(labelsize=7.5, length=2, color=INK)
     inner.grid(color=FAINT_COLOR, linewidth=0.5)

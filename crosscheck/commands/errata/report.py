@@ -127,7 +127,6 @@ def _draw_rank(axes: Axes, effects: Sequence[Effect]) -> None:
 
 
 def _bare(axes: Axes) -> None:
-    axes.set_facecolor("none")
     axes.spines[:].set_visible(False)
     axes.tick_params(length=0)
 

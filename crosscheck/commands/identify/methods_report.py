@@ -45,7 +45,6 @@ def _draw(axes: Axes, methods: Sequence[str], joints: Sequence[str], errors: Arr
     axes.set_position((0.27, 0.45 / height, 0.71, ROW * len(methods) / height))
     axes.set_xscale("log")
     axes.set(ylim=(len(methods), 0), xlim=(0.8 * np.nanmin(errors), 1.25 * np.nanmax(errors)))
-    axes.set_facecolor("none")
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.set_yticks(np.arange(len(methods)) + 0.5, methods, fontsize=9, color=INK)
     axes.tick_params(axis="y", length=0)
@@ -78,7 +77,6 @@ def singular_values(key: str, values: Array) -> Markup:
 def _draw_singular(axes: Axes, values: Array) -> None:
     axes.set_position((0.09, 0.17, 0.89, 0.78))
     axes.set_yscale("log")
-    axes.set_facecolor("none")
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=8.5, length=2, color=INK)
     axes.yaxis.set_major_formatter(lambda x, _: superscript(round(np.log10(x))))

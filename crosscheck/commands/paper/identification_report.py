@@ -54,7 +54,6 @@ def _draw(axes: Axes, found: PaperIdentification) -> None:
     height = ROW * n * k + AXIS
     axes.set_position((0.125, 0.5 / height, 0.845, ROW * n * k / height))
     axes.set(xlim=(_place(10.0**MIN_EXPONENT), MAX_EXPONENT), ylim=(n * k, 0))
-    axes.set_facecolor("none")
     axes.spines[:].set_visible(False)
     decades = [-14, -11, *range(-7, 0)]
     places = [_place(10.0**decade) for decade in decades]

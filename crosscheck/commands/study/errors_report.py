@@ -104,7 +104,6 @@ def _draw(
 def _frame(
     panel: Axes, name: str, places: Sequence[str], reach: tuple[float, float], *, numbers: bool, named: bool
 ) -> None:
-    panel.set_facecolor("none")
     panel.spines[["top", "right"]].set_visible(False)
     panel.spines[["left", "bottom"]].set_color(MIDDLE_COLOR)
     panel.set(yscale="log", xlim=(-0.6, len(places) - 0.4), ylim=(reach[0], reach[1] * 1.6))
@@ -270,7 +269,6 @@ def _medians(found: StudySummary, grid: Grid, columns: Sequence[int], error: str
         tuple(rows),
         title=f"{ERRORS_IN_WORDS[error].capitalize()}, medians",
         caption=f"with {CONFIDENCE_LEVEL:.0%} intervals; failures count as infinite",
-        failures_first=False,
         folded=True,
         on=("text", "page") if error == HEADLINE_ERROR else ("page",),
     )

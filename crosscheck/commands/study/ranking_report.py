@@ -46,7 +46,6 @@ def _draw_ranks(axes: Axes, ranking: Ranking, height: float) -> None:
     columns = bar_columns(ranking.alike)
     right = 0.12 + GROUP_DISTANCE * (1 + max(columns, default=0))
     axes.set_position((0.34, 0.36 / height, 1 - 0.34 - right / WIDTH, ROW * count / height))
-    axes.set_facecolor("none")
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.set(xlim=(0.5, count + 0.5), ylim=(count, 0))
     y = np.arange(count) + 0.5
@@ -129,7 +128,6 @@ def study_pareto(key: str, trades: Sequence[Trade], what: str, best: str) -> Mar
 
 def _draw_front(axes: Axes, trades: Sequence[Trade], what: str, best: str) -> None:
     axes.set_position((0.08, 0.11, 0.78, 0.83))
-    axes.set_facecolor("none")
     axes.spines[["top", "right"]].set_visible(False)
     axes.set(xscale="log", yscale="log")
     axes.grid(color=FAINT_COLOR, linewidth=0.5)
@@ -219,7 +217,6 @@ def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
         (Column("method", "name"), *columns, Column("failed", "number", meaning="records on which it ranks last")),
         tuple(rows),
         caption=f"Over all scenarios, with {CONFIDENCE_LEVEL:.0%} intervals by bootstrap over runs",
-        failures_first=False,
     )
 
 

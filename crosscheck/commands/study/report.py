@@ -175,7 +175,6 @@ def _leaders(found: StudySummary) -> Iterator[Block]:
         ),
         tuple(rows),
         title="Over all scenarios",
-        failures_first=False,
     )
 
 
@@ -239,7 +238,6 @@ def _answers(found: StudySummary, columns: Sequence[int]) -> Table:
         tuple(rows),
         caption=f"Over all scenarios; shares with {CONFIDENCE_LEVEL:.0%} intervals. "
         "Real bodies: all links physically consistent.",
-        failures_first=False,
     )
 
 
@@ -264,6 +262,5 @@ def _failures(found: StudySummary, grid: Grid, on_page: ShownRuns) -> Iterator[S
             (Column("first", "name"), Column("scenario"), Column("runs"), Column("reason")),
             tuple(rows),
             caption="Methods with the number of their runs; reasons that differ in numbers alone are one.",
-            failures_first=False,
         )
         yield Section("failures", "Failures", (table,))

@@ -67,7 +67,6 @@ def _draw(axes: Axes, methods: Sequence[MethodSummary], scale: Array, unit: str,
 def _frame(panel: Axes, one: MethodSummary, count: int, reach: float, *, numbers: bool, named: bool) -> None:
     from matplotlib.ticker import FixedLocator, NullLocator
 
-    panel.set_facecolor("none")
     panel.spines[["top", "right", "bottom"]].set_visible(False)
     panel.spines["left"].set_color(MIDDLE_COLOR)
     panel.set_yscale("symlog", linthresh=MAX_LINEAR_VALUE, linscale=1.0)
@@ -195,7 +194,6 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
         ),
         tuple(rows),
         caption=f"{counted(len(outcomes.runs), 'run')}; medians and shares with {CONFIDENCE_LEVEL:.0%} intervals",
-        failures_first=False,
         on=("page",),
     )
 
@@ -243,7 +241,6 @@ def _parameter_table(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary
         tuple(rows),
         title=what.capitalize(),
         caption=f"{words}; its {CONFIDENCE_LEVEL:.0%} interval where the pointer rests",
-        failures_first=False,
     )
 
 
