@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from crosscheck.bench import benchmark
+from crosscheck.bench import benchmark, cold
 from crosscheck.bench.benchmark import N_PROGRESS_STEPS, Effort
 from crosscheck.bench.calls import CALL_WORKS
 from crosscheck.bench.machine.timing import Load, Times
@@ -42,10 +42,19 @@ WORKS = (
 @functools.cache
 def measured():
     """A benchmark of one arm, whose steps of progress are as many as it promises."""
-    steps = []
+    steps, begun = [], set()
+
+    def identified(task, folder, threads):
+        """The first task of each kind in a process of its own, others here."""
+        if task in begun:
+            return cold.TASKS[task](folder)
+        begun.add(task)
+        return cold.in_fresh_process(task, folder, threads)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(benchmark, "QUICK_EFFORT", SMALL)
         patch.setattr("crosscheck.bench.contender.MIN_STEADY_TIME", SMALL.duration)
+        patch.setattr("crosscheck.bench.identification.in_fresh_process", identified)
         result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
     assert sum(steps) == N_PROGRESS_STEPS
     return result

@@ -107,14 +107,14 @@ def _frame(
     panel.spines[["top", "right"]].set_visible(False)
     panel.spines[["left", "bottom"]].set_color(MIDDLE_COLOR)
     panel.set(yscale="log", xlim=(-0.6, len(places) - 0.4), ylim=(reach[0], reach[1] * 1.6))
-    panel.set_title(name, fontsize=8.5, color=INK, loc="left", pad=3)
+    panel.set_title(name, fontsize=8.5, color=INK, loc="left", pad=3, y=1.0)  # given, it is not looked for
     panel.grid(axis="y", color=FAINT_COLOR, linewidth=0.5)
     panel.set_axisbelow(True)
     panel.set_xticks(range(len(places)), places if named else [""] * len(places))
     panel.tick_params(axis="x", labelsize=6.5, length=2, color=MIDDLE_COLOR, rotation=30 if _long(places) else 0, pad=1)
     panel.tick_params(axis="y", which="both", labelsize=7, length=0, labelleft=numbers)
     panel.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    panel.yaxis.set_minor_formatter(lambda _, __: "")
+    panel.minorticks_off()
     if numbers:
         panel.set_ylabel("%", fontsize=7.5, color=INK, labelpad=1, rotation=0)
 

@@ -72,7 +72,7 @@ def _frame(panel: Axes, one: MethodSummary, count: int, reach: float, *, numbers
     panel.set_yscale("symlog", linthresh=MAX_LINEAR_VALUE, linscale=1.0)
     panel.set(xlim=(0, count + 1), ylim=(-reach, reach))
     title = f"{one.method.name}: {one.parameters.biased} biased"
-    panel.set_title(title, fontsize=8, color=INK, loc="left", pad=3)
+    panel.set_title(title, fontsize=8, color=INK, loc="left", pad=3, y=1.0)
     decades = [10.0**k for k in range(int(np.floor(np.log10(reach))) + 1)]
     ticks = [*(-y for y in reversed(decades)), 0.0, *decades]
     panel.yaxis.set_major_locator(FixedLocator(ticks if len(ticks) < 8 else [ticks[0], -1.0, 0.0, 1.0, ticks[-1]]))

@@ -169,7 +169,7 @@ def _draw_panel(axes: Axes, plot: Plot, panel: Panel, points: int, *, last: bool
     for one in panel.series:
         if not one.hidden:
             _draw_series(axes, plot, one, panel.log, points)
-    axes.set_title(panel.heading, fontsize=8.5, color=INK, loc="left")
+    axes.set_title(panel.heading, fontsize=8.5, color=INK, loc="left", y=1.0)  # given, it is not looked for
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.0), fontsize=8, frameon=False, borderpad=0)
     if last:
         axes.set_xlabel(plot.x_title, fontsize=8.5, color=INK, labelpad=1)

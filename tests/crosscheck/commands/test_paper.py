@@ -200,7 +200,8 @@ class TestPage:
 
     def test_failure(self, found):
         broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
-        html = page_of(broken)
+        whole = paper_report(broken)
+        html = html_page(dataclasses.replace(whole, sections=whole.sections[:1]), COMMAND, versions())
         assert "✗ 1 of 1 checks DO NOT HOLD" in html
         assert "Not every number is" in html
         assert table(html, "Each number with its bound")[0] == [

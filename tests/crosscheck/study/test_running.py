@@ -16,6 +16,7 @@ from long_check import few
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.distributing import LocalProcesses
+from crosscheck.study import running
 from crosscheck.study import tasks as computing
 from crosscheck.study.running import (
     DATABASE,
@@ -191,7 +192,8 @@ class Counts(OrdinaryLeastSquares):
 """
 
 
-def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path):
+def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path, monkeypatch):
+    monkeypatch.setattr(running, "LOCK_TIMEOUT", 0.01)
     study = small_study(folder)
     with pytest.raises(InvalidInput, match="holds a study already; go on with it by --resume, or name a new folder"):
         run_study(study, begun, InThisProcess())
