@@ -153,7 +153,7 @@ def _can_compile() -> bool:
             f"no compiled dynamics ({str(error).splitlines()[0]}); the NumPy back end gives the same results, some "
             f"fifty times slower. Install llvmlite 0.45 or newer, or set {BACKEND_VARIABLE}=numpy to silence this",
             RuntimeWarning,
-            stacklevel=9,  # the caller of a verb
+            stacklevel=8,  # the caller of a verb
         )
         return False
     return True
