@@ -7,56 +7,46 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphdyn.arguments.base_motion import BaseMotion, ground
-from graphdyn.equations.kinematics import MaximalState, null_space, state_on
-from graphdyn.equations.projected import Arguments, inertial_terms, rooted_state
+from graphdyn.equations.kinematics import MaximalState, null_space
+from graphdyn.equations.projected import inertial_terms
+from graphdyn.equations.specification import Arguments
 from graphdyn.layout import ANGULAR, BODY_DOF, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel, total_mass
 from graphdyn.model.spatial import cross
 
 
-def center_of_mass(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def center_of_mass(x: Arguments) -> dict[str, Array]:
     """c = Σ m r / Σ m (…, 3) at x["q"]."""
-    position = _state_in_the_world(model, base, x["q"], np.zeros(x["q"].shape)).position
-    return {"center_of_mass": _mean(model, position)}
+    return {"center_of_mass": _mean(x.model, x.state().position)}
 
 
-def center_of_mass_velocity(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
-) -> dict[str, Array]:
+def center_of_mass_velocity(x: Arguments) -> dict[str, Array]:
     """ċ = Σ m ṙ / Σ m (…, 3) at x["q"], x["v"]."""
-    velocity = rooted_state(model, base, x["q"], x["v"]).velocity
-    return {"center_of_mass_velocity": _mean(model, velocity[..., LINEAR])}
+    velocity = x.rooted_state().velocity
+    return {"center_of_mass_velocity": _mean(x.model, velocity[..., LINEAR])}
 
 
-def center_of_mass_jacobian(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
-) -> dict[str, Array]:
+def center_of_mass_jacobian(x: Arguments) -> dict[str, Array]:
     """Σ m ∂ṙ/∂v / Σ m (…, 3, n) at x["q"]."""
-    velocities = _per_unit_rate(rooted_state(model, base, x["q"], np.zeros(x["q"].shape)))
-    return {"center_of_mass_jacobian": np.moveaxis(_mean(model, velocities[..., LINEAR]), 0, -1)}
+    velocities = _per_unit_rate(x.rooted_state())
+    return {"center_of_mass_jacobian": np.moveaxis(_mean(x.model, velocities[..., LINEAR]), 0, -1)}
 
 
-def momentum(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def momentum(x: Arguments) -> dict[str, Array]:
     """Σ m ṙ, and Σ (r - c) × m ṙ + R J ω about the center of mass, Σ r × m ṙ + R J ω about the origin (…, 6 each)."""
-    here, there = rooted_state(model, base, x["q"], x["v"]), _state_in_the_world(model, base, x["q"], x["v"])
-    center = _mean(model, here.position)[..., None, :]
+    here, there = x.rooted_state(), x.state()
+    center = _mean(x.model, here.position)[..., None, :]
     return {
         "about_center_of_mass": _momentum(here, here.position - center, here.velocity),
         "about_origin": _momentum(here, there.position, here.velocity),
     }
 
 
-def centroidal_map(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def centroidal_map(x: Arguments) -> dict[str, Array]:
     """(…, 6, n) at x["q"]: column j is the momentum about the center of mass that a unit velocity of joint j gives."""
-    state = rooted_state(model, base, x["q"], np.zeros(x["q"].shape))
-    lever = state.position - _mean(model, state.position)[..., None, :]
+    state = x.rooted_state()
+    lever = state.position - _mean(x.model, state.position)[..., None, :]
     return {"centroidal_map": np.moveaxis(_momentum(state, lever, _per_unit_rate(state)), 0, -1)}
-
-
-def _state_in_the_world(model: RobotModel, base: BaseMotion | None, q: Array, v: Array) -> MaximalState:
-    """Not shifted to the world's origin."""
-    return state_on(ground(model, base, q.shape[:-1]), model, q, v, None)
 
 
 def _mean(model: RobotModel, of_bodies: Array) -> Array:

@@ -10,53 +10,44 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.arguments.base_motion import BaseMotion, ground
-from graphdyn.arguments.choices import FrameChoice
+from graphdyn.arguments.base_motion import ground
 from graphdyn.equations.kinematics import MaximalState, joint_axes, link_origins
-from graphdyn.equations.projected import Arguments, rooted_state
+from graphdyn.equations.specification import Arguments
 from graphdyn.layout import ANGULAR, LINEAR, Array
-from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply, cross
 
 
-def frame_jacobian(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False, *, frame: FrameChoice
-) -> dict[str, Array]:
+def frame_jacobian(x: Arguments) -> dict[str, Array]:
     """J (…, 6, n): per joint up to the frame, p × (from O_k to the point) over p; of a slide, p over 0."""
-    state = rooted_state(model, base, x["q"], np.zeros(x["q"].shape))
-    seen = _seen(model, base, state, frame)
+    state, seen = _seen(x)
     axes = joint_axes(state)
-    revolute = np.array([not joint.is_prismatic for joint in model.joints])[:, None]
+    revolute = np.array([not joint.is_prismatic for joint in x.model.joints])[:, None]
     linear = np.where(revolute, cross(axes, seen.point[..., None, :] - link_origins(state)), axes)
     columns = [linear, np.where(revolute, axes, 0.0)]
-    on_path = model.graph.path_matrix()[:, seen.body - 1] if seen.body else np.zeros(model.n_bodies)
+    on_path = x.model.graph.path_matrix()[:, seen.body - 1] if seen.body else np.zeros(x.model.n_bodies)
     rows = [seen.axes @ np.swapaxes(column * on_path[:, None], -1, -2) for column in columns]
     jacobian = np.concatenate(rows, axis=-2)
-    return {"frame_jacobian": jacobian @ model.degrees_of_freedom.matrix if model.couplings else jacobian}
+    return {"frame_jacobian": jacobian @ x.model.degrees_of_freedom.matrix if x.model.couplings else jacobian}
 
 
-def frame_velocity(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False, *, frame: FrameChoice
-) -> dict[str, Array]:
+def frame_velocity(x: Arguments) -> dict[str, Array]:
     """ẋ = ṙ + ω × (x - r) of the point x, and ω (…, 6)."""
-    seen = _seen(model, base, rooted_state(model, base, x["q"], x["v"]), frame)
+    _, seen = _seen(x)
     return {"frame_velocity": seen.turned(seen.velocity, seen.omega)}
 
 
-def frame_acceleration(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False, *, frame: FrameChoice
-) -> dict[str, Array]:
+def frame_acceleration(x: Arguments) -> dict[str, Array]:
     """ẍ = r̈ + ω̇ × (x - r) + ω × (ω × (x - r)) of the point x, less ω × ẋ if spatial, and ω̇ (…, 6)."""
-    state = rooted_state(model, base, x["q"], x["v"], x["a"])
+    state, seen = _seen(x)
     assert state.acceleration is not None
     assert state.ground is not None
-    seen = _seen(model, base, state, frame)
+    assert x.frame is not None
     at_center, alpha = state.ground.acceleration[..., LINEAR], state.ground.acceleration[..., ANGULAR]
     if seen.body:
         at_center = state.acceleration[..., seen.body - 1, LINEAR]
         alpha = apply(state.rotation[..., seen.body - 1, :, :], state.acceleration[..., seen.body - 1, ANGULAR])
     linear = at_center + cross(alpha, seen.arm) + cross(seen.omega, cross(seen.omega, seen.arm))
-    if not frame.classical:
+    if not x.frame.classical:
         linear = linear - cross(seen.omega, seen.velocity)
     return {"frame_acceleration": seen.turned(linear, alpha)}
 
@@ -83,17 +74,19 @@ class _FramePoint:
         return np.concatenate([apply(self.axes, linear), apply(self.axes, angular)], axis=-1)
 
 
-def _seen(model: RobotModel, base: BaseMotion | None, state: MaximalState, frame: FrameChoice) -> _FramePoint:
+def _seen(x: Arguments) -> tuple[MaximalState, _FramePoint]:
+    """The rooted state of the robot, and where the frame is there."""
+    state = x.rooted_state()
     assert state.ground is not None
-    chosen, vertices = model.frame(frame.name), state.vertices
+    assert x.frame is not None
+    chosen, vertices = x.model.frame(x.frame.name), state.vertices
     i, own = chosen.body, chosen.placement
     center, omega = vertices.position[..., i, :], vertices.angular_velocity[..., i, :]
     point = center + vertices.arm(i, own.translation)
-    if frame.reference == "world":
-        unshifted = ground(model, base, center.shape[:-1])
-        point = state.ground.position - unshifted.position
+    if x.frame.reference == "world":
+        point = state.ground.position - ground(x.model, x.base, center.shape[:-1]).position
     axes = np.eye(3)
-    if frame.reference == "local":
+    if x.frame.reference == "local":
         axes = np.swapaxes(vertices.rotation[..., i, :, :] @ own.rotation, -1, -2)
     arm = point - center
-    return _FramePoint(i, axes, point, arm, vertices.velocity[..., i, :] + cross(omega, arm), omega)
+    return state, _FramePoint(i, axes, point, arm, vertices.velocity[..., i, :] + cross(omega, arm), omega)

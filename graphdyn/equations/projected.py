@@ -1,19 +1,18 @@
 """The dynamics as the equations read: Eq. (111) solved as it stands, or projected onto the null space of φ_q.
 
-The specification of each verb: of arrays of one common leading shape (arrays.joint_arrays), all arrays that
-its recursion answers, by name.
+The specifications (graphdyn.equations.specification) of the verbs of the dynamics.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.arguments.base_motion import BaseMotion, ground, rooted_ground
 from graphdyn.equations.joint_readings import project_accelerations
-from graphdyn.equations.kinematics import MaximalState, bias_acceleration, null_space, state_on
+from graphdyn.equations.kinematics import MaximalState, bias_acceleration, null_space
+from graphdyn.equations.specification import Arguments, Specification
 from graphdyn.equations.system.chord_rows import chord_rows, pin_rows
 from graphdyn.equations.system.constraints import constraints, coupling_rows
 from graphdyn.equations.system.kkt import KKTSystem
@@ -30,21 +29,17 @@ from graphdyn.layout import BODY_DOF, Array, per_body, per_joint, stacked
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply, solve
 
-Arguments = Mapping[str, Array]
-Specification = Callable[[RobotModel, Arguments, BaseMotion | None, bool], dict[str, Array]]
-"""A verb as the equations read: (model, arguments, base, dense) → what its recursion answers."""
 
-
-def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def forward_dynamics(x: Arguments) -> dict[str, Array]:
     """Forward dynamics from x["q"], x["v"], x["tau"], x["external_wrenches"]. Raises SingularMassMatrix."""
-    state = rooted_state(model, base, x["q"], x["v"])
-    n, bias = null_space(state), bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
+    state = x.rooted_state()
+    n, bias = null_space(state), bias_acceleration(x.model.rooted, x["q"], x["v"], state.ground)
     mass = projected_mass(state, n)
-    refuse_singular(model, mass.real)
-    if dense:
+    refuse_singular(x.model, mass.real)
+    if x.dense:
         solution = kkt(state, x["tau"], x["external_wrenches"], bias).solve_unchecked()
         accelerations = per_body(solution.acceleration)
-        transmitted = _at_all_joints(model, x["tau"], solution.coupling_multipliers)
+        transmitted = _at_all_joints(x.model, x["tau"], solution.coupling_multipliers)
         wrenches = join_reactions(state, solution.multipliers, transmitted)
         a = project_accelerations(state, accelerations, bias)
         return {
@@ -62,32 +57,32 @@ def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, d
     return {
         "a": a,
         **_reactions(state, accelerations, multipliers, wrenches),
-        "coupling_multipliers": transmitted @ model.degrees_of_freedom.reactions.T,
+        "coupling_multipliers": transmitted @ x.model.degrees_of_freedom.reactions.T,
     }
 
 
-def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def inverse_dynamics(x: Arguments) -> dict[str, Array]:
     """Inverse dynamics from x["q"], x["v"], x["a"], x["external_wrenches"]; dense solves E τ - φ_qᵀλ = A q̈ - B for (τ,
     λ)."""
-    state = rooted_state(model, base, x["q"], x["v"], x["a"])
+    state = x.rooted_state()
     assert state.acceleration is not None
     accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
     required = inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
-    if dense:
+    if x.dense:
         phi_q, _ = constraints(state)
-        actuators = actuator_terms(state)[..., list(model.degrees_of_freedom.independent)]
+        actuators = actuator_terms(state)[..., list(x.model.degrees_of_freedom.independent)]
         transposed = (np.swapaxes(rows, -1, -2) for rows in (phi_q, coupling_rows(state)))
         unknowns = solve(np.concatenate([actuators, *(-columns for columns in transposed)], axis=-1), stacked(required))
         tau, joint_multipliers, coupling_multipliers = np.split(
-            unknowns, [model.nv, model.nv + phi_q.shape[-2]], axis=-1
+            unknowns, [x.model.nv, x.model.nv + phi_q.shape[-2]], axis=-1
         )
         multipliers = per_joint(joint_multipliers)
-        wrenches = join_reactions(state, multipliers, _at_all_joints(model, tau, coupling_multipliers))
+        wrenches = join_reactions(state, multipliers, _at_all_joints(x.model, tau, coupling_multipliers))
     else:
         wrenches = transmitted_wrenches(state, required)
         multipliers, transmitted = split_reactions(state, wrenches)
-        tau = transmitted @ model.degrees_of_freedom.matrix if model.couplings else transmitted
-        coupling_multipliers = transmitted @ model.degrees_of_freedom.reactions.T
+        tau = transmitted @ x.model.degrees_of_freedom.matrix if x.model.couplings else transmitted
+        coupling_multipliers = transmitted @ x.model.degrees_of_freedom.reactions.T
     reactions = _reactions(state, accelerations, multipliers, wrenches)
     return {"tau": tau, **reactions, "coupling_multipliers": coupling_multipliers}
 
@@ -101,37 +96,34 @@ def _at_all_joints(model: RobotModel, tau: Array, coupling_multipliers: Array) -
     return torques
 
 
-def mass_matrix(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def mass_matrix(x: Arguments) -> dict[str, Array]:
     """M = NᵀAN (…, n, n) at x["q"]; Eq. (111) has no other form of it."""
-    state = rooted_state(model, base, x["q"], np.zeros(x["q"].shape))
+    state = x.rooted_state()
     return {"mass_matrix": projected_mass(state, null_space(state))}
 
 
-def mass_matrix_inverse(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
-) -> dict[str, Array]:
+def mass_matrix_inverse(x: Arguments) -> dict[str, Array]:
     """M⁻¹ (…, n, n) at x["q"]. Raises SingularMassMatrix."""
-    mass = mass_matrix(model, x, base)["mass_matrix"]
-    refuse_singular(model, mass)
+    mass = mass_matrix(x)["mass_matrix"]
+    refuse_singular(x.model, mass)
     return {"mass_matrix_inverse": np.asarray(np.linalg.inv(mass), dtype=float)}
 
 
-def power(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def power(x: Arguments) -> dict[str, Array]:
     """τ_j v_j (…, n) of inverse_dynamics at x["q"], x["v"], x["a"], x["external_wrenches"]."""
-    return {"power": inverse_dynamics(model, x, base, dense)["tau"] * x["v"]}
+    return {"power": inverse_dynamics(x)["tau"] * x["v"]}
 
 
-def kinetic_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def kinetic_energy(x: Arguments) -> dict[str, Array]:
     """T = ½ ẋᵀ A ẋ (…) of the body velocities ẋ = (ṙ, ω) at x["q"], x["v"]."""
-    state = rooted_state(model, base, x["q"], x["v"])
+    state = x.rooted_state()
     return {"kinetic_energy": (state.velocity * inertial_terms(state, state.velocity)).sum(axis=(-2, -1)) / 2}
 
 
-def potential_energy(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def potential_energy(x: Arguments) -> dict[str, Array]:
     """U = -Σ m g·r (…) of the centers of mass at x["q"]."""
-    mass = np.array([body.mass for body in model.bodies])
-    position = state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], np.zeros(x["q"].shape), None).position
-    return {"potential_energy": -(position @ model.gravity) @ mass}
+    mass = np.array([body.mass for body in x.model.bodies])
+    return {"potential_energy": -(x.state().position @ x.model.gravity) @ mass}
 
 
 def _reactions(state: MaximalState, accelerations: Array, multipliers: Array, wrenches: Array) -> dict[str, Array]:
@@ -147,9 +139,9 @@ def _reactions(state: MaximalState, accelerations: Array, multipliers: Array, wr
 def torque_at_zero(name: str, *zero: str) -> Specification:
     """The torque of inverse_dynamics, under this name, with these of v and a zero."""
 
-    def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+    def torque(x: Arguments) -> dict[str, Array]:
         nothing = np.zeros_like(x["q"])
-        return {name: inverse_dynamics(model, {**x, **dict.fromkeys(zero, nothing)}, base, dense)["tau"]}
+        return {name: inverse_dynamics(x.but(**dict.fromkeys(zero, nothing)))["tau"]}
 
     return torque
 
@@ -157,13 +149,6 @@ def torque_at_zero(name: str, *zero: str) -> Specification:
 bias_torque = torque_at_zero("bias_torque", "a")
 gravity_torque = torque_at_zero("gravity_torque", "v", "a")
 static_torque = torque_at_zero("static_torque", "v", "a")
-
-
-def rooted_state(
-    model: RobotModel, base: BaseMotion | None, q: Array, v: Array, a: Array | None = None
-) -> MaximalState:
-    """The maximal state, shifted so that joint 1 is at the world's origin (RobotModel.rooted)."""
-    return state_on(rooted_ground(model, base, q.shape[:-1]), model.rooted, q, v, a)
 
 
 def kkt(state: MaximalState, tau: Array, external_wrenches: Array, bias: Array) -> KKTSystem:

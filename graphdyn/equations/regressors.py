@@ -2,65 +2,55 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from graphdyn.arguments.base_motion import BaseMotion, ground, rooted_ground
+from graphdyn.arguments.base_motion import ground
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import MaximalState, null_space, state_on
-from graphdyn.equations.projected import Arguments
+from graphdyn.equations.specification import Arguments
 from graphdyn.layout import ANGULAR, BODY_DOF, BODY_PARAMETERS, LINEAR, Array
-from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import skew
 
 
-def body_regressor(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def body_regressor(x: Arguments) -> dict[str, Array]:
     """Y (…, n, 6, 10) at x["q"], x["v"], x["a"]; there are no multipliers that a dense form would solve for."""
-    return {"body_regressor": _body_regressor(_skeleton_state(model, base, x))}
+    return {"body_regressor": _body_regressor(x.skeleton_state())}
 
 
-def joint_torque_regressor(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
-) -> dict[str, Array]:
+def joint_torque_regressor(x: Arguments) -> dict[str, Array]:
     """W (…, n, 10n): the body regressors projected onto the joints, as the null space projects the body wrenches."""
-    state = _skeleton_state(model, base, x)
+    state = x.skeleton_state()
     return {"joint_torque_regressor": _projected_blocks(state, _body_regressor(state))}
 
 
-def forward_dynamics_parameter_derivatives(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
-) -> dict[str, Array]:
+def forward_dynamics_parameter_derivatives(x: Arguments) -> dict[str, Array]:
     """∂a/∂π = -M⁻¹ W (…, n, 10n), since M ∂a/∂π + W = 0 at fixed τ. Raises SingularMassMatrix."""
-    a = projected.forward_dynamics(model, x, base, dense)["a"]
-    mass = projected.mass_matrix(model, x, base)["mass_matrix"]
-    torque_per_parameter = joint_torque_regressor(model, {**x, "a": a}, base)["joint_torque_regressor"]
+    a = projected.forward_dynamics(x)["a"]
+    mass = projected.mass_matrix(x)["mass_matrix"]
+    torque_per_parameter = joint_torque_regressor(x.but(a=a))["joint_torque_regressor"]
     change = np.asarray(np.linalg.solve(mass, torque_per_parameter), dtype=float)
     return {"forward_dynamics_parameter_derivatives": -change}
 
 
-def momentum_regressor(
-    model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False
-) -> dict[str, Array]:
+def momentum_regressor(x: Arguments) -> dict[str, Array]:
     """(…, n, 10n): the momenta of the bodies, projected onto the joints; M v whatever the base does."""
-    state = _skeleton_state(model, None, x)
+    state = replace(x, base=None).skeleton_state()
     return {"momentum_regressor": _projected_blocks(state, _body_momentum_regressor(*_twist(state)))}
 
 
-def energy_regressor(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def energy_regressor(x: Arguments) -> dict[str, Array]:
     """Energy regressor of T = Σ ½ (u, ω)·(momentum about O_j) and U = -Σ g·(m O_j + R m c) (…, 10n each)."""
-    n = model.n_bodies
-    twist = np.concatenate(_twist(_skeleton_state(model, base, x)), axis=-1)
-    state = state_on(ground(model, base, x["q"].shape[:-1]), model.skeleton, x["q"], x["v"], None)
+    n = x.model.n_bodies
+    twist = np.concatenate(_twist(x.skeleton_state()), axis=-1)
+    state = state_on(ground(x.model, x.base, x["q"].shape[:-1]), x.model.skeleton, x["q"], x["v"], None)
     kinetic = np.einsum("...ia,...iap->...ip", twist, _body_momentum_regressor(twist[..., LINEAR], twist[..., ANGULAR]))
     potential = np.zeros_like(kinetic)
-    potential[..., 0] = -state.position @ model.gravity
-    potential[..., 1:4] = -np.einsum("...iba,b->...ia", state.rotation, model.gravity)
+    potential[..., 0] = -state.position @ x.model.gravity
+    potential[..., 1:4] = -np.einsum("...iba,b->...ia", state.rotation, x.model.gravity)
     shape = (*x["q"].shape[:-1], BODY_PARAMETERS * n)
     return {"kinetic": kinetic.reshape(shape) / 2, "potential": potential.reshape(shape)}
-
-
-def _skeleton_state(model: RobotModel, base: BaseMotion | None, x: Arguments) -> MaximalState:
-    """The motion of the link frames."""
-    return state_on(rooted_ground(model, base, x["q"].shape[:-1]), model.skeleton, x["q"], x["v"], x.get("a"))
 
 
 def _projected_blocks(state: MaximalState, of_bodies: Array) -> Array:

@@ -16,6 +16,7 @@ from graphdyn.arguments.choices import VerbKeywords
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import bias_acceleration
 from graphdyn.equations.loops import dynamics as loops
+from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.kkt import Coordinates, KKTSystem, cardano_system
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
@@ -200,7 +201,7 @@ def kkt_system(
     x = one_state(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
     if model.chords:
         loops.closed(model, x["q"], x["v"])  # refuses open states
-    state = projected.rooted_state(model, base, x["q"], x["v"])
+    state = Arguments(model, x, base).rooted_state()
     bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)
     return system if coordinates == "twist" else cardano_system(state, system)

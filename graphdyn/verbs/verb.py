@@ -9,21 +9,21 @@ absent where there are none.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
-from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, VerbKeywords, is_recursive, with_keywords
 from graphdyn.arguments.keywords import refuse_unknown
 from graphdyn.compiler.batch import Evaluation, evaluate
 from graphdyn.equations import projected
 from graphdyn.equations.loops.reactions import in_self_stress_usually
-from graphdyn.equations.projected import Arguments, Specification, refuse_singular
+from graphdyn.equations.projected import refuse_singular
+from graphdyn.equations.specification import Arguments, Specification
 from graphdyn.errors import GraphDynError, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
@@ -36,8 +36,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 class Verb:
     """What is declared of a public function (verb): how its answer is computed.
 
-    specification: the answer as the equations read, which the recursion must agree with; a graphdyn.equations.projected
-        Specification, with the keyword frame where the recursion speaks of one
+    specification: the answer as the equations read, which the recursion must agree with
     recursion: its name in graphdyn.recursions.RECURSIONS, where inputs, outputs, shapes and units are
     outputs: which of the recursion's outputs the verb answers
     closed: the specification for robots with loops, where these matter
@@ -46,7 +45,7 @@ class Verb:
     """
 
     function: Callable[..., Any]
-    specification: Callable[..., dict[str, Array]]
+    specification: Specification
     recursion: str
     outputs: tuple[str, ...]
     closed: Specification | None
@@ -114,7 +113,7 @@ VERBS: dict[str, Verb] = {}
 
 
 def verb(
-    specification: Callable[..., dict[str, Array]],
+    specification: Specification,
     *,
     recursion: str | None = None,
     outputs: tuple[str, ...] = (),
@@ -161,11 +160,12 @@ def computed(
     x = joint_arrays(model, base, check=False, **given)
     verb.refuse_loops(model)
     closed = verb.closed if model.chords else None
-    specification = closed or (verb.specification if frame is None else partial(verb.specification, frame=frame))
+    specification = closed or verb.specification
     asked = method == "recursive" or out is not None
     if not is_recursive(method, x, out) or (closed and not asked and not verb.is_compiled(model)):
         refuse_non_finite(model, x)
-        return cast(Answer, verb.packed(specification(model, with_wrenches(model, x), base, method == "dense")))
+        found = specification(Arguments(model, with_wrenches(model, x), base, method == "dense", frame))
+        return cast(Answer, verb.packed(found))
     if closed:
         verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
     moving = base if closed or RECURSIONS[verb.recursion].on_moving_base else None
@@ -173,7 +173,7 @@ def computed(
     memory = verb.memory(out)
     answer = evaluate(model, verb.recursion, verb.outputs, x, moving, memory, frame, threads=threads, check=check)
     if answer.suspects.size:
-        _decide(model, answer, specification, x, moving)
+        _decide(answer, specification, Arguments(model, with_wrenches(model, x), moving, frame=frame))
     if closed:
         for name, undetermined in in_self_stress_usually(model).items():
             if name in answer.arrays:
@@ -185,22 +185,20 @@ def _listed(names: Sequence[int | str]) -> str:
     return ", ".join(map(str, names)) + ("," if names == ("n",) else "")
 
 
-def _decide(
-    model: RobotModel, answer: Evaluation, specification: Specification, x: Arguments, base: BaseMotion | None
-) -> None:
+def _decide(answer: Evaluation, specification: Specification, x: Arguments) -> None:
     """Refuse samples with a singular mass matrix; solve those that merely have a small pivot by projection."""
     batch = x["q"].shape[:-1]
     index = np.unravel_index(answer.suspects, batch) if batch else ()
-    chosen = with_wrenches(model, {name: array[index] for name, array in x.items()})
-    there = None if base is None else base.at(batch, index)
-    if not model.chords:  # whose specification refuses by itself
+    base = None if x.base is None else x.base.at(batch, index)
+    chosen = replace(x, arrays={name: array[index] for name, array in x.arrays.items()}, base=base)
+    if not x.model.chords:  # whose specification refuses by itself
         rows = list(zip(*index, strict=True)) if batch else None
-        refuse_singular(model, projected.mass_matrix(model, chosen, there)["mass_matrix"], rows)
+        refuse_singular(x.model, projected.mass_matrix(chosen)["mass_matrix"], rows)
     try:
-        solved = specification(model, chosen, there, False)
+        solved = specification(chosen)
     except GraphDynError:
-        if model.chords:  # that of all samples names the row
-            specification(model, with_wrenches(model, x), base, False)
+        if x.model.chords:  # that of all samples names the row
+            specification(x)
         raise
     for name, array in answer.arrays.items():
         array[index] = solved[name]

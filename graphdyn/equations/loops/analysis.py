@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from graphdyn.arguments.arrays import one_state
 from graphdyn.equations.loops.dynamics import closed
 from graphdyn.equations.loops.reactions import in_self_stress, self_stress, transmission
-from graphdyn.equations.projected import rooted_state
+from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import JOINT_CONSTRAINTS, Array
@@ -60,7 +60,7 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
     if not model.chords:
         raise InvalidInput(f"robot '{model.name}' has no loops: all its reactions are determined")
     held = closed(model, x)
-    spaces, state = held.spaces, rooted_state(model, None, x, np.zeros_like(x))
+    spaces, state = held.spaces, Arguments(model, {"q": x}).rooted_state()
     of_tree = JOINT_CONSTRAINTS * model.n_bodies + len(model.couplings)
     rank = int(spaces.rank)
     usual = int(loop_spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)

@@ -5,17 +5,16 @@ Accelerations are unique; of the reactions those that the equations determine (g
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.equations import projected
 from graphdyn.equations.joint_readings import project_accelerations
 from graphdyn.equations.kinematics import MaximalState, bias_acceleration, null_space
 from graphdyn.equations.loops.reactions import reactions
-from graphdyn.equations.projected import Arguments, Specification
+from graphdyn.equations.specification import Arguments, Specification
 from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.errors import InvalidInput, SingularMassMatrix, in_row
 from graphdyn.layout import Array, per_body, stacked
@@ -52,12 +51,12 @@ def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None 
     return Closed(jacobian, bias, loop_spaces(jacobian))
 
 
-def forward_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def forward_dynamics(x: Arguments) -> dict[str, Array]:
     """Forward dynamics like projected.forward_dynamics, with chord_multipliers. Raises InconsistentState,
     SingularMassMatrix."""
-    found = solved(model, x, base)
+    found = solved(x)
     state, a, multipliers = found.state, found.a, found.multipliers
-    if dense:
+    if x.dense:
         solution = projected.kkt(state, x["tau"], x["external_wrenches"], found.bias).solve_redundant()
         accelerations, multipliers = per_body(solution.acceleration), solution.chord_multipliers
         a = project_accelerations(state, accelerations, found.bias)
@@ -82,14 +81,14 @@ class Solved:
     multipliers: Array
 
 
-def solved(model: RobotModel, x: Arguments, base: BaseMotion | None) -> Solved:
+def solved(x: Arguments) -> Solved:
     """M a + h + Jᵀλ = τ and J a = γ, by projection onto the closed motions. Raises as forward_dynamics does."""
-    held = closed(model, x["q"], x["v"])
-    state = projected.rooted_state(model, base, x["q"], x["v"])
-    bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
+    held = closed(x.model, x["q"], x["v"])
+    state = x.rooted_state()
+    bias = bias_acceleration(x.model.rooted, x["q"], x["v"], state.ground)
     n = null_space(state)
     mass = projected.projected_mass(state, n)
-    refuse_massless_motions(model, held.spaces, mass)
+    refuse_massless_motions(x.model, held.spaces, mass)
     passive = passive_terms(state, x["external_wrenches"])
     needed = apply(np.swapaxes(n, -1, -2), stacked(projected.inertial_terms(state, bias) - passive))
     start = held.spaces.least_motion(held.bias)
@@ -106,19 +105,19 @@ def response(spaces: LoopSpaces, mass: Array) -> Array:
     return matrix
 
 
-def inverse_dynamics(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def inverse_dynamics(x: Arguments) -> dict[str, Array]:
     """Inverse dynamics like projected.inverse_dynamics, of the actuated joints; the smallest torques where these are
     redundant.
 
     Raises InconsistentState; InvalidInput, naming the motion, where the actuated joints leave one free.
     """
-    held = closed(model, x["q"], x["v"], x["a"])
-    state = projected.rooted_state(model, base, x["q"], x["v"], x["a"])
+    held = closed(x.model, x["q"], x["v"], x["a"])
+    state = x.rooted_state()
     assert state.acceleration is not None
     accelerations = np.broadcast_to(state.acceleration, state.velocity.shape)
     required = projected.inertial_terms(state, accelerations) - passive_terms(state, x["external_wrenches"])
     needed = apply(np.swapaxes(null_space(state), -1, -2), stacked(required))
-    tau = apply(actuation(model, held.spaces), needed)
+    tau = apply(actuation(x.model, held.spaces), needed)
     multipliers = held.spaces.least_multipliers(tau - needed)
     return {"tau": tau, **reactions(state, held.spaces, accelerations, x["external_wrenches"], multipliers)}
 
@@ -151,18 +150,18 @@ def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
 def at_motors(tree: Specification) -> Specification:
     """The torques (…, n) or torques per parameter (…, n, k) that a specification of trees answers, at the motors."""
 
-    def torque(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
-        held = closed(model, x["q"], x.get("v"), x.get("a"))
-        ((name, of_joints),) = tree(model.opened, x, base, dense).items()
-        to_motors = actuation(model, held.spaces)
+    def torque(x: Arguments) -> dict[str, Array]:
+        held = closed(x.model, x["q"], x.arrays.get("v"), x.arrays.get("a"))
+        ((name, of_joints),) = tree(replace(x, model=x.model.opened)).items()
+        to_motors = actuation(x.model, held.spaces)
         return {name: apply(to_motors, of_joints) if of_joints.ndim == x["q"].ndim else to_motors @ of_joints}
 
     return torque
 
 
-def power(model: RobotModel, x: Arguments, base: BaseMotion | None, dense: bool = False) -> dict[str, Array]:
+def power(x: Arguments) -> dict[str, Array]:
     """τ_j v_j (…, n) of inverse_dynamics."""
-    return {"power": inverse_dynamics(model, x, base, dense)["tau"] * x["v"]}
+    return {"power": inverse_dynamics(x)["tau"] * x["v"]}
 
 
 def motion_names(model: RobotModel, motion: Array) -> str:

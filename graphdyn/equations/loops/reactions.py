@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from graphdyn.equations import projected
 from graphdyn.equations.kinematics import MaximalState, joint_axes
+from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.equations.system.reactions import transmitted_wrenches
 from graphdyn.equations.system.unconstrained import passive_terms
@@ -116,7 +117,7 @@ def in_self_stress_usually(model: RobotModel) -> dict[str, NDArray[np.bool_]]:
     """in_self_stress at the regular pose of the model: what is undetermined in all but singular poses."""
     if model not in _usual:
         q = model.regular_pose
-        state = projected.rooted_state(model, None, q, np.zeros_like(q))
+        state = Arguments(model, {"q": q}).rooted_state()
         stress = self_stress(state, chord_rows(state)[0], loop_spaces(model.loops.jacobian(model.loops.links(q))))
         _usual[model] = in_self_stress(model, stress)
     return _usual[model]
