@@ -96,8 +96,7 @@ class WrenchRows:
 
 def _completed(problem: Problem, x: Array, noise: Array) -> Array:
     """x, with the entries that are NaN estimated from the torques."""
-    reduced, right = problem.equations.weighted(noise)
-    matrix = reduced @ problem.base.matrix
+    matrix, right = problem.standard_equations(noise)
     prior = model_prior(problem.torque_model)
     held = np.isfinite(x)
     scale = np.where(np.isfinite(prior.scale), prior.scale, 1.0)[~held]

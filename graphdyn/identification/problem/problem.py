@@ -180,6 +180,11 @@ class Problem:
         """The time blocks for cross-validation, merged with their neighbors to at most MAX_FOLDS."""
         return together(self.blocks)
 
+    def standard_equations(self, noise: Array) -> tuple[Array, Array]:
+        """R (r + 1, p), z (r + 1,) in all p parameters x: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g²."""
+        r, z = self.equations.weighted(noise)
+        return r @ self.base.matrix, z
+
     def part(self, used: NDArray[np.bool_]) -> Problem:
         """The same problem with only some of its rows (N,), filtered as before."""
         found = replace(self, used=used)

@@ -293,19 +293,13 @@ class TestReweighted:
             ReweightedLeastSquares("cauchy")
 
 
-def standard_equations(problem, noise):
-    """R, z in all parameters of the torque model: ‖R x - z‖² = Σ_g ‖W_g x - τ_g‖² / noise_g²."""
-    r, z = problem.equations.weighted(noise)
-    return r @ problem.base.matrix, z
-
-
 class TestRidge:
     @pytest.mark.parametrize("strength", [1e-3, 1.0, 1e4])
     def test_against_augmented_lstsq(self, strength, noisy):
         """λ as additional rows of an ordinary problem."""
         prior = model_prior(noisy.torque_model)
         noise = WeightedLeastSquares().estimate(noisy).noise
-        r, z = standard_equations(noisy, noise)
+        r, z = noisy.standard_equations(noise)
         drawn = np.isfinite(prior.scale)
         rows = np.sqrt(strength) * np.eye(len(drawn))[drawn] / prior.scale[drawn, None]
         stacked, right = np.vstack([r, rows]), np.concatenate([z, rows @ prior.mean])
@@ -351,7 +345,7 @@ class TestRidge:
         torque = model.torque(exact, x) + noise
         problem = Problem(model, Samples(exact.q, exact.v, exact.a, torque))
         prior = model_prior(model)
-        r, z = standard_equations(problem, np.ones(2))
+        r, z = problem.standard_equations(np.ones(2))
         found = RidgePath.of(*problem.equations.weighted(np.ones(2)), problem.base.matrix, prior).at(1.0)
         scale = np.where(np.isfinite(prior.scale), prior.scale, 1.0)
         drawn = np.isfinite(prior.scale)

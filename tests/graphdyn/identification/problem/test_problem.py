@@ -186,13 +186,13 @@ class TestBlocks:
         assert [sum(len(part.right) for part in rows if part.block == k) for k in range(3)] == [250, 250, 100]
         assert [part.first for part in rows] == [True] + [False] * (len(rows) - 1)
 
-    def test_weighted_equations(self, whole, samples):
+    def test_standard_equations(self, whole, samples):
         """‖R x - z‖² = Σ ‖W x - τ‖² / noise² for any x."""
         x = np.random.default_rng(0).normal(size=87)
-        r, z = whole.equations.weighted(torque_data.NOISE)
+        r, z = whole.standard_equations(torque_data.NOISE)
         error = (torque_data.torque_model().torque(samples, x) - samples.tau) / torque_data.NOISE
-        assert np.sum((r @ whole.base.values(x) - z) ** 2) == pytest.approx(np.sum(error**2), rel=1e-10)
-        assert r.shape == (62, 61)
+        assert np.sum((r @ x - z) ** 2) == pytest.approx(np.sum(error**2), rel=1e-10)
+        assert r.shape == (62, 87)
 
 
 class TestDetermined:
