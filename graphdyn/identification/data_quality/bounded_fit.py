@@ -98,6 +98,10 @@ class BoundedFit:
         known = np.split(torque_model.known_torque(samples), len(motions))
         return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
 
+    def part(self, rows: slice) -> BoundedFit:
+        """The fit of some of the samples."""
+        return BoundedFit(self.matrix[rows], self.known[rows], self.kept[rows], self._bounds)
+
     def errors(self, tau: Array, *, bounded: bool = True) -> Array:
         """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below MIN_RESIDUAL. tau: measured torque (N, n)."""
         factors = self._factors(tau)
@@ -185,16 +189,15 @@ MIN_CONTRADICTION, MIN_WORTH = 2.0, 0.2
 separate fits, and as a fraction of the torque."""
 
 
-def halves_apart(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Array:
+def halves_apart(tau: Array, fit: BoundedFit) -> Array:
     """Errors of the common and of the separate fit, of the first and of the second half (2, 2, n)."""
-    x, middle = fit.parameters(samples.tau), len(samples) // 2
+    x, middle = fit.parameters(tau), len(tau) // 2
     errors = []
     for rows in (slice(None, middle), slice(middle, None)):
-        half = samples[rows]
-        own = BoundedFit.of(torque_model, half, fit.kept[rows])
-        size = np.linalg.norm(np.where(own.kept, half.tau, 0.0), axis=0)
-        common = np.linalg.norm(np.nan_to_num(own.residual(half.tau, x)), axis=0) / np.where(size > 0, size, 1.0)
-        errors.append([common, own.errors(half.tau)])
+        half, own = tau[rows], fit.part(rows)
+        size = np.linalg.norm(np.where(own.kept, half, 0.0), axis=0)
+        common = np.linalg.norm(np.nan_to_num(own.residual(half, x)), axis=0) / np.where(size > 0, size, 1.0)
+        errors.append([common, own.errors(half)])
     return np.array(errors)
 
 

@@ -133,11 +133,10 @@ class Lag:
 
 
 class _Misfit:
-    """Σ_j log(‖e_j‖ / ‖τ_j‖) of least squares, of a recording with shifted torques."""
+    """Σ_j log(‖e_j‖ / ‖τ_j‖) of least squares, as a function of the torques (N, n)."""
 
-    def __init__(self, recording: ThinnedRecording, fit: BoundedFit):
-        self._recording, self._fit = recording, fit
-        tau = recording.torque()
+    def __init__(self, tau: Array, fit: BoundedFit):
+        self._fit = fit
         self._size = np.linalg.norm(tau * fit.kept, axis=0)
         self._size[self._size == 0] = 1.0
         self._noise = fit.errors(tau, bounded=False) * self._size
@@ -146,8 +145,8 @@ class _Misfit:
         seen = length > RANK_TOLERANCE * length.max(initial=0.0)
         self._imitated = orthonormal_basis(matrix[:, seen], RANK_TOLERANCE)
 
-    def __call__(self, later: float | Array) -> float:
-        left = self.left(self._recording.torque(later) - self._fit.known) * self._noise
+    def __call__(self, torque: Array) -> float:
+        left = self.left(torque - self._fit.known) * self._noise
         return float(np.sum(np.log(np.maximum(np.linalg.norm(left, axis=0) / self._size, MIN_RESIDUAL))))
 
     def left(self, torque: Array) -> Array:
@@ -158,26 +157,26 @@ class _Misfit:
 
 def lag(recording: ThinnedRecording, fit: BoundedFit) -> Lag:
     """Delay of the recording. fit: of recording.samples."""
-    misfit = _Misfit(recording, fit)
-    common, lowest = _lowest(misfit, recording.span)
-    n = recording.samples.q.shape[1]
-    found = [_lowest(partial(_alone, misfit, common, n, j), recording.span) for j in range(n)]
-    error = misfit.left(recording.torque(common) - fit.known)
+    now = recording.torque()
+    misfit, n = _Misfit(now, fit), now.shape[1]
+    common, lowest = _lowest(lambda later: misfit(recording.torque(later)), recording.span)
+    shifted = recording.torque(common)
+
+    def alone(j: int, later: float) -> float:
+        own = recording.torque_of(j, later)
+        return misfit(np.where(np.arange(n) == j, own[:, None], shifted))
+
+    found = [_lowest(partial(alone, j), recording.span) for j in range(n)]
+    error = misfit.left(shifted - fit.known)
     shift = misfit.left(recording.torque_rate())
     return Lag(
         common,
         _deviation(error, shift),
-        misfit(0.0) - lowest,
+        misfit(now) - lowest,
         np.array([seconds for seconds, _ in found]),
         np.array([_deviation(error[:, [j]], shift[:, [j]]) for j in range(n)]),
         np.array([lowest - value for _, value in found]),
     )
-
-
-def _alone(misfit: Callable[[Array], float], common: float, n: int, j: int, own: float) -> float:
-    lags = np.full(n, common)
-    lags[j] = own
-    return misfit(lags)
 
 
 def _lowest(misfit: Callable[[float], float], span: float) -> tuple[float, float]:

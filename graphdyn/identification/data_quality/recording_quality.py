@@ -19,7 +19,7 @@ from graphdyn.identification.data_quality.bounded_fit import BoundedFit, contrad
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels, channels
 from graphdyn.identification.data_quality.measured_torque import Gains, Lag, gains, lag
-from graphdyn.identification.data_quality.searching import DataFault, search, variation
+from graphdyn.identification.data_quality.searching import DataFault, Examined, search, variation
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
@@ -129,17 +129,16 @@ def assess_recording(
     columns = columns or RecordedColumns.of_joints(model.nv)
     with one_thread():
         thinned = ThinnedRecording(pieces)
-        kept = np.abs(thinned.samples.v) >= min_speed
-        fit = BoundedFit.of(torque_model, thinned.samples, kept)
+        fit = BoundedFit.of(torque_model, thinned.samples, np.abs(thinned.samples.v) >= min_speed)
         tau = thinned.samples.tau
         found_gains = gains(torque_model, thinned.samples, fit)
         raw = channels(pieces, torques or [piece.samples.tau for piece in pieces])
         faults: tuple[DataFault, ...] = ()
         unseen: tuple[Change, ...] = ()
-        halves = halves_apart(torque_model, thinned.samples, fit)
+        halves, delays = halves_apart(tau, fit), lag(thinned, fit)
         if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):
-            faults, unseen, left = search(torque_model, pieces, columns, kept, found_gains)
-            if contradictions(halves).any() and contradictions(left).any():
+            faults, unseen, left = search(torque_model, pieces, columns, Examined(thinned, fit, delays), found_gains)
+            if contradictions(halves).any() and contradictions(halves_apart(left.samples.tau, left.fit)).any():
                 faults = ()  # something changed in between, and no change of the whole recording undoes it
         return RecordingQuality(
             joint_names=model.independent_joints,
@@ -151,7 +150,7 @@ def assess_recording(
             halves=halves,
             variation=variation(tau),
             gains=found_gains,
-            lag=lag(thinned, fit),
+            lag=delays,
             channels=raw,
         )
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.arguments.choices import WORTH_COMPILING
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit, halves_apart
+from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
 from graphdyn.identification.data_quality.channels import rate_gain
-from graphdyn.identification.data_quality.measured_torque import Gains, gains, lag
+from graphdyn.identification.data_quality.measured_torque import Gains, Lag, gains, lag
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -83,24 +84,33 @@ class DataFault:
     instead: tuple[Change, ...] = ()
 
 
+class Examined(NamedTuple):
+    """Rows of a recording, their fit and the delay of their torques."""
+
+    thinned: ThinnedRecording
+    fit: BoundedFit
+    delays: Lag
+
+    @property
+    def samples(self) -> Samples:
+        return self.thinned.samples
+
+
 def search(
-    torque_model: TorqueModel,
-    pieces: Sequence[Piece],
-    columns: RecordedColumns,
-    kept: NDArray[np.bool_],
-    found_gains: Gains,
-) -> tuple[tuple[DataFault, ...], tuple[Change, ...], Array]:
-    """The faults, the changes that the corrected recording cannot reveal, and then its halves (2, 2, n)."""
+    torque_model: TorqueModel, pieces: Sequence[Piece], columns: RecordedColumns, now: Examined, found_gains: Gains
+) -> tuple[tuple[DataFault, ...], tuple[Change, ...], Examined]:
+    """The faults, the changes that the corrected recording cannot reveal, and this recording.
+
+    now: the recording as it is
+    """
     model = torque_model.model
     slides = [model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent]
     faults: list[DataFault] = []
     while True:
-        thinned = ThinnedRecording(pieces)
-        fit = BoundedFit.of(torque_model, thinned.samples, kept)
-        before = fit.errors(thinned.samples.tau)
+        before = now.fit.errors(now.samples.tau)
         contradicting = np.flatnonzero(np.abs(rate_gain(pieces) - 1) > MAX_RATE_GAIN_ERROR).tolist()
         considered = [*changes(slides, contradicting), *scales(found_gains.gain, found_gains.share)]
-        trials = [*_tried(torque_model, thinned.samples, fit, columns, considered), *_late(torque_model, thinned, fit)]
+        trials = [*_tried(torque_model, now, columns, considered), *_late(torque_model, now)]
         found = [trial for trial in trials if trial.convincing]
         if not found or len(faults) == MAX_FAULTS:
             unseen = [
@@ -108,23 +118,22 @@ def search(
                 for t in trials
                 if -MIN_MISFIT_RISE < t.gained < MIN_CHANGE_GAIN and t.change.kind not in MEASURED_SIZE_KINDS
             ]
-            return tuple(faults), tuple(unseen), halves_apart(torque_model, thinned.samples, fit)
+            return tuple(faults), tuple(unseen), now
         largest = max(trial.gained for trial in found)
         close = [trial for trial in found if trial.gained > largest - MIN_MISFIT_RISE]
         best = min(close, key=lambda trial: trial.cad_misfit()) if len(close) > 1 else close[0]
         instead = tuple(trial.change for trial in close if trial is not best)
         faults.append(DataFault(best.change, best.gained, before, best.errors, instead))
         pieces = [_undone(piece, best.change, columns) for piece in pieces]
-        kept = best.change.followed(kept)
+        thinned = ThinnedRecording(pieces)
+        fit = BoundedFit.of(torque_model, thinned.samples, best.change.followed(now.fit.kept))
+        now = Examined(thinned, fit, lag(thinned, fit))
 
 
 def _tried(
-    torque_model: TorqueModel,
-    samples: Samples,
-    fit: BoundedFit,
-    columns: RecordedColumns,
-    considered: Sequence[Change],
+    torque_model: TorqueModel, now: Examined, columns: RecordedColumns, considered: Sequence[Change]
 ) -> Iterator[ChangeTrial]:
+    samples, fit = now.samples, now.fit
     before = fit.errors(samples.tau)
     for change in considered:
         if not change.moves:
@@ -165,9 +174,10 @@ def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Sa
     return ChangeTrial(change, float(np.sum(np.log(before / errors))), errors, unexplained, cad_misfit)
 
 
-def _late(torque_model: TorqueModel, thinned: ThinnedRecording, fit: BoundedFit) -> list[ChangeTrial]:
+def _late(torque_model: TorqueModel, now: Examined) -> list[ChangeTrial]:
     """The torques of all joints, and of each, with a delay removed."""
-    found, n, before = lag(thinned, fit), len(fit.kept.T), fit.errors(thinned.samples.tau)
+    thinned, fit, found = now
+    n, before = len(fit.kept.T), fit.errors(thinned.samples.tau)
     trials = []
     for joints, seconds, deviation, gained in [
         (tuple(range(n)), found.common, found.deviation, found.gained),

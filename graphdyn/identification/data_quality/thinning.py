@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +49,7 @@ class ThinnedRecording:
     """Rows far enough from both ends of their piece that the torque may be shifted by `span` seconds."""
 
     def __init__(self, pieces: Sequence[Piece], rows: int = MAX_EXAMINED_ROWS):
-        from scipy.interpolate import make_interp_spline
+        from scipy.interpolate import BSpline, make_interp_spline
 
         longest = max(len(piece.samples) * piece.period for piece in pieces)
         self.span = min(MAX_LAG, MAX_LAG_SHARE * longest)
@@ -59,12 +60,14 @@ class ThinnedRecording:
             if len(piece.samples) > 2 * margin + SPLINE_ORDER + 1
         ]
         every = max(1, sum(len(piece.samples) - 2 * margin for piece, margin in usable) // rows)
-        self._parts = []
+        self._parts: list[tuple[Any, list[Any], Array]] = []
         kept: list[Samples] = []
         for piece, margin in usable:
             chosen = np.arange(margin, len(piece.samples) - margin, every)
             t = np.arange(len(piece.samples)) * piece.period
-            self._parts.append((make_interp_spline(t, piece.samples.tau, k=SPLINE_ORDER), t[chosen]))
+            spline = make_interp_spline(t, piece.samples.tau, k=SPLINE_ORDER)
+            each = [BSpline(spline.t, column, SPLINE_ORDER) for column in spline.c.T]
+            self._parts.append((spline, each, t[chosen]))
             kept.append(_rows(piece.samples, chosen))
         if not kept:
             raise TooShort("no piece of the recording is long enough to look for delays; record longer")
@@ -73,13 +76,16 @@ class ThinnedRecording:
     def torque(self, later: float | Array = 0.0) -> Array:
         """The torque measured so much later (N, n), one time for all joints or one for each (n,) [s]."""
         if not isinstance(later, np.ndarray):
-            return np.concatenate([spline(t + later) for spline, t in self._parts])
-        each = [np.concatenate([spline(t + x)[:, j] for spline, t in self._parts]) for j, x in enumerate(later)]
-        return np.column_stack(each)
+            return np.concatenate([spline(t + later) for spline, _, t in self._parts])
+        return np.column_stack([self.torque_of(j, x) for j, x in enumerate(later)])
+
+    def torque_of(self, joint: int, later: float) -> Array:
+        """The torque of one joint measured so much later (N,)."""
+        return np.concatenate([each[joint](t + later) for _, each, t in self._parts])
 
     def torque_rate(self) -> Array:
         """Rate of the torque (N, n) [N m/s or N/s]."""
-        return np.concatenate([spline(t, 1) for spline, t in self._parts])
+        return np.concatenate([spline(t, 1) for spline, _, t in self._parts])
 
 
 def _rows(samples: Samples, chosen: NDArray[np.intp]) -> Samples:
