@@ -26,7 +26,6 @@ from graphdyn.identification.algebra.compressed import (
     EPS,
     CompressedEquations,
     leverages,
-    merged,
     solve,
     weighted_solution,
 )
@@ -81,11 +80,16 @@ def robust_scale(problem: Problem, residuals: Array, used: Array) -> Array:
 
 
 def weighted_blocks(
-    problem: Problem, weights: Array, right: Callable[[slice, Array, Array], Array] | None = None
+    problem: Problem,
+    weights: Array,
+    right: Callable[[slice, Array, Array], Array] | None = None,
+    *,
+    together: bool = False,
 ) -> tuple[CompressedEquations, ...]:
     """Equations of every time block, each equation multiplied by its weight.
 
     weights: (N, n); right: (rows, W, τ) → the right-hand sides, τ if left out
+    together: all time blocks as one
     """
     blocks: dict[int, Accumulator] = defaultdict(
         lambda: Accumulator(problem.base.rank, problem.n_joints, support=problem.support)
@@ -95,7 +99,7 @@ def weighted_blocks(
         here = slice(position, position + len(rows))
         matrix = problem.reduced(rows)
         values = rows.right if right is None else right(here, matrix, rows.right)
-        blocks[rows.block].add(matrix, values, kept=rows.kept, weights=weights[here])
+        blocks[0 if together else rows.block].add(matrix, values, kept=rows.kept, weights=weights[here])
         position = here.stop
     return tuple(accumulator.compressed for _, accumulator in sorted(blocks.items()))
 
@@ -170,7 +174,7 @@ def _iterate(problem: Problem, norm: Norm, x: Array) -> _Fit:
     while not converged and iterations < MAX_REWEIGHTINGS:
         scale = robust_scale(problem, residuals, used)
         weights = np.sqrt(norm.weight(np.nan_to_num(residuals / scale))) / scale
-        equations, ones = merged(weighted_blocks(problem, weights)), np.ones(problem.n_joints)
+        (equations,), ones = weighted_blocks(problem, weights, together=True), np.ones(problem.n_joints)
         solution = solve(equations, ones)
         used = leverages(equations, ones, solution.inverse)
         step, x = np.abs(solution.x - x), solution.x

@@ -1,5 +1,6 @@
 """Simulated recordings identified again and again: how often twice the standard deviation covers the truth."""
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
@@ -88,11 +89,17 @@ class Coverage:
     correlation_times: float
 
 
+@functools.cache
+def robot():
+    """The arm of all trials, compiled once."""
+    return urdf.load("ur5")
+
+
 def coverage(case: Case, runs: int, methods=METHODS, seed: int = 0) -> Coverage:
-    robot, rng = urdf.load("ur5"), np.random.default_rng(seed)
-    laws = [FourierSeries(0.1, *0.3 * rng.normal(size=(2, 5))) for _ in robot.joints]
-    motion = graphdyn.simulate_recording(robot, np.arange(0, case.seconds, 1 / RATE), laws)
-    model = TorqueModel(robot, (RigidBodies(), Viscous(), Coulomb(), Offset()))
+    rng = np.random.default_rng(seed)
+    laws = [FourierSeries(0.1, *0.3 * rng.normal(size=(2, 5))) for _ in robot().joints]
+    motion = graphdyn.simulate_recording(robot(), np.arange(0, case.seconds, 1 / RATE), laws)
+    model = TorqueModel(robot(), (RigidBodies(), Viscous(), Coulomb(), Offset()))
     truth = model.prior()
     truth[60:] = rng.uniform(1.0, 5.0, len(truth) - 60)
     exact = Samples(motion.q, motion.v, motion.a, motion.tau)

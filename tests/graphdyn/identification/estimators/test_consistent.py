@@ -36,10 +36,13 @@ EXACT = 1e-8
 
 POSES = 10_000
 
+FEW_STRENGTHS = (0.0, 1.0, 1e3)
+"""For cross-validation: every strength is one cone program for each fold."""
+
 ESTIMATORS = [
     ConsistentLeastSquares(),
-    ConsistentWithPrior(),
-    ConsistentWithPrior("pullback"),
+    ConsistentWithPrior(strengths=FEW_STRENGTHS),
+    ConsistentWithPrior("pullback", strengths=FEW_STRENGTHS),
     ConsistentWithPrior(strength=0.0),
     LogCholesky(),
 ]
