@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,7 +59,7 @@ class ThinnedRecording:
             if len(piece.samples) > 2 * margin + SPLINE_ORDER + 1
         ]
         every = max(1, sum(len(piece.samples) - 2 * margin for piece, margin in usable) // rows)
-        self._parts: list[tuple[Any, list[Any], Array]] = []
+        self._parts = []
         kept: list[Samples] = []
         for piece, margin in usable:
             chosen = np.arange(margin, len(piece.samples) - margin, every)
