@@ -11,7 +11,6 @@ from crosscheck.quantities.table import (
     TabulatedQuantity,
     known_function,
 )
-from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 
 __all__ = [
     "COMPARED",
@@ -22,8 +21,6 @@ __all__ = [
     "QUANTITIES",
     "RECURSIVE",
     "ComparedQuantity",
-    "PinocchioAnswers",
-    "PinocchioModel",
     "Quantity",
     "TabulatedQuantity",
     "argument_at",

@@ -5,19 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from crosscheck.quantities.measures import Chosen, Measure, linear_first
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.tolerances import AGREEMENT, Tolerance
-from crosscheck.reference.pinocchio_model import FrameFunction, NativeFunction, PinocchioAnswers
+from crosscheck.reference.native_functions import FrameFunction, NativeFunction
 from crosscheck.reference.subject import compared_frames
 from graphdyn.arguments import Method
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.recursions import ARRAY_SPECS
 from graphdyn.verbs import VERBS
+
+if TYPE_CHECKING:
+    from crosscheck.reference.pinocchio_model import PinocchioAnswers
 
 LOADS = "external_wrenches"
 """Name of the argument that functions get last if external wrenches are asked for."""

@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.bench.contender import UNLIMITED_SAMPLES, Contender, Forms
 from crosscheck.bench.states import States
 from crosscheck.quantities import QUANTITIES
-from crosscheck.reference.pinocchio_model import FrameFunction, NativeFunction
+from crosscheck.reference.native_functions import FrameFunction, NativeFunction
 from graphdyn.compiler import aligned
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.recursions import ARRAY_SPECS

@@ -24,7 +24,7 @@ from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, by_part, largest, largest_tensor, ratio, relative
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
-from crosscheck.reference.pinocchio_model import NativeFunction
+from crosscheck.reference.native_functions import NativeFunction
 from graphdyn.layout import Array
 
 _SOLVED_RATES = "only cond(M) ‖∂a‖ + ‖M⁻¹‖ (‖∂τ‖ + largest joint wrench)"

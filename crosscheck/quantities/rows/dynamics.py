@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -36,10 +36,13 @@ from crosscheck.quantities.scales import backward_error, center_offset, largest,
 from crosscheck.quantities.system import solution
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION, BACKWARD, FORWARD_WRENCH, RESIDUAL
-from crosscheck.reference.pinocchio_model import NativeFunction, PinocchioAnswers
+from crosscheck.reference.native_functions import NativeFunction
 from graphdyn.arguments import Method
 from graphdyn.equations import link_origins
 from graphdyn.layout import ANGULAR, LINEAR, Array
+
+if TYPE_CHECKING:
+    from crosscheck.reference.pinocchio_model import PinocchioAnswers
 
 TORQUE = "largest joint wrench; spin"
 SOLVED_SCALE = "only cond(M) ‖a‖ + ‖M⁻¹‖ (‖τ‖ + largest joint wrench)"

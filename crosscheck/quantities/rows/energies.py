@@ -23,7 +23,7 @@ from crosscheck.quantities.rows.frames import VELOCITY
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import by_part, center_offset, largest, largest_tensor, relative
 from crosscheck.quantities.tested_function import TestedFunction
-from crosscheck.reference.pinocchio_model import NativeFunction
+from crosscheck.reference.native_functions import NativeFunction
 from graphdyn.layout import ANGULAR, LINEAR, Array
 
 _ORIGIN = "the world's origin"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -14,10 +14,13 @@ from crosscheck.quantities.rows.dynamics import PLACED
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import Sizes, by_part, center_offset, largest, relative
 from crosscheck.quantities.tested_function import TestedFunction
-from crosscheck.reference.pinocchio_model import FrameFunction, PinocchioAnswers
+from crosscheck.reference.native_functions import FrameFunction
 from crosscheck.reference.subject import compared_frames
 from graphdyn.arguments import Method
 from graphdyn.layout import Array
+
+if TYPE_CHECKING:
+    from crosscheck.reference.pinocchio_model import PinocchioAnswers
 
 _BY_REFERENCE = {"reference": ("local_world_aligned", "world", "local"), **ORDER}
 """Choices of the axes and the point of a twist: at the frame in world axes, at the world's origin, at the frame."""

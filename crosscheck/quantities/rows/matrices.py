@@ -18,7 +18,7 @@ from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, largest, largest_tensor, ratio, relative
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
-from crosscheck.reference.pinocchio_model import NativeFunction
+from crosscheck.reference.native_functions import NativeFunction
 from graphdyn.layout import Array
 
 BY_RATE = "largest entry of M × largest velocity"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -14,8 +14,10 @@ from crosscheck.quantities.scales import PARAMETER_TYPES, acceleration_scale, by
 from crosscheck.quantities.spans import span_errors
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
-from crosscheck.reference.pinocchio_model import PinocchioAnswers
 from graphdyn.layout import BODY_PARAMETERS, Array
+
+if TYPE_CHECKING:
+    from crosscheck.reference.pinocchio_model import PinocchioAnswers
 
 BY_TYPE = "columns of m: compensated × lever; of m c: compensated; of I: turn"
 

@@ -4,16 +4,15 @@ There are two routes: Pinocchio reads the URDF file itself (which checks our imp
 RobotModel through its API (which checks our dynamics). Results are returned in the order and the axes of graphdyn.
 """
 
-from crosscheck.reference.pinocchio_model.answers import FrameFunction, NativeFunction, PinocchioAnswers
+from crosscheck.reference.pinocchio_model.answers import PinocchioAnswers
 from crosscheck.reference.pinocchio_model.model import PinocchioModel
-from crosscheck.reference.pinocchio_model.native import PINOCCHIO_VERSION, UNIVERSE, PinocchioRefuses
+from crosscheck.reference.pinocchio_model.native import PINOCCHIO_VERSION, UNIVERSE, PinocchioRefuses, function_named
 
 __all__ = [
     "PINOCCHIO_VERSION",
     "UNIVERSE",
-    "FrameFunction",
-    "NativeFunction",
     "PinocchioAnswers",
     "PinocchioModel",
     "PinocchioRefuses",
+    "function_named",
 ]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -117,3 +118,9 @@ def _inertia(body: Body) -> pin.Inertia:
     if np.linalg.eigvalsh(body.inertia)[0] < 0:
         return pin.Inertia.FromDynamicParameters(np.array(body.parameters))
     return pin.Inertia(body.mass, np.array(body.center_of_mass), np.array(body.inertia))
+
+
+def function_named(name: str) -> Callable[..., Any]:
+    """One of Pinocchio's functions."""
+    found: Callable[..., Any] = getattr(pin, name)
+    return found
