@@ -21,7 +21,6 @@ from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import BatchFunction, TestedFunction
-from crosscheck.reference.mujoco_model import MujocoRefuses
 from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.arguments import refuse_unknown
@@ -109,8 +108,8 @@ def judge_functions(
     with threadpool_limits(limits=1, user_api="blas"):
         states = drawn_states(model, setting, [FUNCTIONS[name] for name in given])
         say("evaluating the reference implementations")
-        references = _references(states, notes)
-        unloaded = references if states.loads is None else _references(replace(states, loads=None), notes)
+        references = References.of(states, notes)
+        unloaded = references if states.loads is None else References.of(replace(states, loads=None), notes)
         loaded = references if setting.external_wrenches else unloaded
         for name, f in given.items():
             say(f"judging {name}")
@@ -170,14 +169,6 @@ def drawn_states(model: RobotModel, setting: Setting, functions: Collection[Quan
         beyond_limits=setting.beyond_limits,
         frame=setting.frame,
     )
-
-
-def _references(states: JudgedStates, notes: list[str]) -> References:
-    try:
-        return References(states, mujoco=True)
-    except MujocoRefuses as refusal:
-        notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
-        return References(states, mujoco=False)
 
 
 def _check(given: Mapping[str, TestedFunction], setting: Setting) -> None:

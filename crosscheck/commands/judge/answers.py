@@ -69,4 +69,5 @@ def write_further(
 def warn_of_unused(ids: Sequence[int]) -> None:
     from crosscheck.judging.exchange.rounds import listed
 
-    warn(f"{len(ids)} answers belong to no question that was asked: ids {listed(ids)}")
+    belong = "belongs" if len(ids) == 1 else "belong"
+    warn(f"{counted(len(ids), 'answer')} {belong} to no question that was asked: {listed(ids)}")

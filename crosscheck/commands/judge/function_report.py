@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -28,35 +28,21 @@ def infinite_where_nan(errors: Array) -> Array:
 def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
     """The section of the page with the errors in detail, and the worst call."""
     contests = [
-        *(
-            SpreadRow(f"against {who}", infinite_where_nan(errors), function.bound)
-            for who, errors in function.errors.items()
-        ),
-        *(
-            SpreadRow(f"{who} against graphdyn", infinite_where_nan(errors), function.bound)
-            for who, errors in function.references_differ.items()
-        ),
+        *_rows("against {}", function.errors, function.bound),
+        *_rows("{} against graphdyn", function.references_differ, function.bound),
     ]
     backward = [
-        *(
-            SpreadRow(f"torques of {who}", infinite_where_nan(errors), function.bound)
-            for who, errors in function.backward_errors.items()
-        ),
-        *(
-            SpreadRow(f"{who} by torques of graphdyn", infinite_where_nan(errors), function.bound)
-            for who, errors in function.references_differ_backward.items()
-        ),
+        *_rows("torques of {}", function.backward_errors, function.bound),
+        *_rows("{} by torques of graphdyn", function.references_differ_backward, function.bound),
     ]
+    tables = [_contests(contests, f"Errors over all states, relative to {function.scale}")]
+    if backward:
+        tables.append(_contests(backward, f"Backward errors over all states, relative to {function.backward_scale}"))
     return Section(
         function.name,
         function.name,
         (
-            _contests(contests, f"Errors over all states, relative to {function.scale}"),
-            *(
-                [_contests(backward, f"Backward errors over all states, relative to {function.backward_scale}")]
-                if backward
-                else []
-            ),
+            *tables,
             distribution([*contests, *backward]),
             *over_states(
                 {contest.name: contest.errors for contest in [*contests, *backward]},
@@ -76,6 +62,11 @@ def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
         verdict_of(function.agrees, function.references_agree),
         sheet=True,
     )
+
+
+def _rows(name: str, errors: Mapping[str, Array], bound: float) -> list[SpreadRow]:
+    """A row for each reference. name: with {} in place of the reference"""
+    return [SpreadRow(name.format(who), infinite_where_nan(error), bound) for who, error in errors.items()]
 
 
 def _contests(contests: Sequence[SpreadRow], caption: str) -> Table:

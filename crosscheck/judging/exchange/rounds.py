@@ -19,6 +19,7 @@ from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import Refusal, TestedFunction
 from graphdyn import GraphDynError, RobotModel
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 QUESTION_STAGES = 3
@@ -33,7 +34,7 @@ class AnswersPending(GraphDynError):
     """The diagnosis needs answers of this shape to further questions."""
 
     def __init__(self, questions: Sequence[Question], shape: Shape = ()):
-        super().__init__(f"{len(questions)} further questions need answers: {listed([one.id for one in questions])}")
+        super().__init__(f"further questions need answers: {listed([one.id for one in questions])}")
         self.questions, self.shape = questions, shape
 
 
@@ -68,7 +69,7 @@ class Replay:
             raise FunctionFailure(f"{function} would have to answer questions in a further round")
         if missing and (partly or self._stages == 0):
             ids = listed([one.id for one in missing])
-            raise BadAnswers(f"{function}: no answers to {len(missing)} questions, ids {ids}")
+            raise BadAnswers(f"{function}: no answers to {counted(len(missing), 'question')}, {ids}")
         if missing:
             raise AnswersPending(missing, shape)
         self._stages += 1
@@ -86,9 +87,13 @@ class Replay:
 
 
 def listed(ids: Sequence[int]) -> str:
-    """The first ones."""
+    """The first ones: "id 12", "ids 12, 13"."""
     rest = len(ids) - MAX_LISTED_IDS
-    return ", ".join(map(str, ids[:MAX_LISTED_IDS])) + (f" and {rest} more" if rest > 0 else "")
+    return (
+        ("id " if len(ids) == 1 else "ids ")
+        + ", ".join(map(str, ids[:MAX_LISTED_IDS]))
+        + (f" and {rest} more" if rest > 0 else "")
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +138,8 @@ def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> li
     found = {one.function for one in known if one.id in given}
     if not found:
         raise BadAnswers(
-            f"{next(iter(given.values())).where}: none of the {len(given)} ids ({listed(list(given))}) is that of a "
-            "question; give the same robot and options (--samples, --seed, --joint-names, --lock and so on) as to "
+            f"{next(iter(given.values())).where}: no question has {listed(list(given))}"
+            "; give the same robot and options (--samples, --seed, --joint-names, --lock and so on) as to "
             "`graphdyn questions`, and leave the ids as they are"
         )
     return [name for name in candidates if name in found]

@@ -14,7 +14,6 @@ from crosscheck.judging.setting import Setting
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity, known_function
 from crosscheck.quantities.measures import Chosen
-from crosscheck.reference.mujoco_model import MujocoRefuses
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.layout import Array
 
@@ -78,7 +77,7 @@ def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTa
     for known in functions:
         states = states_of(known, drawn, setting)
         if (loaded := states.loads is not None) not in of_states:
-            of_states[loaded] = _references(states)
+            of_states[loaded] = References.of(states)
         references = of_states[loaded]
         own = {name: way for name, way in setting.conventions.items() if name in known.conventions}
         chosen = next(known.readings(own))
@@ -93,13 +92,6 @@ def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTa
         names_of = known.called_with(setting.external_wrenches)
         arguments = dict(zip(names_of, known.arguments_at(references.states), strict=True))
         yield VectorTable(known, chosen, arguments, ours, tolerance, tuple(answers))
-
-
-def _references(states: JudgedStates) -> References:
-    try:
-        return References(states, mujoco=True)
-    except MujocoRefuses:
-        return References(states, mujoco=False)
 
 
 def tolerances(known: Quantity, answer: Array, states: JudgedStates, chosen: Chosen, bound: float) -> Array:

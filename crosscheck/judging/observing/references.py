@@ -17,7 +17,7 @@ from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import Quantity
 from crosscheck.quantities.measures import Chosen
 from crosscheck.quantities.scales import backward_error
-from crosscheck.reference.mujoco_model import MujocoModel
+from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
@@ -28,16 +28,25 @@ BACKWARD_SCALE = "largest of Ï„, the joint wrenches, the external wrenches and â
 class References:
     """The reference implementations ("references") at the judged states.
 
-    Raises MujocoRefuses where MuJoCo is asked for and cannot represent the robot, or is not installed.
+    mujoco: None where MuJoCo is not one of them
     """
 
-    def __init__(self, states: JudgedStates, mujoco: bool):
-        self.states = states
-        self._mujoco = MujocoModel(states.model) if mujoco else None
+    def __init__(self, states: JudgedStates, mujoco: MujocoModel | None):
+        self.states, self._mujoco = states, mujoco
+
+    @classmethod
+    def of(cls, states: JudgedStates, notes: list[str] | None = None) -> References:
+        """All that can represent the robot and are installed. notes: gets a note about MuJoCo if it is left out"""
+        try:
+            return cls(states, MujocoModel(states.model))
+        except MujocoRefuses as refusal:
+            if notes is not None:
+                notes.append(f"MuJoCo is not among the reference implementations: {refusal}")
+            return cls(states, None)
 
     def at(self, selected: NDArray[np.bool_]) -> References:
         """The references at some of the states (N,)."""
-        return self if selected.all() else References(self.states.rows(selected), self._mujoco is not None)
+        return self if selected.all() else References(self.states.rows(selected), self._mujoco)
 
     @cached_property
     def pinocchio(self) -> PinocchioAnswers:

@@ -322,7 +322,7 @@ class TestReplay:
     def test_a_part_of_the_second_round(self):
         replay = Replay(given(self.ASKED[:2]), set())
         self.ask(replay, 0)
-        with pytest.raises(BadAnswers, match=rf"no answers to 1 questions, ids {self.ASKED[2].id}$"):
+        with pytest.raises(BadAnswers, match=rf"no answers to 1 question, id {self.ASKED[2].id}$"):
             self.ask(replay, 1, 2)
 
     def test_many_missing(self):
@@ -343,7 +343,7 @@ class TestReplay:
         with pytest.raises(BadAnswers) as caught:
             answered_functions(Setting(robot="ur5", samples=2), given(self.ASKED[:1]))
         assert str(caught.value) == (
-            f"a.csv, line 1: none of the 1 ids ({self.ASKED[0].id}) is that of a question; give the same robot and "
+            f"a.csv, line 1: no question has id {self.ASKED[0].id}; give the same robot and "
             "options (--samples, --seed, --joint-names, --lock and so on) as to `graphdyn questions`, and leave the "
             "ids as they are"
         )
