@@ -11,6 +11,7 @@ from typing import Any
 
 from lxml import etree
 
+from urdf.document.elements import line_of
 from urdf.errors import MalformedXML, TooLarge
 
 TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
@@ -67,24 +68,17 @@ def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bo
     name = etree.QName(robot).localname
     if robot.prefix is not None or name != "robot":
         written = name if robot.prefix is None else f"{robot.prefix}:{name}"
-        raise MalformedXML(
-            f"the root element is <{written}>, not <robot>",
-            "give a URDF file",
-            code="not-a-robot",
-            path=path,
-            line=robot.sourceline,  # type: ignore[arg-type]
-        )
+        problem, remedy = f"the root element is <{written}>, not <robot>", "give a URDF file"
+        raise MalformedXML(problem, remedy, code="not-a-robot", path=path, line=line_of(robot))
     return Document(path, content, robot)
 
 
 def check_size(content: bytes, path: Path) -> None:
     """Raise TooLarge for a document that would take long to parse."""
     if len(content) > MAX_URDF_BYTES:
-        raise TooLarge(
-            f"the file is larger than {MAX_URDF_BYTES // 1_000_000} MB",
-            "give a URDF file; put meshes into separate files",
-            path=path,
-        )
+        problem = f"the file is larger than {MAX_URDF_BYTES // 1_000_000} MB"
+        remedy = "give a URDF file; put meshes into separate files"
+        raise TooLarge(problem, remedy, path=path)
     tags = content.count(b"<")
     if tags > MAX_TAGS:
         raise TooLarge(f"the file has {tags} tags, more than {MAX_TAGS}", "give a smaller file", path=path)
@@ -93,13 +87,9 @@ def check_size(content: bytes, path: Path) -> None:
 def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> MalformedXML:
     message, number = " ".join(str(error.msg).split()), getattr(error, "code", None)
     if number == _LIMIT:
-        return MalformedXML(
-            f"the document exceeds a limit of the XML parser: {message}",
-            "give an ordinary URDF file, without entities, deep nesting and very long texts",
-            code="xml-limits",
-            path=path,
-            line=error.lineno,
-        )
+        problem = f"the document exceeds a limit of the XML parser: {message}"
+        remedy = "give an ordinary URDF file, without entities, deep nesting and very long texts"
+        return MalformedXML(problem, remedy, code="xml-limits", path=path, line=error.lineno)
     if not content.strip():
         return MalformedXML("the file is empty", "give a URDF file", code="empty-file", path=path)
     if b"<" not in content.replace(b"\0", b""):

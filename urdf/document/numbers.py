@@ -66,11 +66,8 @@ def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:
         return BadNumber("unexpanded-number", f"{said} is not expanded", "expand the file with xacro")
     words = [word for word in _BLANKS.split(text) if word]
     if len(words) != count:
-        return BadNumber(
-            "wrong-number-of-entries",
-            f"{said} has {len(words)} entries, expected {count}",
-            "separate numbers by spaces",
-        )
+        problem, remedy = f"{said} has {len(words)} entries, expected {count}", "separate numbers by spaces"
+        return BadNumber("wrong-number-of-entries", problem, remedy)
     for word in words:
         if word.lower().lstrip("+-") in ("nan", "inf", "infinity"):
             return BadNumber(

@@ -61,11 +61,9 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
         check_size(text, path)
         return Opened(parsed(path, text, UTF8, lines=False), gravity, tuple(complaints))
     if xacro is not None:
-        raise InvalidXacro(
-            "xacro arguments and packages are given, but not a file that ends with .xacro",
-            "leave them out, or give the .xacro file",
-            path=path,
-        )
+        problem = "xacro arguments and packages are given, but not a file that ends with .xacro"
+        remedy = "leave them out, or give the .xacro file"
+        raise InvalidXacro(problem, remedy, path=path)
     return Opened(parsed(path, content, encoding), gravity)
 
 

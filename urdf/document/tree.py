@@ -14,12 +14,6 @@ Joints = Mapping[str, Sequence[etree._Element]]
 """Per link, by name: joints."""
 
 
-def check_tree(source: Source) -> None:
-    """Raise NotATree for a joint to a link that does not exist, a link with two parents, several roots, a cycle."""
-    for fault in tree_faults(source):
-        raise fault
-
-
 def joints_in_order(source: Source) -> tuple[str, list[str]]:
     """Name of the root link, and the joint names, parents before children, of a valid tree."""
     (root,) = root_links(source)
@@ -27,7 +21,7 @@ def joints_in_order(source: Source) -> tuple[str, list[str]]:
 
 
 def tree_faults(source: Source) -> Iterator[URDFError]:
-    """Every reason why links and joints are not one tree."""
+    """A NotATree for each joint to a link that does not exist, link with two parents, several roots, cycle."""
     links = {name_of(link) for link in source.links}
     for joint in source.joints:
         for side in ("parent", "child"):

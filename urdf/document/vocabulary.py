@@ -48,12 +48,23 @@ READ_CHILDREN: Mapping[str, tuple[str, ...]] = {
 LOOPS = ("loop", "coupling", "loop_joint", "constraint")
 """Elements of <robot> that close loops or couple joints, of forms that are read."""
 
+NUMBERS: Mapping[str, Mapping[str, int]] = {
+    "origin": {"xyz": 3, "rpy": 3},
+    "mass": {"value": 1},
+    "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), 1),
+    "axis": {"xyz": 3},
+    "limit": {"lower": 1, "upper": 1, "velocity": 1, "effort": 1},
+    "dynamics": {"damping": 1, "friction": 1},
+    "mimic": {"multiplier": 1, "offset": 1},
+    "safety_controller": {"soft_lower_limit": 1, "soft_upper_limit": 1, "k_position": 1, "k_velocity": 1},
+    "calibration": {"rising": 1, "falling": 1, "reference_position": 1},
+}
+"""Per element of a link or joint, its attributes that are numbers: how many each holds."""
+
 ATTRIBUTES: Mapping[str, tuple[str, ...]] = {
     "inertial": (),
-    "origin": ("xyz", "rpy", "quat_xyzw"),
-    "mass": ("value",),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "axis": ("xyz",),
+    "origin": (*NUMBERS["origin"], "quat_xyzw"),
+    **{tag: tuple(NUMBERS[tag]) for tag in ("mass", "inertia", "axis")},
     "parent": ("link",),
     "child": ("link",),
     "predecessor": ("link",),

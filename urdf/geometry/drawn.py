@@ -1,4 +1,4 @@
-"""A <visual> or <collision> element as numbers."""
+"""A <visual> or <collision> element as numbers; boxes, cylinders, spheres and capsules as triangles."""
 
 from __future__ import annotations
 
@@ -13,10 +13,24 @@ from urdf.document.elements import Drawing, children, name_of, tag_of
 from urdf.document.numbers import BadNumber, numbers, rotation_from_rpy
 from urdf.errors import shortened
 from urdf.geometry.meshes.mesh_files import MAX_COORDINATE
-from urdf.geometry.meshes.primitives import PRIMITIVE_SIZES
+from urdf.geometry.meshes.triangles import Triangles
 from urdf.geometry.shape import Color, UnreadableMesh
 
 MESH_KIND = "mesh"
+
+PRIMITIVE_SIZES: Mapping[str, Mapping[str, int]] = {
+    "box": {"size": 3},
+    "cylinder": {"radius": 1, "length": 1},
+    "sphere": {"radius": 1},
+    "capsule": {"radius": 1, "length": 1},
+}
+"""Per element its attributes, and how many numbers each holds [m]."""
+
+CYLINDER_SECTIONS = 32
+"""Sides of the prism that a cylinder is drawn as: its radius is short by at most 0.5 %."""
+
+SPHERE_SUBDIVISIONS = 2
+"""Number of subdivisions of the icosahedron that a sphere is drawn as: 320 faces."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +38,7 @@ class Drawn:
     """What a drawing is, and where.
 
     kind: of the element: "box", "cylinder", "sphere", "capsule" or "mesh"
-    sizes: its numbers in the order of SIZES [m]; of a mesh its scale
+    sizes: its numbers in the order of PRIMITIVE_SIZES [m]; of a mesh its scale
     placement: in the frame of its link
     color: of its material; None without one
     file: of a mesh, as the URDF names it
@@ -61,6 +75,21 @@ def read_drawing(drawing: Drawing, materials: Mapping[str, etree._Element]) -> D
     if min(sizes) <= 0:
         raise UnreadableMesh(f"<{kind}>: a size that is not positive")
     return Drawn(kind, sizes, placement, color)
+
+
+def primitive(kind: str, *sizes: float) -> Triangles:
+    """An element with these sizes [m], in the order of PRIMITIVE_SIZES, centered at the origin, its axis along z."""
+    from trimesh import creation
+
+    if kind == "box":
+        mesh = creation.box(sizes)
+    elif kind == "cylinder":
+        mesh = creation.cylinder(sizes[0], sizes[1], sections=CYLINDER_SECTIONS)
+    elif kind == "sphere":
+        mesh = creation.icosphere(SPHERE_SUBDIVISIONS, *sizes)
+    else:
+        mesh = creation.capsule(sizes[1], sizes[0], count=(CYLINDER_SECTIONS // 2, CYLINDER_SECTIONS))
+    return Triangles(np.array(mesh.vertices, dtype=float), np.array(mesh.faces))
 
 
 def _numbers(

@@ -11,9 +11,8 @@ import numpy as np
 from graphdyn import Placement
 from urdf.document.elements import Drawing, Geometry
 from urdf.document.source import Source
-from urdf.geometry.drawn import MESH_KIND, Drawn, read_drawing
+from urdf.geometry.drawn import MESH_KIND, Drawn, primitive, read_drawing
 from urdf.geometry.meshes.mesh_files import find_mesh, read_mesh
-from urdf.geometry.meshes.primitives import primitive
 from urdf.geometry.meshes.triangles import MAX_TRIANGLES, Triangles, decimated, shared_out
 from urdf.geometry.shape import DEFAULT_COLOR, MissingShape, Shape, Shapes, UnreadableMesh
 

@@ -14,8 +14,7 @@ from urdf.document.elements import name_of
 from urdf.document.numbers import values
 from urdf.document.source import Source
 from urdf.document.tree import carriers, joint_into, joints_by, root_links
-
-TENSOR_ATTRIBUTES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+from urdf.document.vocabulary import NUMBERS
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +45,7 @@ def inertials(source: Source) -> Iterator[LinkInertial]:
             continue
         inertia = element.find("inertia")
         mass = values(element.find("mass"), "value", 1)
-        entries = [values(inertia, name, 1) for name in TENSOR_ATTRIBUTES]
+        entries = [values(inertia, name, 1) for name in NUMBERS["inertia"]]
         if mass is None or mass[0] < 0 or None in entries:
             continue
         xx, xy, xz, yy, yz, zz = (entry[0] for entry in entries if entry is not None)

@@ -97,19 +97,15 @@ def closure_faults(
                 "--chain, --lock)",
             )
         elif left_out and held is not None:
-            yield place.error(
-                UnsupportedConstraint,
-                f"{closure.problem}, and the chain leaves out link '{shortened(left_out[0])}'",
-                "take a chain that has both links, or remove it to load the arm without it",
-            )
+            problem = f"{closure.problem}, and the chain leaves out link '{shortened(left_out[0])}'"
+            remedy = "take a chain that has both links, or remove it to load the arm without it"
+            yield place.error(UnsupportedConstraint, problem, remedy)
         elif isinstance(says, Loop):
             still = [name_of(joint) for joint in _between(source, says) if name_of(joint) in held] if held else []
             if still:
-                yield place.error(
-                    UnsupportedConstraint,
-                    f"{closure.problem}, and the chain holds its joint '{shortened(still[0])}' still",
-                    "lock it yourself if that is meant (lock=, --lock), or load the whole robot",
-                )
+                problem = f"{closure.problem}, and the chain holds its joint '{shortened(still[0])}' still"
+                remedy = "lock it yourself if that is meant (lock=, --lock), or load the whole robot"
+                yield place.error(UnsupportedConstraint, problem, remedy)
             if says.name in names:
                 problem = f"the name '{shortened(str(says.name))}' is already used by another loop"
                 yield place.error(InvalidLoop, problem, "rename one of the two")

@@ -95,11 +95,9 @@ def resolve(
             couplings.append(Coupling(name, free, offset))
         else:
             if name in stated and locked[name] != at:
-                raise InvalidLock(
-                    f"cannot lock '{name}' at {locked[name]:.9g}: {relation.cause}, and stands at {at:.9g}",
-                    f"leave it out of lock= (--lock), or {relation.instead}",
-                    path=source.path,
-                )
+                problem = f"cannot lock '{name}' at {locked[name]:.9g}: {relation.cause}, and stands at {at:.9g}"
+                remedy = f"leave it out of lock= (--lock), or {relation.instead}"
+                raise InvalidLock(problem, remedy, path=source.path)
             held[name] = at
     return Mimics(tuple(couplings), held)
 
@@ -110,7 +108,8 @@ def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Re
     found = {}
     for joint in robot.joints:
         if joint.mimic is not None and joint.type != "fixed":
-            ratio, offset = _or(joint.mimic.multiplier, 1.0), _or(joint.mimic.offset, 0.0)
+            ratio = 1.0 if joint.mimic.multiplier is None else float(joint.mimic.multiplier)
+            offset = float(joint.mimic.offset or 0.0)
             element = elements[joint.name]
             place = SourceLocation(source.path, line_of(element), describe(element))
             cause = f"it mimics joint '{shortened(joint.mimic.joint)}'"
@@ -127,12 +126,6 @@ def _circle(relation: Relation, names: tuple[str, ...]) -> URDFError:
 
 
 def _cannot_lock(source: Source, name: str, relation: Relation, free: list[str]) -> URDFError:
-    return InvalidLock(
-        f"cannot lock '{name}': {relation.cause}, and {listed(free)} {'is' if len(free) == 1 else 'are'} free",
-        f"lock {listed(free)} instead, or {relation.instead}",
-        path=source.path,
-    )
-
-
-def _or(number: float | None, default: float) -> float:
-    return default if number is None else float(number)
+    problem = f"cannot lock '{name}': {relation.cause}, and {listed(free)} {'is' if len(free) == 1 else 'are'} free"
+    remedy = f"lock {listed(free)} instead, or {relation.instead}"
+    return InvalidLock(problem, remedy, path=source.path)

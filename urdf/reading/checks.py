@@ -15,6 +15,7 @@ from lxml import etree
 from urdf.document.elements import line_of, name_of
 from urdf.document.numbers import MAX_NUMBER, MIN_AXIS_LENGTH, BadNumber, numbers
 from urdf.document.source import Source
+from urdf.document.vocabulary import ATTRIBUTES, NUMBERS
 from urdf.errors import (
     DuplicateEntry,
     InvalidNumber,
@@ -29,45 +30,18 @@ from urdf.reading.repairing import crossed_limits
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed")
 
 _REQUIRED_CHILDREN = {"inertial": ("mass", "inertia"), "joint": ("parent", "child")}
-_REQUIRED_ATTRIBUTES = {
-    "mass": ("value",),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-    "axis": ("xyz",),
-    "parent": ("link",),
-    "child": ("link",),
-}
-_NUMBERS = {
-    "origin": {"xyz": 3, "rpy": 3},
-    "mass": {"value": 1},
-    "inertia": dict.fromkeys(_REQUIRED_ATTRIBUTES["inertia"], 1),
-    "axis": {"xyz": 3},
-    "limit": {"lower": 1, "upper": 1, "velocity": 1, "effort": 1},
-    "dynamics": {"damping": 1, "friction": 1},
-    "mimic": {"multiplier": 1, "offset": 1},
-}
-"""Per element and attribute: how many numbers it holds."""
+_REQUIRED_ATTRIBUTES = {tag: ATTRIBUTES[tag] for tag in ("mass", "inertia", "axis", "parent", "child")}
 
 _COMPUTED = ("origin", "mass", "inertia", "axis")
 """Elements that dynamics are computed from, held to LARGEST; a limit may be the largest double."""
 
 
-def check(source: Source) -> None:
-    """Raise MissingEntry, DuplicateEntry, InvalidNumber, InvalidRobot or UnsupportedJoint for the first fault."""
-    for fault in faults(source):
-        raise fault
-
-
 def faults(source: Source) -> Iterator[URDFError]:
-    """Every fault of the file, in the order of the rules."""
+    """Every fault of the file: MissingEntry, DuplicateEntry, InvalidNumber, InvalidRobot or UnsupportedJoint."""
     yield from _name_faults(source, source.robot)
     if not source.links:
-        yield source.error(
-            MissingEntry,
-            "no-links",
-            source.robot,
-            "there is no <link>",
-            "expand the file with xacro if it is a xacro file",
-        )
+        problem, remedy = "there is no <link>", "expand the file with xacro if it is a xacro file"
+        yield source.error(MissingEntry, "no-links", source.robot, problem, remedy)
     for elements in (source.links, source.joints):
         yield from _repeated_names(source, elements)
     for link in source.links:
@@ -103,13 +77,9 @@ def _type_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
             MissingEntry, "missing-type", joint, "attribute 'type' is missing", f"use one of {', '.join(JOINT_TYPES)}"
         )
     elif kind not in JOINT_TYPES:
-        yield source.error(
-            UnsupportedJoint,
-            "unsupported-joint",
-            joint,
-            f"type '{shortened(kind)}' is not supported",
-            f"use one of {', '.join(JOINT_TYPES)}, or replace it by several of them",
-        )
+        problem = f"type '{shortened(kind)}' is not supported"
+        remedy = f"use one of {', '.join(JOINT_TYPES)}, or replace it by several of them"
+        yield source.error(UnsupportedJoint, "unsupported-joint", joint, problem, remedy)
 
 
 def _limit_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:
@@ -146,7 +116,7 @@ def _attribute_faults(source: Source, element: etree._Element) -> Iterator[URDFE
     if element.get("quat_xyzw") is not None and element.tag == "origin":
         problem, remedy = "attribute 'quat_xyzw' is not read", "give the rotation as rpy"
         yield source.error(InvalidRobot, "quaternion-origin", element, problem, remedy)
-    for name, count in _NUMBERS.get(element.tag, {}).items():
+    for name, count in NUMBERS.get(element.tag, {}).items():
         text = element.get(name)
         found = None if text is None else numbers(text, count, f'{name}="{shortened(text)}"')
         if found is None:

@@ -96,18 +96,14 @@ def _path(source: Source, into: dict[str, etree._Element], base: str, tip: str) 
         path.append(joint)
     if base != tip and (not path or end(path[-1], "parent") != base):
         if tip in (end(joint, "parent") for joint in path_up(into, base)):
-            raise _error(
-                source,
-                f"link '{tip}' comes before link '{base}'",
-                f"exchange them: chain=('{tip}', '{base}') (--chain {tip} {base})",
-            )
+            problem = f"link '{tip}' comes before link '{base}'"
+            remedy = f"exchange them: chain=('{tip}', '{base}') (--chain {tip} {base})"
+            raise _error(source, problem, remedy)
         above = [end(joint, "parent") for joint in path_up(into, base)]
         common = next(name for name in (end(joint, "parent") for joint in path) if name in above)
-        raise _error(
-            source,
-            f"no path leads from link '{base}' to link '{tip}': they are on different branches",
-            f"both branch off at link '{common}'; chain=('{common}', '{tip}') (--chain {common} {tip}) is a path",
-        )
+        problem = f"no path leads from link '{base}' to link '{tip}': they are on different branches"
+        remedy = f"both branch off at link '{common}'; chain=('{common}', '{tip}') (--chain {common} {tip}) is a path"
+        raise _error(source, problem, remedy)
     if all(joint.get("type") == "fixed" for joint in path):
         raise _error(
             source, f"no movable joint lies between link '{base}' and link '{tip}'", "take links further apart"

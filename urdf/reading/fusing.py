@@ -41,16 +41,13 @@ class Inertial:
         )
 
 
-ZERO_INERTIAL = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
-
-
 def fuse(parts: Sequence[Inertial]) -> Inertial:
     """One inertial for all parts, given in the same frame.
 
     The tensor is summed about the common center of mass, from parallel-axis terms that are all ≥ 0: no cancellation.
     """
     if not parts:
-        return ZERO_INERTIAL
+        return Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
     if len(parts) == 1:
         return parts[0]
     mass = sum(part.mass for part in parts)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,12 +18,12 @@ from urdf.document.connections.loops import CompanionFiles
 from urdf.document.extensions import Unread
 from urdf.document.opening import Given, Opened, open_document
 from urdf.document.source import Source, reduced
-from urdf.document.tree import carriers, check_tree, joints_in_order
+from urdf.document.tree import carriers, joints_in_order, tree_faults
 from urdf.errors import InvalidRobot
 from urdf.loops.closing import all_closures, chords, closure_faults, stated_beside
 from urdf.loops.couplings import actuated, check_motors, unread_beside, unread_motors
 from urdf.loops.mimics import resolve
-from urdf.reading.checks import check
+from urdf.reading.checks import faults
 from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble
 from urdf.reading.reading import AS_IT_STANDS, Reading
@@ -77,8 +78,8 @@ def parse(
     """
     path = source.path
     changes = mend(source, reading.repair)
-    check(source)
-    check_tree(source)
+    for fault in chain(faults(source), tree_faults(source)):
+        raise fault
     closures = all_closures(source, beside)
     check_motors(source, beside)
     around = cut(source, reading.chain)

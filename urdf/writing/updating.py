@@ -170,19 +170,15 @@ def _checked(parameters: ArrayLike, n: int, path: Path) -> Array:
             f"the parameters are not numbers: {error}", "give ten numbers per body", path=path
         ) from error
     if wanted.shape not in ((n, BODY_PARAMETERS), (n * BODY_PARAMETERS,)):
-        raise CannotUpdate(
-            f"the parameters have shape {wanted.shape}, expected ({n}, 10) or ({10 * n},)",
-            "give ten per moving body, in the order of urdf.load",
-            path=path,
-        )
+        problem = f"the parameters have shape {wanted.shape}, expected ({n}, 10) or ({10 * n},)"
+        remedy = "give ten per moving body, in the order of urdf.load"
+        raise CannotUpdate(problem, remedy, path=path)
     wanted = wanted.reshape(n, BODY_PARAMETERS)
     if not np.isfinite(wanted).all():
         body = int(np.argwhere(~np.isfinite(wanted))[0, 0])
-        raise CannotUpdate(
-            f"the parameters of body {body + 1} contain NaN or infinity",
-            "parameters that the data do not determine need a value",
-            path=path,
-        )
+        problem = f"the parameters of body {body + 1} contain NaN or infinity"
+        remedy = "parameters that the data do not determine need a value"
+        raise CannotUpdate(problem, remedy, path=path)
     return wanted
 
 
@@ -199,12 +195,9 @@ def _body(name: str, parameters: Array, path: Path, is_rest: bool) -> Body:
 def _refuse_inconsistent(body: Body, path: Path) -> None:
     problems = consistency_problems(body.mass, body.inertia)
     if problems:
-        raise CannotUpdate(
-            f"no real body has these parameters: {'; '.join(problems)}",
-            "identify with physical constraints, or write them nevertheless with inconsistent=True",
-            path=path,
-            element=f"link '{body.name}'",
-        )
+        problem = f"no real body has these parameters: {'; '.join(problems)}"
+        remedy = "identify with physical constraints, or write them nevertheless with inconsistent=True"
+        raise CannotUpdate(problem, remedy, path=path, element=f"link '{body.name}'")
 
 
 def _edited(data: bytes, edits: list[tuple[Span, Body]]) -> bytes:

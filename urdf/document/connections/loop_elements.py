@@ -76,11 +76,9 @@ class _ElementReader:
         if stated is None:
             raise self.fault("attribute 'type' is missing", f"use one of {known}")
         if stated not in kinds:
-            raise self.place.error(
-                UnsupportedConstraint,
-                f"'{shortened(name_of(self.element))}': type '{shortened(stated)}' is not modeled",
-                f"use one of {known}, or replace it by several links and joints",
-            )
+            problem = f"'{shortened(name_of(self.element))}': type '{shortened(stated)}' is not modeled"
+            remedy = f"use one of {known}, or replace it by several links and joints"
+            raise self.place.error(UnsupportedConstraint, problem, remedy)
         return kinds[stated]
 
     def part(self, tag: str) -> etree._Element:

@@ -29,21 +29,19 @@ _IS_ONE = re.compile(rb"^closed_loop[ \t]*:", re.MULTILINE)
 
 def beside(path: Path) -> CompanionFiles:
     """What the file of the same name that ends with .yaml states: nothing where there is none about loops."""
-    if not path.suffix:
-        return CompanionFiles()
-    file = path.with_suffix(".yaml")
-    if not file.is_file():
-        return CompanionFiles()
-    with file.open("rb") as opened:
-        content = opened.read(MAX_YAML_BYTES + 1)
-    return read_yaml(file, content) if _IS_ONE.search(content) else CompanionFiles()
+    file = path.with_suffix(".yaml") if path.suffix else path
+    stated = file != path and file.is_file() and _IS_ONE.search(_content(file))
+    return read_yaml(file) if stated else CompanionFiles()
 
 
-def read_yaml(path: Path, content: bytes | None = None) -> CompanionFiles:
+def _content(path: Path) -> bytes:
+    with path.open("rb") as opened:
+        return opened.read(MAX_YAML_BYTES + 1)
+
+
+def read_yaml(path: Path) -> CompanionFiles:
     """Raises InvalidLoop, with its line, for anything but what the format has; OSError."""
-    if content is None:
-        with path.open("rb") as opened:
-            content = opened.read(MAX_YAML_BYTES + 1)
+    content = _content(path)
     if len(content) > MAX_YAML_BYTES:
         raise InvalidLoop(
             f"the file is larger than {MAX_YAML_BYTES} bytes", "give the YAML file of the loops", path=path

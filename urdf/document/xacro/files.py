@@ -40,11 +40,9 @@ def expand(
     """
     _check_packages(path, packages)
     if importlib.util.find_spec("xacro") is None:
-        raise XacroNotInstalled(
-            "a .xacro file needs an expander, which is not installed",
-            "pip install 'graphdyn[xacro]', or expand the file yourself and give the URDF",
-            path=path,
-        )
+        problem = "a .xacro file needs an expander, which is not installed"
+        remedy = "pip install 'graphdyn[xacro]', or expand the file yourself and give the URDF"
+        raise XacroNotInstalled(problem, remedy, path=path)
     task = {
         "path": str(path.resolve()),
         "content": content.decode("latin-1"),  # bytes as text, one character each
@@ -89,8 +87,6 @@ def _complaints(written: bytes) -> list[str]:
 
 
 def _endless(path: Path) -> InvalidXacro:
-    return InvalidXacro(
-        f"expanding takes more than {MAX_CPU_SECONDS} s of processor time",
-        "expand the file yourself, if you trust it, and give the URDF",
-        path=path,
-    )
+    problem = f"expanding takes more than {MAX_CPU_SECONDS} s of processor time"
+    remedy = "expand the file yourself, if you trust it, and give the URDF"
+    return InvalidXacro(problem, remedy, path=path)

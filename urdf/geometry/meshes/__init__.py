@@ -1,1 +1,1 @@
-"""Mesh files as triangles, read within limits; primitives; fewer triangles."""
+"""Mesh files as triangles, read within limits, and fewer of them."""

@@ -1,6 +1,4 @@
-"""A Collada file as an XML document: untrusted, so nothing in it expands, and no other file is opened.
-
-Collada files (.dae) as triangles: the geometry that their scene shows, with its diffuse colors.
+"""Collada files (.dae) as triangles: the geometry that their scene shows, with its diffuse colors.
 
 Khronos Group, "COLLADA – Digital Asset Schema Release 1.4.1", 2008. Written here because the reader that trimesh uses
 leaves out geometry whose texture is missing, which the meshes of published robots often have.
@@ -30,7 +28,10 @@ _ASCII_COMPATIBLE = (b"utf-8", b"utf8", b"us-ascii", b"ascii", b"iso-8859-1", b"
 
 
 class ColladaDocument:
-    """The root element and the elements by their id. Raises Unreadable for what is no Collada file."""
+    """The root element and the elements by their id. The file is untrusted: nothing in it expands.
+
+    Raises Unreadable for what is no Collada file.
+    """
 
     def __init__(self, content: bytes):
         encoding = _ENCODING.search(content[:200])
@@ -74,17 +75,8 @@ class ColladaDocument:
         return length
 
 
-def floats(element: etree._Element | None) -> Array:
+def _numbers(element: etree._Element | None, kind: Any = np.float64) -> NDArray[Any]:
     """The numbers in its text."""
-    return _numbers(element, np.float64)
-
-
-def integers(element: etree._Element | None) -> NDArray[np.int64]:
-    """The whole numbers in its text."""
-    return _numbers(element, np.int64)
-
-
-def _numbers(element: etree._Element | None, kind: Any) -> NDArray[Any]:
     if element is None or not (element.text or "").strip():
         return np.zeros(0, dtype=kind)
     with warnings.catch_warnings():
@@ -178,7 +170,7 @@ class _ColladaScene:
         """(k, 3), in the unit of the file."""
         vertices = self.document.target(_input(part, "VERTEX"), "source")
         source = self.document.target(_input(vertices, "POSITION"), "source")
-        numbers = floats(source.find("./{*}float_array"))
+        numbers = _numbers(source.find("./{*}float_array"))
         accessor = source.find("./{*}technique_common/{*}accessor")
         stride, offset = (3, 0) if accessor is None else (_count(accessor, "stride", 3), _count(accessor, "offset", 0))
         rows = numbers[offset:]
@@ -193,7 +185,7 @@ class _ColladaScene:
             binding = next(each for each in bound if each.get("symbol") == symbol)
             material = self.document.target(binding, "target")
             effect = self.document.target(next(material.iterfind("./{*}instance_effect")))
-            color = floats(next(effect.iterfind(".//{*}diffuse/{*}color")))
+            color = _numbers(next(effect.iterfind(".//{*}diffuse/{*}color")))
         except (StopIteration, UnreadableMesh):
             return None
         if len(color) not in (3, 4) or not np.isfinite(color).all():
@@ -205,7 +197,7 @@ class _ColladaScene:
 def _transform(element: etree._Element) -> Array:
     """(4, 4)."""
     kind = tag(element)
-    numbers = floats(element)
+    numbers = _numbers(element)
     if len(numbers) != _TRANSFORMS[kind] or not np.isfinite(numbers).all():
         raise UnreadableMesh(f"the file is damaged: <{kind}> does not hold {_TRANSFORMS[kind]} finite numbers")
     matrix = np.eye(4)
@@ -241,7 +233,7 @@ def _count(element: etree._Element, name: str, default: int) -> int:
 def _corners(part: etree._Element, p: etree._Element) -> Faces:
     """Numbers of the vertices at the corners of the polygons (k,), without those of normals and textures."""
     stride = 1 + max(_count(each, "offset", 0) for each in part.iterchildren("{*}input"))
-    numbers = integers(p)
+    numbers = _numbers(p, np.int64)
     if len(numbers) % stride:
         raise UnreadableMesh(f"the file is damaged: <p> of <{tag(part)}> ends within a corner")
     return numbers.reshape(-1, stride)[:, _count(_input(part, "VERTEX"), "offset", 0)]
@@ -256,7 +248,7 @@ def _triangles(part: etree._Element) -> Faces:
 
 
 def _polylist(part: etree._Element) -> Faces:
-    counts = integers(part.find("./{*}vcount"))
+    counts = _numbers(part.find("./{*}vcount"), np.int64)
     p = part.find("./{*}p")
     corners = np.zeros(0, dtype=np.int64) if p is None else _corners(part, p)
     if (counts < 3).any() or counts.sum() != len(corners):

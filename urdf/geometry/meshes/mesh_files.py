@@ -7,7 +7,7 @@ import logging
 import os
 import stat
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -126,10 +126,6 @@ def content_of(path: Path, largest: int) -> bytes:
     return content
 
 
-def _collada(content: bytes, path: Path) -> list[Triangles]:
-    return read_collada(content)
-
-
 def _stl(content: bytes, path: Path) -> list[Triangles]:
     from trimesh.exchange.stl import load_stl_ascii, load_stl_binary
 
@@ -152,7 +148,11 @@ def _obj(content: bytes, path: Path) -> list[Triangles]:
     return _of_trimesh(load_obj, text, resolver=_Colors(path.parent))
 
 
-_READERS = {".stl": _stl, ".obj": _obj, ".dae": _collada}
+_READERS: dict[str, Callable[[bytes, Path], list[Triangles]]] = {
+    ".stl": _stl,
+    ".obj": _obj,
+    ".dae": lambda content, _: read_collada(content),
+}
 
 
 class _Colors:

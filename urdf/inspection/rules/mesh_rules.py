@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,11 +29,15 @@ MAX_MOMENT_RATIO = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """An inertial beside its link, filled uniformly with the same mass. moments: principal, ascending (3,) [kg m²]"""
+    """An inertial beside its link, filled uniformly with the same mass."""
 
     inertial: LinkInertial
     link: FilledLink
-    moments: Array
+
+    @cached_property
+    def moments(self) -> Array:
+        """Principal moments of the filled link, ascending (3,) [kg m²]."""
+        return np.linalg.eigvalsh(self.link.filled.tensor * self.density).astype(float)
 
     @property
     def density(self) -> float:
@@ -61,7 +66,7 @@ def mesh_findings(structure: Structure, detail: bool) -> Iterator[Finding]:
     """
     moving = {each.link: each for each in structure.inertials if structure.moving(each.link) and each.mass > 0}
     links, failed = filled_links(structure.source, moving, only_meshes=True)
-    compared = [_compared(moving[name], links[name]) for name in moving if name in links]
+    compared = [Compared(moving[name], links[name]) for name in moving if name in links]
     if not compared:
         return
     yield _files(structure, len(compared), failed)
@@ -71,12 +76,6 @@ def mesh_findings(structure: Structure, detail: bool) -> Iterator[Finding]:
         if detail:
             yield _tensor(each)
     yield from _tensors(compared)
-
-
-def _compared(inertial: LinkInertial, link: FilledLink) -> Compared:
-    solid = link.filled
-    moments = np.linalg.eigvalsh(solid.tensor * (inertial.mass / solid.volume))
-    return Compared(inertial, link, moments.astype(float))
 
 
 def _files(structure: Structure, compared: int, failed: dict[str, str]) -> Finding:

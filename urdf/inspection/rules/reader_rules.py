@@ -8,7 +8,7 @@ dynamics.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import dropwhile
 
 from lxml import etree
@@ -16,6 +16,7 @@ from lxml import etree
 from urdf.document.document import Document
 from urdf.document.elements import line_of, tag_of
 from urdf.document.numbers import BadNumber, numbers
+from urdf.document.vocabulary import NUMBERS, READ_CHILDREN
 from urdf.errors import shortened
 from urdf.inspection.findings import Finding, about, of_file
 
@@ -26,21 +27,6 @@ _KEPT = {b"\t": b"&#9;", b"\n": b"&#10;", b"\r": b"&#10;"}
 _IS_UTF_8 = re.compile("UTF-?8$|(US-)?ASCII$", re.IGNORECASE)
 _EXTENDS_ASCII = re.compile(rf"{_IS_UTF_8.pattern}|ISO-?8859|LATIN-?1|(WINDOWS-|CP)125", re.IGNORECASE)
 
-_TRIPLES = ("xyz", "rpy")
-_INERTIAL_NUMBERS = {
-    "origin": _TRIPLES,
-    "mass": ("value",),
-    "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-}
-_JOINT_NUMBERS = {
-    "origin": _TRIPLES,
-    "axis": ("xyz",),
-    "limit": ("lower", "upper", "effort", "velocity"),
-    "dynamics": ("damping", "friction"),
-    "mimic": ("multiplier", "offset"),
-    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
-    "calibration": ("rising", "falling", "reference_position"),
-}
 _NAMES = {"link": ("name",), "joint": ("name",), "parent": ("link",), "child": ("link",)}
 _NEEDED = {
     "limit": ("effort", "velocity"),
@@ -66,9 +52,9 @@ def reader_findings(document: Document) -> Iterator[Finding]:
         if tag_of(element) == "link":
             for part, as_written in _parts(element, written):
                 if tag_of(part) == "inertial":
-                    yield from _spacing(part, as_written, _INERTIAL_NUMBERS)
+                    yield from _spacing(part, as_written, READ_CHILDREN["inertial"])
         elif tag_of(element) == "joint":
-            yield from _spacing(element, written, _JOINT_NUMBERS)
+            yield from _spacing(element, written, (*READ_CHILDREN["joint"], *_UNREAD))
             yield from _incomplete_parts(element)
 
 
@@ -126,14 +112,13 @@ def _names(element: etree._Element, written: etree._Element) -> Iterator[Finding
                 yield about("name-spacing", part, problem)
 
 
-def _spacing(element: etree._Element, written: etree._Element, known: dict[str, tuple[str, ...]]) -> Iterator[Finding]:
-    """Numbers that are valid and that urdfdom does not read."""
+def _spacing(element: etree._Element, written: etree._Element, read: Sequence[str]) -> Iterator[Finding]:
+    """Numbers that are valid and that urdfdom does not read, in the children with the tags that are read."""
     for part, as_written in _parts(element, written):
         if element.get("type") == "fixed" and tag_of(part) == "axis":
             continue
-        for name in known.get(tag_of(part), ()):
+        for name, count in NUMBERS.get(tag_of(part), {}).items() if tag_of(part) in read else ():
             text = as_written.get(name)
-            count = 3 if name in _TRIPLES else 1
             if text is None or _is_read(text, count) or isinstance(numbers(text, count, ""), BadNumber):
                 continue
             if tag_of(element) == "joint":
@@ -162,7 +147,7 @@ def _incomplete_parts(joint: etree._Element) -> Iterator[Finding]:
             lacking = ["damping or friction"]
         if lacking and (tag in unread or tag != "limit"):  # the other limits have a finding of their own
             yield _incomplete(part, f"without {', '.join(lacking)}")
-        for name in _JOINT_NUMBERS[tag] if tag in unread else ():
+        for name in NUMBERS[tag] if tag in unread else ():
             text = part.get(name)
             found = None if text is None else numbers(text, 1, f'{name}="{shortened(text)}"')
             if isinstance(found, BadNumber):
