@@ -98,13 +98,10 @@ def _greedy(
     centers: Array, reaches: Array, middles: Array, radii: Array, excess: float
 ) -> tuple[Array, NDArray[np.intp]]:
     """Centers of the spheres that are taken (k, 3), and for every group the sphere that contains it (g,)."""
-    inside = np.concatenate(
-        [
-            np.linalg.norm(centers[k : k + CANDIDATES_AT_ONCE, None] - middles, axis=-1) + radii
-            <= reaches[k : k + CANDIDATES_AT_ONCE, None]
-            for k in range(0, len(centers), CANDIDATES_AT_ONCE)
-        ]
-    )
+    from scipy.spatial.distance import cdist
+
+    parts = [slice(k, k + CANDIDATES_AT_ONCE) for k in range(0, len(centers), CANDIDATES_AT_ONCE)]
+    inside = np.concatenate([cdist(centers[part], middles) + radii <= reaches[part, None] for part in parts])
     gain, left = inside.sum(axis=1), np.ones(len(middles), dtype=bool)
     owner = np.zeros(len(middles), dtype=np.intp)
     chosen: list[Array] = []

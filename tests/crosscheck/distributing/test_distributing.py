@@ -4,32 +4,18 @@ import json
 import multiprocessing
 import os
 import pickle
-import signal
 from concurrent.futures import CancelledError
 from pathlib import Path
 from uuid import uuid4
 
 import pytest
+from deadly_tasks import deadly, own_number
 from typer.testing import CliRunner
 
 from crosscheck.commands import app
 from crosscheck.commands.program.exits import AGREED
 from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, dask_workers
-from crosscheck.distributing import dask_workers as cluster
 from crosscheck.distributing.workers import versions
-
-
-def deadly(task):
-    """Kills its process for a negative number, and once for a path."""
-    if task.exists() if isinstance(task, Path) else task > 0:
-        return task.name if isinstance(task, Path) else task**2
-    if isinstance(task, Path):
-        task.touch()
-    return os.kill(os.getpid(), signal.SIGKILL)
-
-
-def own_number(_task):
-    return os.getpid()
 
 
 class TestProcesses:
@@ -173,7 +159,7 @@ class TestRefusals:
 
     @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:x", "http://a b"])
     def test_no_scheduler(self, monkeypatch, address):
-        monkeypatch.setattr(cluster, "SCHEDULER_TIMEOUT", 0.2)
+        monkeypatch.setattr(dask_workers, "SCHEDULER_TIMEOUT", 0.2)
         with self.refused(r"no Dask scheduler answers at .*; start one with: dask scheduler, and give the address"):
             next(DaskWorkers(address).each(deadly, [1]))
 
@@ -192,4 +178,4 @@ class TestRefusals:
     )
     def test_workers(self, threads, found, message):
         with self.refused(message):
-            cluster.examine("W", threads, found)
+            dask_workers.examine("W", threads, found)

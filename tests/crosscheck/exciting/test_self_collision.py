@@ -9,9 +9,9 @@ import pytest
 from urdf_text import inertial, joint, robot_text
 
 import urdf
+from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.exciting import self_collision as pairing
-from crosscheck.exciting import self_collision as searching
 from crosscheck.exciting.mesh_contacts import link_meshes
 from crosscheck.exciting.self_collision import Hit, collision_free, self_collision
 from crosscheck.exciting.sphere_cover import sphere_cover
@@ -195,7 +195,7 @@ def test_motions_that_still_collide(folding_arm, monkeypatch):
         starts.append([clearance.distance for clearance in tried.limits.clearances])
         return type("Found", (), {"trajectory": folded})
 
-    monkeypatch.setattr(searching, "optimized", not_optimized)
+    monkeypatch.setattr(pairing, "optimized", not_optimized)
     with pytest.raises(
         NoFeasibleMotion,
         match=r"no motion without collisions was found from seed 3: in 6 searches with growing distances, .*a - c.* "
@@ -220,7 +220,7 @@ def test_searches_that_end_without_a_motion(folding_arm, monkeypatch):
             raise NoFeasibleMotion("none")
         return folded if len(tried) == 1 else unfolded
 
-    monkeypatch.setattr(searching, "optimized", not_optimized)
+    monkeypatch.setattr(pairing, "optimized", not_optimized)
     assert collision_free(problem, known, 3) is unfolded
     assert [start for start, _ in tried] == [None, folded.trajectory, None]
     assert tried[1][1] == tried[2][1]
@@ -251,8 +251,9 @@ def test_faulty_clearance():
         Clearance("x", (Sphere(1, np.zeros(3)), Sphere(2, np.zeros(3))), ())
 
 
-def test_the_program(program, folding_arm, tmp_path):
+def test_the_program(program, folding_arm, tmp_path, monkeypatch):
     """A motion without collisions, with a term of one's own and the moving arm on the page; and one that collides."""
+    monkeypatch.setattr(own_process, "tell", lambda _: None)  # the term runs in this process
     file, page, term = tmp_path / "r.json", tmp_path / "r.html", tmp_path / "own.py"
     term.write_text("from graphdyn.identification.terms import Offset as Own\n", encoding="utf-8")
     few = ("--duration", 4, "--harmonics", 2, "--seeds", 1, "--jobs", 1, "--rate", 50, "--random", 0)

@@ -1,0 +1,18 @@
+"""Tasks for processes, in a file that a new process imports quickly."""
+
+import os
+import signal
+from pathlib import Path
+
+
+def deadly(task):
+    """Kills its process for a negative number, and once for a path."""
+    if task.exists() if isinstance(task, Path) else task > 0:
+        return task.name if isinstance(task, Path) else task**2
+    if isinstance(task, Path):
+        task.touch()
+    return os.kill(os.getpid(), signal.SIGKILL)
+
+
+def own_number(_task):
+    return os.getpid()
