@@ -7,13 +7,12 @@ tightened by the violation, and the search goes on from there.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
 from graphdyn.excitation.constraints import DISTANCE_SCALE, signals
@@ -33,6 +32,7 @@ from graphdyn.excitation.trajectory import (
 )
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
 GRID_POINTS = 240
@@ -104,10 +104,7 @@ class ExcitationProblem:
         model = self.torque_model.model
         if model.chords:
             raise InvalidInput(f"robot '{model.name}' has loops, which no motion is planned for yet")
-        noise = as_floats("noise", self.noise)
-        if noise.shape not in ((), (model.nv,)) or not np.all(np.isfinite(noise) & (noise > 0)):
-            raise InvalidInput(f"noise is {noise.tolist()}; give one number above zero, or {model.nv}")
-        object.__setattr__(self, "noise", np.array(np.broadcast_to(noise, (model.nv,))))
+        object.__setattr__(self, "noise", positive("noise", self.noise, model.nv).copy())
         if not self.rate > 0:
             raise InvalidInput(f"rate is {self.rate:g} Hz; give one above zero")
         if self.spheres is None:
@@ -258,7 +255,7 @@ class _Search:
         """The end of SLSQP; if that violates limits, the best of the least violating motions on the way."""
         from scipy.optimize import minimize  # imported where first used: import graphdyn stays light
 
-        shape = start.coefficients.shape
+        problem, shape = self._problem, start.coefficients.shape
         kept: tuple[tuple[float, float], Array] = (np.inf, np.inf), start.coefficients
         found: dict[bytes, list[Signal]] = {}
 
@@ -266,11 +263,14 @@ class _Search:
             key = x.tobytes()
             if key not in found:
                 found.clear()
-                found[key] = self._signals(x.reshape(shape))
+                motion = self._motion(x.reshape(shape))
+                found[key] = [*signals(problem.torque_model.model, problem.limits, problem.checked_spheres, motion)]
             return found[key]
 
         def room(x: Array) -> Array:
-            return self._room([smooth_maximum(signal, sharpness) for signal in signals_at(x)])
+            """Margin to every limit."""
+            maxima = np.array([smooth_maximum(signal, sharpness) for signal in signals_at(x)])
+            return (1.0 if self._allowed is None else self._allowed) - maxima
 
         def violation(x: Array) -> float:
             return max(-float(room(x).min()) - LIMIT_SLACK, 0.0)
@@ -297,15 +297,6 @@ class _Search:
         self.iterations += int(answer.nit)
         best = answer.x if violation(answer.x) == 0 else kept[1]
         return replace(start, coefficients=np.asarray(best).reshape(shape))
-
-    def _signals(self, coefficients: Array) -> list[Signal]:
-        problem = self._problem
-        motion = self._motion(coefficients)
-        return [*signals(problem.torque_model.model, problem.limits, problem.checked_spheres, motion)]
-
-    def _room(self, maxima: Sequence[float]) -> Array:
-        """Margin to every limit."""
-        return (1.0 if self._allowed is None else self._allowed) - np.array(maxima)
 
     def _motion(self, coefficients: Array) -> JointMotion:
         return JointMotion(*(rows @ coefficients.T for rows in self._phi))

@@ -17,8 +17,9 @@ import numpy as np
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.closed_loop.loop import ClosedLoop, DrivenRobot, held_torque
+from graphdyn.identification.data.rows import runs
 from graphdyn.identification.data.samples import Samples, joined_samples
-from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.problem import Problem, pieces_of
 from graphdyn.layout import Array
 from graphdyn.motion_laws import Course, MotionLaw
 from graphdyn.simulation import ComputedTorqueControl, PDControl, Rollout, rollout
@@ -58,8 +59,8 @@ class Segment:
 
     def samples(self, robots: DrivenRobot) -> list[Samples]:
         """The exact motion of each robot. Raises EstimationFailed if it diverges."""
-        runs = self._in_python(robots) if self._loop.is_function else self._compiled(robots)
-        if not all(np.all(np.isfinite(array)) for array in runs):
+        motions = self._in_python(robots) if self._loop.is_function else self._compiled(robots)
+        if not all(np.all(np.isfinite(array)) for array in motions):
             raise EstimationFailed("the simulated loop does not hold the robot with these parameters: it runs away")
         row_filter, hold = self._pieces[0].row_filter, self._loop.torque_hold
         time = np.asarray(self._start + np.arange(self._rows) * self._period, dtype=float)
@@ -73,7 +74,7 @@ class Segment:
                 time=time,
                 temperature=self._temperature,
             )
-            for q, v, a, tau in zip(*runs, strict=True)
+            for q, v, a, tau in zip(*motions, strict=True)
         ]
 
     def positions(self) -> Array:
@@ -199,15 +200,14 @@ class SimulatedLoop:
         if problem.torque_model.has_memory:
             raise EstimationFailed("the simulated loop knows no friction with memory; leave it out")
         self.problem, self.loop, self.simulations = problem, loop, 0
-        pieces = [problem.data] if isinstance(problem.data, Samples) else list(problem.data)
-        self._stretches = [Segment(problem, loop, stretch) for stretch in _uninterrupted(pieces)]
+        self._stretches = [Segment(problem, loop, list(run.samples)) for run in runs(pieces_of(problem.data))]
 
     def samples(self, parameters: Array) -> list[Samples]:
         """The motions with parameters x (p,), row for row those of the recording.
 
         Raises EstimationFailed if the loop does not hold the robot.
         """
-        return [runs[0] for runs in self.runs(parameters[None])]
+        return [motions[0] for motions in self.runs(parameters[None])]
 
     def runs(self, parameters: Array) -> Iterator[list[Samples]]:
         """The motions with R rows of parameters (R, p), segment by segment.
@@ -238,14 +238,3 @@ class SimulatedLoop:
         alone = np.zeros_like(parameters)
         alone[:, base.independent] = [base.values(x) for x in parameters]
         return DrivenRobot.of(self.problem.torque_model, alone)
-
-
-def _uninterrupted(pieces: Sequence[Samples]) -> list[list[Samples]]:
-    """Groups of pieces that continue each other."""
-    stretches: list[list[Samples]] = []
-    for piece in pieces:
-        if piece.continues and stretches:
-            stretches[-1].append(piece)
-        else:
-            stretches.append([piece])
-    return stretches

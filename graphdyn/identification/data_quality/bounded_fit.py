@@ -20,7 +20,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis, triangle
 from graphdyn.identification.consistent.bodies import NONNEGATIVE_TERMS
-from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import Payload, RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -92,8 +92,7 @@ class BoundedFit:
         cls, torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
     ) -> list[BoundedFit]:
         """Fits of several motions of the same length, computed together: compiled code needs a thousand samples."""
-        q, v, a, tau = (np.concatenate([getattr(part, name) for part in motions]) for name in ("q", "v", "a", "tau"))
-        samples, bounds = Samples(q, v, a, tau), Bounds.of(torque_model)
+        samples, bounds = joined_samples(motions, slice(None)), Bounds.of(torque_model)
         matrices = np.split(torque_model.rows(samples), len(motions))
         known = np.split(torque_model.known_torque(samples), len(motions))
         return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.layout import Array
 
 MAX_EXAMINED_ROWS = 600
@@ -62,15 +61,19 @@ class ThinnedRecording:
         self._parts = []
         kept: list[Samples] = []
         for piece, margin in usable:
-            chosen = np.arange(margin, len(piece.samples) - margin, every)
+            chosen = slice(margin, len(piece.samples) - margin, every)
             t = np.arange(len(piece.samples)) * piece.period
             spline = make_interp_spline(t, piece.samples.tau, k=SPLINE_ORDER)
             each = [BSpline(spline.t, column, SPLINE_ORDER) for column in spline.c.T]
             self._parts.append((spline, each, t[chosen]))
-            kept.append(_rows(piece.samples, chosen))
+            kept.append(piece.samples[chosen])
         if not kept:
             raise TooShort("no piece of the recording is long enough to look for delays; record longer")
-        self.samples = _joined(kept)
+        if kept[0].base is not None:
+            raise InvalidInput(
+                "the base of the robot moves; the data quality of a recording is known for a base at rest only"
+            )
+        self.samples = joined_samples(kept, slice(None))
 
     def torque(self, later: float | Array = 0.0) -> Array:
         """The torque measured so much later (N, n), one time for all joints or one for each (n,) [s]."""
@@ -85,16 +88,3 @@ class ThinnedRecording:
     def torque_rate(self) -> Array:
         """Rate of the torque (N, n) [N m/s or N/s]."""
         return np.concatenate([spline(t, 1) for spline, _, t in self._parts])
-
-
-def _rows(samples: Samples, chosen: NDArray[np.intp]) -> Samples:
-    return Samples(samples.q[chosen], samples.v[chosen], samples.a[chosen], samples.tau[chosen], samples.base)
-
-
-def _joined(parts: Sequence[Samples]) -> Samples:
-    if parts[0].base is not None:
-        raise InvalidInput(
-            "the base of the robot moves; the data quality of a recording is known for a base at rest only"
-        )
-    q, v, a, tau = (np.concatenate([getattr(part, name) for part in parts]) for name in ("q", "v", "a", "tau"))
-    return Samples(q, v, a, tau)

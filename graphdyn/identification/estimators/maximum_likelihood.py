@@ -46,7 +46,7 @@ from graphdyn.identification.data.rows import Rows, runs
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.problem.prior import model_prior
-from graphdyn.identification.problem.problem import Problem
+from graphdyn.identification.problem.problem import Problem, pieces_of
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.identification.terms.friction import positive
@@ -140,7 +140,7 @@ def joined(covariance: Array) -> Array:
 def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:
     """The rows that count; the covariance of the errors of every run; the run of each row."""
     parts, covariances, lengths = list[Samples](), list[Array](), list[int]()
-    for run in runs([problem.data] if isinstance(problem.data, Samples) else problem.data):
+    for run in runs(pieces_of(problem.data)):
         pieces = list(run.samples)
         if any(piece.base is not None for piece in pieces):
             raise EstimationFailed("the base of the recording moves; errors of the motion know a base at rest only")

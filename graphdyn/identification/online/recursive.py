@@ -13,13 +13,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.compressed import Solution, solve_triangle
 from graphdyn.identification.algebra.least_squares import square_triangle
 from graphdyn.identification.data.samples import Samples, TorqueFreeSamples
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.torque_model import TorqueModel, structure
+from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
 
 
@@ -40,12 +40,9 @@ class RecursiveLeastSquares:
             raise InvalidInput(
                 "friction with memory needs whole runs, not sample by sample; leave it out, or use a Problem"
             )
-        n = torque_model.model.nv
-        deviations = as_floats("noise", noise)
-        if deviations.shape not in ((), (n,)) or not np.all(deviations > 0) or not np.all(np.isfinite(deviations)):
-            raise InvalidInput(f"noise is {deviations}; give one positive number, or {n}")
         if not 0 < forgetting <= 1:
             raise InvalidInput(f"forgetting is {forgetting!r}; give a factor above 0 and up to 1, where nothing is")
+        deviations = positive("noise", noise, torque_model.model.nv)
         self._model, self._noise, self._forgetting, self._speed = torque_model, deviations, forgetting, min_speed
         self._base = structure(torque_model).base
         self._factor = np.zeros((self._base.rank + 1, self._base.rank + 1))
@@ -56,7 +53,7 @@ class RecursiveLeastSquares:
             raise InvalidInput("these samples still have to go through a filter; give filtered ones, or a Problem")
         w = self._model.rows(TorqueFreeSamples(samples), self._base.independent)
         right = np.asarray(samples.tau, dtype=float) - self._model.known_torque(samples)
-        rows = np.concatenate([w, right[..., None]], axis=-1) / np.broadcast_to(self._noise, right.shape)[..., None]
+        rows = np.concatenate([w, right[..., None]], axis=-1) / self._noise[:, None]
         age = np.arange(len(samples))[::-1, None, None]
         kept = np.abs(np.asarray(samples.v)) >= np.asarray(self._speed)
         new = (rows * self._forgetting ** (age / 2))[kept]

@@ -6,6 +6,7 @@ noise. Durbin and Watson, Biometrika 37, 1950: Σ (e_t - e_{t-1})² / Σ e_t² i
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from functools import partial
 
@@ -79,10 +80,7 @@ def residual_statistics(problem: Problem, parameters: Array) -> list[ResidualSta
     if isinstance(problem.data, Partitioned):
         parts = problem.data.each_part(problem, partial(residuals_of_part, x))
         return merged_in_tree(_Residuals.merge, [part for _, part in parts]).statistics()
-    sums = _Residuals(problem.n_joints, x.shape[1])
-    for rows in problem.rows():
-        sums.add(rows, rows.matrix @ x - rows.right[..., None])
-    return sums.statistics()
+    return residuals_of_part(x, problem, slice(0, sys.maxsize)).statistics()
 
 
 def residuals_of_part(x: Array, problem: Problem, own: slice) -> _Residuals:
@@ -124,8 +122,8 @@ class _Residuals:
         return self
 
     def statistics(self) -> list[ResidualStatistics]:
-        """Statistics for every method."""
-        longest = self.finished().longest
+        """Statistics for every method, of finished sums."""
+        longest = self.longest
         tests = self.lagged.durbin_watson(), self.lagged.ljung_box_p(self.everything.count)
         return [
             ResidualStatistics(self.everything.of(k), self.moving.of(k), tests[0][:, k], tests[1][:, k], longest[:, k])

@@ -267,7 +267,7 @@ def test_motion_from_a_table(found):
         (lambda: problem_of(jerk=-1.0), r"a limit of jerk is -1; give numbers above zero"),
         (lambda: problem_of(torque=0.0), r"a limit of torque is 0; give numbers above zero"),
         (lambda: problem_of(upper=[1.0, 2.0]), r"upper limit has shape \(2,\); give one number, or 3"),
-        (lambda: replace(problem_of(), noise=np.array(0.0)), r"noise is 0\.0; give one number above zero, or 3"),
+        (lambda: replace(problem_of(), noise=np.array(0.0)), r"noise is 0\.; give one positive number, or 3"),
         (lambda: problem_of(four_bar()), r"robot '.*' has loops, which no motion is planned for yet"),
         (lambda: replace(problem_of(), rate=0.0), r"rate is 0 Hz; give one above zero"),
         (lambda: excitation_plan(problem_of().torque_model, np.eye(2)), r"the information matrix has shape \(2, 2\)"),

@@ -45,7 +45,7 @@ def test_forgets_a_friction_that_changed():
 
 def test_refusals():
     model = torque_data.small_arm()
-    with pytest.raises(InvalidInput, match=r"noise is 0\.0; give one positive number, or 2"):
+    with pytest.raises(InvalidInput, match=r"noise is 0\.; give one positive number, or 2"):
         RecursiveLeastSquares(model, 0.0)
     with pytest.raises(InvalidInput, match=r"forgetting is 1\.1; give a factor above 0 and up to 1"):
         RecursiveLeastSquares(model, 1.0, forgetting=1.1)
