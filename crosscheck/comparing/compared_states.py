@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,33 +82,13 @@ class ComparedStates(ScaledStates):
         """Pinocchio's answers."""
         return PinocchioAnswers(self.reference, self.model, self.q, self.v, self.a, self.tau, self.loads, self.frame)
 
-    @property
-    def origins(self) -> Array:
-        return self.there.position
-
-    @property
-    def rotations(self) -> Array:
-        return self.there.rotation
-
-    @property
-    def body_velocities(self) -> Array:
-        return self.there.velocity
-
-    @property
-    def body_accelerations(self) -> Array:
-        return self.there.acceleration
-
-    @property
-    def wrenches(self) -> Array:
-        return self.there.joint_wrenches
-
-    @property
-    def mass(self) -> Array:
-        return self.there.mass_matrix
-
-    @property
-    def solved(self) -> tuple[Array, Array, Array]:
-        return self.there.a, self.there.a_body_accelerations, self.there.a_wrenches
+    origins = property(attrgetter("there.position"))
+    rotations = property(attrgetter("there.rotation"))
+    body_velocities = property(attrgetter("there.velocity"))
+    body_accelerations = property(attrgetter("there.acceleration"))
+    wrenches = property(attrgetter("there.joint_wrenches"))
+    mass = property(attrgetter("there.mass_matrix"))
+    solved = property(attrgetter("there.a", "there.a_body_accelerations", "there.a_wrenches"))
 
     def required(self, a: Array) -> tuple[Array, Array]:
         return self.there.required(a)

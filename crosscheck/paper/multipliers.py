@@ -24,6 +24,7 @@ from crosscheck.paper.errata import world_axis_rows
 from crosscheck.paper.printed import MULTIPLIERS, Printed
 from crosscheck.paper.tables import joint_motion, rail
 from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model.moving_base import carried
 from crosscheck.reference.reference_values import multipliers_of
 from graphdyn import (
     MaximalState,
@@ -234,7 +235,7 @@ def corrected_multipliers(time: float = INSTANT) -> CorrectedMultipliers:
     model, motion = kr500(), rail(time)
     q, v, a = joint_motion(time)
     ours = inverse_dynamics(model, q, v, a, base=motion, method="dense")
-    there = PinocchioModel.from_model(model).carried(q[None], v[None], a[None], ours.tau[None], motion)
+    there = carried(PinocchioModel.from_model(model), q[None], v[None], a[None], ours.tau[None], motion)
     state = maximal_state(model, q, v, a, base=motion)
     rnea = multipliers_of(model, state.rotation, there.joint_wrenches[0])
     forces, moments = (
@@ -293,7 +294,7 @@ def over_time() -> OverTime:
     model, recording = kr500(), kr500_experiment()
     q, v, a, base = recording.q, recording.v, recording.a, rail(recording.time)
     ours = inverse_dynamics(model, q, v, a, base=base, method="dense")
-    there = PinocchioModel.from_model(model).carried(q, v, a, recording.tau, base)
+    there = carried(PinocchioModel.from_model(model), q, v, a, recording.tau, base)
     rotation = maximal_state(model, q, v, a, base=base).rotation
     rnea = multipliers_of(model, rotation, there.joint_wrenches)
     forces, moments = (

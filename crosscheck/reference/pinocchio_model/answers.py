@@ -12,7 +12,6 @@ import pinocchio as pin
 
 from crosscheck.reference.pinocchio_model.derivation import second_derivatives
 from crosscheck.reference.pinocchio_model.model import PinocchioModel
-from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.pinocchio_model.reactions import reaction_derivatives
 from crosscheck.reference.reference_values import at_centers, multipliers_of
 from crosscheck.reference.subject import compared_frames
@@ -84,7 +83,7 @@ class PinocchioAnswers:
         """The robot without gravity, whose torques at rest are M a: with v for a, the momenta M v."""
         return self.robot.turned(Placement(), np.zeros(3))
 
-    def each(self, compute: Callable[[OrderedModel, NativeState], Any], robot: OrderedModel | None = None) -> Array:
+    def each(self, compute: Callable[[PinocchioModel, NativeState], Any], robot: PinocchioModel | None = None) -> Array:
         """An answer of every state (N, …). robot: as it is if left out"""
         return np.array([compute(robot or self.robot, state) for state in self._states])
 
@@ -118,7 +117,7 @@ class PinocchioAnswers:
 
     @cached_property
     def _motion(self) -> tuple[Array, Array, Array, Array]:
-        def of_one(robot: OrderedModel, state: NativeState) -> tuple[Array, Array, Array, Array]:
+        def of_one(robot: PinocchioModel, state: NativeState) -> tuple[Array, Array, Array, Array]:
             data = robot.data
             pin.forwardKinematics(robot.native, data, state.q, state.v, state.a)
             links = [data.oMi[k] for k in robot.ids]
@@ -179,7 +178,7 @@ class PinocchioAnswers:
     def body_regressor(self) -> Array:
         """jointBodyRegressor   (N, n, 6, 10)."""
 
-        def of_one(robot: OrderedModel, state: NativeState) -> list[Array]:
+        def of_one(robot: PinocchioModel, state: NativeState) -> list[Array]:
             pin.rnea(robot.native, robot.data, state.q, state.v, state.a)
             return [np.array(pin.jointBodyRegressor(robot.native, robot.data, k)) for k in robot.ids]
 
@@ -189,7 +188,7 @@ class PinocchioAnswers:
     def accelerations_by_parameters(self) -> Array:
         """-M⁻¹ × the regressor at a   (N, n, 10n)."""
 
-        def of_one(robot: OrderedModel, state: NativeState) -> Array:
+        def of_one(robot: PinocchioModel, state: NativeState) -> Array:
             a = np.array(pin.aba(robot.native, robot.data, state.q, state.v, state.tau))
             inverse = robot.symmetric(pin.computeMinverse(robot.native, robot.data, state.q))
             return -inverse @ robot.regressor_of(state.q, state.v, a)
@@ -200,7 +199,7 @@ class PinocchioAnswers:
     def momentum_about_origin(self) -> Array:
         """Σ of the spatial momenta of the bodies, each moved to the world's origin   (N, 6)."""
 
-        def of_one(robot: OrderedModel, state: NativeState) -> Array:
+        def of_one(robot: PinocchioModel, state: NativeState) -> Array:
             native, data = robot.native, robot.data
             pin.forwardKinematics(native, data, state.q, state.v)
             total = sum((data.oMi[k].act(native.inertias[k] * data.v[k]) for k in robot.ids), pin.Force.Zero())
@@ -212,7 +211,7 @@ class PinocchioAnswers:
     def center_of_mass_velocity(self) -> Array:
         """vcom of centerOfMass   (N, 3)."""
 
-        def of_one(robot: OrderedModel, state: NativeState) -> Array:
+        def of_one(robot: PinocchioModel, state: NativeState) -> Array:
             pin.centerOfMass(robot.native, robot.data, state.q, state.v)
             return np.array(robot.data.vcom[0])
 
@@ -236,7 +235,7 @@ class PinocchioAnswers:
         names = (self.frame,) if self.frame else compared_frames(self.robot.model)
         compute = getattr(pin, function)
 
-        def of_one(robot: OrderedModel, state: NativeState) -> Array:
+        def of_one(robot: PinocchioModel, state: NativeState) -> Array:
             native, data = robot.native, robot.data
             pin.computeJointJacobiansTimeVariation(native, data, state.q, state.v)  # the Jacobians, too
             pin.forwardKinematics(native, data, state.q, state.v, state.a)

@@ -11,8 +11,8 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 import pinocchio as pin
 
+from crosscheck.reference.pinocchio_model.model import PinocchioModel
 from crosscheck.reference.pinocchio_model.native import se3
-from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from graphdyn import Chord
 from graphdyn.layout import Array
 
@@ -28,7 +28,7 @@ of 7 mg on a delta robot it is NaN for most of these. The answer that leaves the
 
 
 def closed_dynamics(
-    robot: OrderedModel, chords: tuple[Chord, ...], q: Array, v: Array, tau: Array, external_wrenches: Array
+    robot: PinocchioModel, chords: tuple[Chord, ...], q: Array, v: Array, tau: Array, external_wrenches: Array
 ) -> tuple[Array, Array, float]:
     """Accelerations (n,), joint wrenches data.f (n, 6) and what is missing of τ, at one state of a tree with chords.
 
@@ -50,7 +50,7 @@ def closed_dynamics(
 
 
 def _solved(
-    robot: OrderedModel,
+    robot: PinocchioModel,
     contacts: Iterable[pin.RigidConstraintModel],
     mu: float,
     state: Array,
@@ -79,7 +79,7 @@ def _solved(
     return a, forces
 
 
-def _contacts(robot: OrderedModel, chords: tuple[Chord, ...], apart: float) -> Iterator[pin.RigidConstraintModel]:
+def _contacts(robot: PinocchioModel, chords: tuple[Chord, ...], apart: float) -> Iterator[pin.RigidConstraintModel]:
     for chord in chords:
         (joint_i, at_i), (joint_j, at_j) = (
             (robot.ids[body - 1] if body else 0, _on_body(robot, body, se3(placement)))
@@ -107,6 +107,6 @@ def _points(chord: Chord, apart: float) -> list[Array]:
     return [np.zeros(3), *(apart * direction for direction in further[chord.kind])]
 
 
-def _on_body(robot: OrderedModel, body: int, placement: pin.SE3) -> pin.SE3:
+def _on_body(robot: PinocchioModel, body: int, placement: pin.SE3) -> pin.SE3:
     """On the ground the frame of the robot's mounting, which Pinocchio's universe does not have."""
     return placement if body else se3(robot.model.base) * placement

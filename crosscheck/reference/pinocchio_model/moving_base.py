@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
-from crosscheck.reference.pinocchio_model.ordered import OrderedModel
+from crosscheck.reference.pinocchio_model.model import PinocchioModel
 from crosscheck.reference.reference_values import CarriedValues
 from graphdyn import BaseMotion
 from graphdyn.layout import Array
 
 
-def carried(robot: OrderedModel, q: Array, v: Array, a: Array, tau: Array, motion: BaseMotion) -> CarriedValues:
+def carried(robot: PinocchioModel, q: Array, v: Array, a: Array, tau: Array, motion: BaseMotion) -> CarriedValues:
     """A free joint in front of the robot, whose position, velocity and acceleration are imposed.
 
     q, v, a, tau (N, n); motion with N rows, or one for all

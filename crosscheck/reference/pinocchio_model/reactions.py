@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from crosscheck.reference.pinocchio_model.model import PinocchioModel
 from crosscheck.reference.pinocchio_model.native import write_position
-from crosscheck.reference.pinocchio_model.ordered import OrderedModel
 from crosscheck.reference.reference_values import multipliers_of
 from graphdyn.equations import COMPLEX_STEP_SIZE
 from graphdyn.layout import ANGULAR, BODY_DOF, Array
 
 
-def reaction_derivatives(robot: OrderedModel, q: Array, v: Array, a: Array) -> dict[str, Array]:
+def reaction_derivatives(robot: PinocchioModel, q: Array, v: Array, a: Array) -> dict[str, Array]:
     """∂λ (N, n, 5, n) and ∂(joint wrenches) (N, n, 6, n) by q, v and a: q, v, a (N, n).
 
     robot: best at the world's origin, about which Pinocchio differentiates
@@ -37,7 +37,7 @@ def reaction_derivatives(robot: OrderedModel, q: Array, v: Array, a: Array) -> d
 class _Loosened:
     """The robot with a free joint behind every joint."""
 
-    def __init__(self, robot: OrderedModel):
+    def __init__(self, robot: PinocchioModel):
         native = pin.Model()
         native.gravity = robot.native.gravity
         own, free = [0], [0]  # numbers in this model by those in the robot's
@@ -65,7 +65,7 @@ class _Loosened:
         return wrenches, *(np.array(matrix[self._rows[..., None], self._columns]) for matrix in (by_q, by_v, mass))
 
 
-def _rotations(robot: OrderedModel, q: Array) -> tuple[Array, Array]:
+def _rotations(robot: PinocchioModel, q: Array) -> tuple[Array, Array]:
     """R_0j (N, n, 3, 3) of the links, and their derivatives by every joint (n, N, n, 3, 3)."""
     native, data = robot.native, robot.data
     rotations, turning = [], []

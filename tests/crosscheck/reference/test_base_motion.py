@@ -7,6 +7,7 @@ from random_trees import random_rotation, random_tree
 
 import urdf
 from crosscheck.reference.pinocchio_model import PinocchioModel
+from crosscheck.reference.pinocchio_model.moving_base import carried
 from graphdyn import BaseMotion, forward_dynamics, inverse_dynamics, kr500, mass_matrix
 
 AGREEMENT = 1e-13
@@ -35,7 +36,7 @@ def test_carried_robot(name):
         rng.normal(size=(SAMPLES, 3)),
         *rng.normal(size=(2, SAMPLES, 6)),
     )
-    there = PinocchioModel.from_model(model).carried(q, v, a, tau, motion)
+    there = carried(PinocchioModel.from_model(model), q, v, a, tau, motion)
     scale = np.abs(there.joint_wrenches).max()
     for method in ("projected", "dense"):
         inverse = inverse_dynamics(model, q, v, a, base=motion, method=method)
@@ -50,6 +51,6 @@ def test_one_motion_for_all_states():
     model = ROBOTS["ur5"]()
     q = model.random_state(np.random.default_rng(1), 3)[0]
     motion = BaseMotion(acceleration=[2.0, 0, 0, 0, 0, 0])
-    there = PinocchioModel.from_model(model).carried(q, 0 * q, 0 * q, 0 * q, motion)
+    there = carried(PinocchioModel.from_model(model), q, 0 * q, 0 * q, 0 * q, motion)
     here = inverse_dynamics(model, q, 0 * q, 0 * q, base=motion)
     assert np.abs(here.joint_wrenches - there.joint_wrenches).max() <= AGREEMENT * np.abs(there.joint_wrenches).max()
