@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import crosscheck.commands
-from crosscheck.report.records.json import as_bytes
 from crosscheck.report.records.json_schema import schema_of
-from crosscheck.report.records.record import Record
+from crosscheck.report.records.record import Record, as_bytes
 from urdf.document import write_whole
 
 

@@ -82,21 +82,22 @@ class TabulatedQuantity(ComparedQuantity):
         )
 
 
-COMPARED: dict[str, ComparedQuantity] = {
-    quantity.name: quantity
-    for quantity in (
-        *(TabulatedQuantity.of(row, form) for row in QUANTITIES.values() for form in row.forms),
-        ComparedQuantity("constraint_rank", "φ_q has rank 5n", "full rank", RANK),
-        ComparedQuantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, solves=True),
-        ComparedQuantity(
-            "base_parameters",
-            "same least squares with Pinocchio's regressor",
-            "only cond(W) ‖x‖ × rounding of a column, columns of W at unit length",
-            IDENTIFICATION,
-            massive=True,
-        ),
-    )
-}
+def _by_name(*quantities: ComparedQuantity) -> dict[str, ComparedQuantity]:
+    return {quantity.name: quantity for quantity in quantities}
+
+
+COMPARED = _by_name(
+    *(TabulatedQuantity.of(row, form) for row in QUANTITIES.values() for form in row.forms),
+    ComparedQuantity("constraint_rank", "φ_q has rank 5n", "full rank", RANK),
+    ComparedQuantity("kkt_rank", "Eq. (111) has rank 11n", "full rank", RANK, solves=True),
+    ComparedQuantity(
+        "base_parameters",
+        "same least squares with Pinocchio's regressor",
+        "only cond(W) ‖x‖ × rounding of a column, columns of W at unit length",
+        IDENTIFICATION,
+        massive=True,
+    ),
+)
 
 _SUM = "largest entry of a tensor × (Σ∣K∣)²"
 _CLOSED = "that of forward_dynamics × largest over smallest singular value of J"
@@ -104,30 +105,18 @@ _CLOSED_WRENCH = (
     "largest joint wrench × largest over smallest singular value of J; ∣M∣ × the error of a; Pinocchio's own residual"
 )
 
-COUPLED = {
-    quantity.name: quantity
-    for quantity in (
-        ComparedQuantity("coupled_inverse_dynamics", "rnea with fext at K q + o, times Kᵀ", TORQUE, AGREEMENT),
-        ComparedQuantity("coupling_multipliers", "what rnea with fext needs at driven joints", TORQUE, AGREEMENT),
-        ComparedQuantity("coupled_mass_matrix", "Kᵀ crba K", _SUM, AGREEMENT),
-        ComparedQuantity("coupled_joint_torque_regressor", "Kᵀ computeJointTorqueRegressor", BY_TYPE, AGREEMENT),
-        ComparedQuantity("coupled_forward_dynamics", "a for which rnea gives τ", SOLVED_SCALE, ACCELERATION, True),
-    )
-}
+COUPLED = _by_name(
+    ComparedQuantity("coupled_inverse_dynamics", "rnea with fext at K q + o, times Kᵀ", TORQUE, AGREEMENT),
+    ComparedQuantity("coupling_multipliers", "what rnea with fext needs at driven joints", TORQUE, AGREEMENT),
+    ComparedQuantity("coupled_mass_matrix", "Kᵀ crba K", _SUM, AGREEMENT),
+    ComparedQuantity("coupled_joint_torque_regressor", "Kᵀ computeJointTorqueRegressor", BY_TYPE, AGREEMENT),
+    ComparedQuantity("coupled_forward_dynamics", "a for which rnea gives τ", SOLVED_SCALE, ACCELERATION, True),
+)
 """Compared in addition where joints drive each other; the others are then those of the robot without couplings."""
 
-LOOPED = {
-    quantity.name: quantity
-    for quantity in (
-        ComparedQuantity(
-            "closed_forward_dynamics", "constraintDynamics, of points held together", _CLOSED, ACCELERATION
-        ),
-        ComparedQuantity(
-            "closed_joint_wrenches", "rnea with its forces; what is determined", _CLOSED_WRENCH, AGREEMENT
-        ),
-        ComparedQuantity(
-            "closed_inverse_dynamics", "a for which constraintDynamics moves as given", _CLOSED, ACCELERATION
-        ),
-    )
-}
+LOOPED = _by_name(
+    ComparedQuantity("closed_forward_dynamics", "constraintDynamics, of points held together", _CLOSED, ACCELERATION),
+    ComparedQuantity("closed_joint_wrenches", "rnea with its forces; what is determined", _CLOSED_WRENCH, AGREEMENT),
+    ComparedQuantity("closed_inverse_dynamics", "a for which constraintDynamics moves as given", _CLOSED, ACCELERATION),
+)
 """Compared in addition where chords close loops; the others are then those of the tree."""

@@ -13,7 +13,7 @@ from graphdyn.layout import Array
 if TYPE_CHECKING:
     from crosscheck.reference.pinocchio_model import PinocchioAnswers
     from crosscheck.reference.pinocchio_model.answers import NativeState
-    from crosscheck.reference.pinocchio_model.ordered import OrderedModel
+    from crosscheck.reference.pinocchio_model.model import PinocchioModel
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class NativeFunction:
     """One of Pinocchio's functions of a state, as a reference for a quantity.
 
     function: its name; arguments: names among q, v, a, tau, forces
-    form: what its answer is, as a method of OrderedModel that brings it into our order; None for what has no joints
+    form: what its answer is, as a method of PinocchioModel that brings it into our order; None for what has no joints
     rooted: computed at the world's origin
     item: which of several answers
     """
@@ -43,7 +43,7 @@ class NativeFunction:
         """The answer at every state (N, …)."""
         function = self.native
 
-        def of_one(robot: OrderedModel, state: NativeState) -> Array:
+        def of_one(robot: PinocchioModel, state: NativeState) -> Array:
             found = function(robot.native, robot.data, *(getattr(state, name) for name in self.arguments))
             found = found if self.item is None else found[self.item]
             return np.array(getattr(found, "vector", found)) if self.form is None else getattr(robot, self.form)(found)

@@ -25,7 +25,7 @@ from crosscheck.commands.program.options import command_line, files_below, is_fo
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.distributing import Lost
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from graphdyn import GraphDynError
 
 Details = Literal["none", "disagreeing", "all"]

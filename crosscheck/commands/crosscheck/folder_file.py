@@ -12,8 +12,7 @@ from typing import Any
 from crosscheck.commands.crosscheck.record import CrosscheckRecord, sweep_record
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.reference.subject import content_sha256
-from crosscheck.report.records.json import as_bytes, plain
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import as_bytes, plain, versions
 from graphdyn import InvalidInput
 from urdf import InvalidXacro
 

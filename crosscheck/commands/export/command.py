@@ -58,7 +58,7 @@ def run(options: ExportOptions) -> None:
     import urdf
     from crosscheck.commands.export.languages import c_text, matlab_text
     from crosscheck.commands.export.record import ExportedModel, record
-    from crosscheck.report.records.json import as_bytes, plain
+    from crosscheck.report.records.record import as_bytes, plain
 
     with warnings_shown():
         model = urdf.load(robot, reading=reading)

@@ -49,7 +49,7 @@ def _write(report: Report, options: JsonOptions | None) -> None:
 
         options.html_file.write(page(report, command_line(), versions()).encode())
     if options is not None and options.json_file is not None and report.record is not None:
-        from crosscheck.report.records.json import as_bytes, plain
+        from crosscheck.report.records.record import as_bytes, plain
 
         options.json_file.write(as_bytes(plain(report.record(command_line()))))
 

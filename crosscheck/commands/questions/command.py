@@ -80,7 +80,7 @@ def content(ending: str, robot: str, joint_names: Sequence[str], frame: str | No
     """Questions in the form of an ending."""
     from crosscheck.commands.questions.record import record
     from crosscheck.judging.exchange.questions import QUESTION_WRITERS
-    from crosscheck.report.records.json import as_bytes, plain
+    from crosscheck.report.records.record import as_bytes, plain
 
     if ending == ".json":
         return as_bytes(plain(record(robot, joint_names, frame, asked)))

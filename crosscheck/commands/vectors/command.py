@@ -55,7 +55,7 @@ def run(options: VectorsOptions) -> None:
     from crosscheck.commands.vectors import record as vectors
     from crosscheck.judging.exchange.vectors import confirmed_functions, vector_tables
     from crosscheck.reference.subject import subject
-    from crosscheck.report.records.json import as_bytes, plain
+    from crosscheck.report.records.record import as_bytes, plain
 
     setting = replace(options.setting, conventions=options.conventions, precision=options.precision)
     chosen = names(options.functions) or confirmed_functions(frame)

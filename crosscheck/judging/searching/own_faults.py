@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from crosscheck.judging.faults.fault import ROUND_NUMBER_TOLERANCE, FaultDescription
 from crosscheck.judging.searching.answer_faults import FoundFault
 from crosscheck.judging.states import JudgedStates
+from crosscheck.quantities.measures import column_space, outside_of
 from crosscheck.quantities.scales import largest
-from crosscheck.quantities.spans import column_space, outside_of
 from graphdyn import RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES

@@ -86,10 +86,13 @@ def _backward_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -
     return backward_error(torques, y, wrenches, states.mass, x, *(() if states.loads is None else (states.loads,)))
 
 
-def _placement_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
-    """Placement errors of rotations and positions side by side (N, n, 3, 4)."""
-    turned = largest(x[..., :3] - y[..., :3])
-    return np.maximum(turned, relative(x[..., 3], y[..., 3], constant(center_offset(states.model), states)))
+def placement_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
+    """Errors of rotations and positions side by side (N, n, 3, 4), and of the last row (N, n, 4, 4)."""
+    place = (..., slice(0, 3), 3)
+    offset = constant(center_offset(states.model), states)
+    turned, shifted = x.copy(), relative(x[place], y[place], largest(states.origins), offset)
+    turned[place] = y[place]
+    return np.maximum(largest(turned - y), shifted)
 
 
 def _placed(rotation: Array, position: Array) -> Array:
@@ -289,7 +292,7 @@ DYNAMICS = (
         ),
         pinocchio=lambda there, _: _placed(there.rotation, there.position),
         against="forwardKinematics, oMi",
-        errors=_placement_errors,
+        errors=placement_errors,
         scale=PLACED,
         forms=USUAL,
     ),

@@ -10,9 +10,9 @@ import numpy as np
 import graphdyn
 from crosscheck.quantities.measures import ORDER, Chosen, Measure, linear_first
 from crosscheck.quantities.quantity import USUAL, Ours, Quantity, frame_verb
-from crosscheck.quantities.rows.dynamics import PLACED
+from crosscheck.quantities.rows.dynamics import PLACED, placement_errors
 from crosscheck.quantities.scaled_states import ScaledStates
-from crosscheck.quantities.scales import Sizes, by_part, center_offset, largest, relative
+from crosscheck.quantities.scales import Sizes, by_part
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.reference.native_functions import FrameFunction
 from crosscheck.reference.subject import compared_frames
@@ -47,14 +47,6 @@ def _placement_of_pinocchio(there: PinocchioAnswers, chosen: Chosen) -> Array:
     names = [there.frame] if there.frame else [frame.name for frame in there.robot.model.frames]
     placed = _homogeneous(*there.robot.frame_placements(there.q, names))
     return placed[:, 0] if there.frame else placed
-
-
-def _placement_errors(x: Array, y: Array, states: ScaledStates, chosen: Chosen) -> Array:
-    place = (..., slice(0, 3), 3)
-    offset = np.full(len(x), center_offset(states.model))
-    turned, shifted = x.copy(), relative(x[place], y[place], largest(states.origins), offset)
-    turned[place] = y[place]
-    return np.maximum(largest(turned - y), shifted)
 
 
 def _by_part(linear: Callable[[Sizes], Array], angular: Callable[[Sizes], Array], six: int = -1) -> Measure:
@@ -99,7 +91,7 @@ FRAMES = (
         ),
         pinocchio=_placement_of_pinocchio,
         against="updateFramePlacements, oMf of fused links",
-        errors=_placement_errors,
+        errors=placement_errors,
         scale=PLACED,
         forms=USUAL,
         of_frame=True,

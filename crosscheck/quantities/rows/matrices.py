@@ -6,13 +6,7 @@ from typing import TypedDict
 
 import numpy as np
 
-from crosscheck.quantities.measures import (
-    Chosen,
-    constant,
-    rate_size,
-    relative_to,
-    through_mass_matrix,
-)
+from crosscheck.quantities.measures import Chosen, constant, rate_size, relative_to, through_mass_matrix
 from crosscheck.quantities.quantity import USUAL_TWICE, Quantity, verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, largest, largest_tensor, ratio, relative

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
-from crosscheck.quantities.measures import Chosen, columns_relative_to
+from crosscheck.quantities.measures import Chosen, columns_relative_to, span_errors
 from crosscheck.quantities.quantity import USUAL, USUAL_TWICE, Quantity, verb
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import PARAMETER_TYPES, acceleration_scale, by_parameter_type, largest, ratio
-from crosscheck.quantities.spans import span_errors
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.quantities.tolerances import ACCELERATION
 from graphdyn.layout import BODY_PARAMETERS, Array

@@ -12,7 +12,7 @@ from crosscheck.bench.calls import CALL_WORKS
 from crosscheck.bench.forms import peers
 from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.commands.bench.record import record as record_of
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 
 ROUNDED = 1e-12
 """Quotients of times that were written to a file and read again."""

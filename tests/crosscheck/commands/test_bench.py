@@ -25,8 +25,7 @@ from crosscheck.commands.bench.record import record as record_of
 from crosscheck.commands.bench.report import bench_report, facts
 from crosscheck.report.html import page
 from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, time_text
-from crosscheck.report.records.json import plain
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import plain, versions
 from crosscheck.report.report import Plot
 from crosscheck.report.text import as_text
 

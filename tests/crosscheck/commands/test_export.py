@@ -19,7 +19,7 @@ import urdf
 from crosscheck.commands.export.languages import c_text, matlab_text
 from crosscheck.commands.export.record import ExportedModel, record
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from graphdyn.model.spatial import rotation_about
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")

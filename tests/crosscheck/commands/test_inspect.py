@@ -24,8 +24,7 @@ from crosscheck.commands.inspect.record import FileRecord
 from crosscheck.commands.inspect.report import MAX_UNFOLDED_FILES, inspect_report, worst
 from crosscheck.commands.program import console
 from crosscheck.report.html import MAX_NOTES_PER_CODE, page
-from crosscheck.report.records.json import plain
-from crosscheck.report.records.record import written
+from crosscheck.report.records.record import plain, written
 
 SCHEMA = json.loads((REPOSITORY / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
 NARROW = 80

@@ -25,8 +25,7 @@ from crosscheck.commands.program import console
 from crosscheck.paper.printed import TABLE_2, Printed
 from crosscheck.paper.reproduction import PROGRESS_STEPS, REFERENCE_BOUND, Check, reproduce
 from crosscheck.report.html import page as html_page
-from crosscheck.report.records.json import plain
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import plain, versions
 from crosscheck.report.report import Plot
 from crosscheck.report.text import renderables
 

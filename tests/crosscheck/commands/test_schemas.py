@@ -22,7 +22,7 @@ from crosscheck.commands.program import own_process
 from crosscheck.commands.show import record as show_records
 from crosscheck.commands.show.description import describe
 from crosscheck.paper.errata import Effect
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 
 ROOT = REPOSITORY
 SCHEMAS = {path.name: json.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "docs/schemas").glob("*.json")}

@@ -15,7 +15,7 @@ from shown.browser import CHROMIUM, document
 from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
 from crosscheck.commands.study.report import study_report
 from crosscheck.report.html import page
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from crosscheck.study.statistics.grid import grid_of
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes

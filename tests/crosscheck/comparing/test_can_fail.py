@@ -20,7 +20,7 @@ from crosscheck.paper.errata import world_axis_rows
 from crosscheck.quantities import COMPARED, QUANTITIES
 from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from graphdyn import Placement, inverse_dynamics
 from graphdyn.equations.system.constraints import constraints
 from graphdyn.equations.system.unconstrained import mass_terms

@@ -18,7 +18,7 @@ from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.html import page as page_of
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput, kr500
 from urdf.document.catalog import locate

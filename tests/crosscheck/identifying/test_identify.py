@@ -19,7 +19,7 @@ from crosscheck.identifying.methods.torque_terms import with_setting
 from crosscheck.identifying.preparing.trials import constant_errors
 from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from graphdyn import InvalidInput, mass_matrix
 from graphdyn.identification import Problem, Samples, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous

@@ -13,7 +13,7 @@ import urdf
 from crosscheck.commands.judge.record import record as record_of
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.reference.pinocchio_model import PinocchioAnswers
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 
 SAMPLES = 5

@@ -22,7 +22,7 @@ from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.faults.fault import factor_said
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.judge import judge
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn import inverse_dynamics
 

@@ -12,7 +12,7 @@ from rich.cells import cell_len
 import crosscheck
 from crosscheck.commands.judge.record import record as record_of
 from crosscheck.commands.judge.report import judge_report
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 
 pytest_plugins = ["pytester"]

@@ -17,7 +17,7 @@ from crosscheck.judging.verdicts.explaining import region, roundest
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.tested_function import Refusal
 from crosscheck.quantities.tolerances import FUNCTION_UNDER_TEST, FUNCTION_UNDER_TEST_SINGLE
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 
 
 def planted(record: Any, schema: Mapping[str, Any], number: float) -> Any:

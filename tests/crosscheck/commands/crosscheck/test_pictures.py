@@ -13,7 +13,7 @@ from crosscheck.comparing.comparison import QUANTILES
 from crosscheck.quantities import COMPARED
 from crosscheck.report.pictures.spread import SpreadRow, spread
 from crosscheck.report.pictures.stick_figure import BENT_ANGLE, pose, pose_text, stick_figure
-from crosscheck.report.records.json import plain
+from crosscheck.report.records.record import plain
 from graphdyn import Joint, Placement
 
 

@@ -16,8 +16,7 @@ import crosscheck
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.quantities import COMPARED
-from crosscheck.report.records.json import as_bytes, plain
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import as_bytes, plain, versions
 from crosscheck.report.report import WIDE_LINE_CHARACTERS
 from crosscheck.report.text import as_text
 from graphdyn import Body

@@ -16,8 +16,7 @@ from crosscheck.commands.show.record import record as record_of
 from crosscheck.commands.show.report import show_report
 from crosscheck.report.html import page
 from crosscheck.report.pictures.stick_figure import pose, pose_text
-from crosscheck.report.records.json import plain
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import plain, versions
 from graphdyn import Chord, Coupling, Joint
 
 LINKAGE = four_bar()

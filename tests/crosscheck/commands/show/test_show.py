@@ -22,8 +22,7 @@ from crosscheck.commands.show.state import describe_state
 from crosscheck.reference.subject import tip
 from crosscheck.report.html import page
 from crosscheck.report.plain_text import matrix_lines, vector_text
-from crosscheck.report.records.json import plain
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import plain, versions
 from crosscheck.report.text import renderables
 from graphdyn import kkt_system, kr500
 from graphdyn.model.spatial import rotation_about

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crosscheck.report.records.json import plain
 from crosscheck.report.records.json_schema import schema_of
-from crosscheck.report.records.record import Count, Record, attribute, written
+from crosscheck.report.records.record import Count, Record, attribute, plain, written
 
 
 @dataclass(frozen=True)
