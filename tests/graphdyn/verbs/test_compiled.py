@@ -25,16 +25,19 @@ from graphdyn.verbs.compiled import ARRAY_VERBS, CompiledModel
 MODEL = NAMED["mixed_chain"]
 """Four joints."""
 
+SMALL = NAMED["prismatic_inside_and_out"]
+"""Three, for which every verb is compiled twice."""
+
 
 @pytest.mark.parametrize("back_end", BACK_ENDS)
 def test_single_states_are_rows_of_batches(back_end):
     """Bit for bit, whether arguments are given or left in place, as arrays or as lists."""
-    states = random_state(MODEL, 1, (4,))
+    states = random_state(SMALL, 1, (4,))
     with on(back_end):
-        compiled = graphdyn.compile(MODEL)
+        compiled = graphdyn.compile(SMALL)
         for verb in ARRAY_VERBS:
             count = len(ARRAY_VERBS[verb].inputs)
-            batch = getattr(graphdyn, verb)(MODEL, *states[:count], method="recursive")
+            batch = getattr(graphdyn, verb)(SMALL, *states[:count], method="recursive")
             single = getattr(compiled, verb)
             assert getattr(compiled, verb) is single
             for row in range(4):
