@@ -36,11 +36,9 @@ class Friction:
     offset: ArrayLike = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("viscous", "coulomb", "offset"):
-            array = finite(f"{name} friction" if name != "offset" else "offset", getattr(self, name))
-            if name != "offset" and np.any(array < 0):
-                raise InvalidInput(f"{name} friction is negative ({array.min():g}); give zero or more")
-            object.__setattr__(self, name, array)
+        for name in ("viscous", "coulomb"):
+            object.__setattr__(self, name, nonnegative(f"{name} friction", getattr(self, name)))
+        object.__setattr__(self, "offset", finite("offset", self.offset))
 
     @classmethod
     def of_model(cls, model: RobotModel) -> Friction:
@@ -83,10 +81,7 @@ class JointStops:
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "damping"):
-            array = finite(f"{name} of the stops", getattr(self, name))
-            if np.any(array < 0):
-                raise InvalidInput(f"{name} of the stops is negative ({array.min():g}); give zero or more")
-            object.__setattr__(self, name, array)
+            object.__setattr__(self, name, nonnegative(f"{name} of the stops", getattr(self, name)))
 
 
 def refuse_loops(what: str, model: RobotModel, remedy: str) -> None:
@@ -116,17 +111,27 @@ def finite(name: str, value: ArrayLike) -> Array:
     return array
 
 
+def nonnegative(name: str, value: ArrayLike) -> Array:
+    """The same of numbers of which none is below zero."""
+    array = finite(name, value)
+    if np.any(array < 0):
+        raise InvalidInput(f"{name} is negative ({array.min():g}); give zero or more")
+    return array
+
+
 def per_joint(name: str, value: ArrayLike, model: RobotModel, runs: int | None = None) -> Array:
     """One number for all joints, or one per joint, as (n,); with runs as (runs, n). Raises InvalidInput."""
-    array = as_floats(name, value)
     shape = (model.nv,) if runs is None else (runs, model.nv)
+    expected = f"() or ({model.nv},)" + ("" if runs is None else f" or {shape}")
+    return _of_shape(name, value, shape, f"{expected} for the {model.nv} joints of robot '{model.name}'")
+
+
+def _of_shape(name: str, value: ArrayLike, shape: tuple[int, ...], expected: str) -> Array:
+    array = as_floats(name, value)
     try:
         return np.broadcast_to(array, shape)
     except ValueError:
-        expected = f"() or ({model.nv},)" + ("" if runs is None else f" or {shape}")
-        raise InvalidInput(
-            f"{name} has shape {array.shape}, expected {expected} for the {model.nv} joints of robot '{model.name}'"
-        ) from None
+        raise InvalidInput(f"{name} has shape {array.shape}, expected {expected}") from None
 
 
 Wrenches = Callable[[float, Array, Array], ArrayLike]
@@ -204,17 +209,16 @@ def make_plant(
             raise InvalidInput(f"friction is '{friction}'; give a Friction, 'model' for that of the file, or None")
         friction = Friction.of_model(model)
     if friction is not None:
-        for name in ("viscous", "coulomb", "offset"):
-            constants[name] = per_joint(name, getattr(friction, name), model, runs)
+        for name, value in vars(friction).items():
+            constants[name] = per_joint(name, value, model, runs)
     if rotor_inertia is not None:
         constants["rotor"] = per_joint("rotor_inertia", finite("rotor_inertia", rotor_inertia), model, runs)
         if np.any(constants["rotor"] < 0):
             raise InvalidInput("rotor_inertia is negative; give zero or more")
     if isinstance(limits, JointStops):
         lower, upper = (side[list(model.degrees_of_freedom.independent)] for side in position_limits(model))
-        for name, value in (("lower", lower), ("upper", upper), ("stiffness", limits.stiffness)):
+        for name, value in {"lower": lower, "upper": upper, **vars(limits)}.items():
             constants[name] = per_joint(name, value, model, runs)
-        constants["damping"] = per_joint("damping", limits.damping, model, runs)
     elif limits not in (None, "stop"):
         raise InvalidInput(f"limits is {limits!r}; give 'stop', a JointStops, or None")
     if torque_limits is not None:
@@ -232,20 +236,12 @@ def make_plant(
     elif external_wrenches is not None:
         shape = (*(() if runs is None else (runs,)), model.n_bodies, BODY_DOF)
         given = finite("external_wrenches", external_wrenches)
-        try:
-            constants["external_wrenches"] = np.broadcast_to(given, shape).reshape(*shape[:-2], -1)
-        except ValueError:
-            raise InvalidInput(f"external_wrenches has shape {given.shape}, expected {shape}") from None
+        constants["external_wrenches"] = _of_shape("external_wrenches", given, shape, f"{shape}").reshape(
+            *shape[:-2], -1
+        )
     if parameters is not None:
-        constants["parameters"] = _parameters(model, parameters, runs)
+        width = BODY_PARAMETERS * model.n_bodies
+        shape = (width,) if runs is None else (runs, width)
+        given = finite("parameters", parameters)
+        constants["parameters"] = _of_shape("parameters", given, shape, f"({width},) or {shape}")
     return PlantConstants(model, constants, (base,) if isinstance(base, BaseMotionLaw) else tuple(base), wrenches)
-
-
-def _parameters(model: RobotModel, parameters: ArrayLike, runs: int | None) -> Array:
-    width = BODY_PARAMETERS * model.n_bodies
-    given = as_floats("parameters", finite("parameters", parameters))
-    shape = (width,) if runs is None else (runs, width)
-    try:
-        return np.broadcast_to(given, shape)
-    except ValueError:
-        raise InvalidInput(f"parameters has shape {given.shape}, expected ({width},) or {shape}") from None

@@ -205,14 +205,14 @@ def check_controller(controller: Controller, model: RobotModel) -> None:
         finite(name, getattr(controller, name))
     if controller.period is not None and not (controller.period > 0 and np.isfinite(controller.period)):
         raise InvalidInput(f"period is {controller.period!r}; give seconds above zero, or None for every step")
-    believed = getattr(controller, "nominal", None)
-    if not isinstance(controller, PDControl):
-        refuse_loops("ComputedTorqueControl", model, "give PDControl, or a function of t, q and v")
-    if believed is not None:
+    if isinstance(controller, ComputedTorqueControl):
+        believed = model if controller.nominal is None else controller.nominal
         check_model(believed)
-        refuse_loops("ComputedTorqueControl", believed, "give PDControl, or a function of t, q and v")
-    if believed is not None and believed.nv != model.nv:
-        raise InvalidInput(f"the nominal robot of the controller has {believed.nv} joints, '{model.name}' {model.nv}")
+        for robot in (model, believed):
+            refuse_loops("ComputedTorqueControl", robot, "give PDControl, or a function of t, q and v")
+        if believed.nv != model.nv:
+            known = f"'{model.name}' {model.nv}"
+            raise InvalidInput(f"the nominal robot of the controller has {believed.nv} joints, {known}")
     reference(controller, model, np.zeros(1))
 
 
