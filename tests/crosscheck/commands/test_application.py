@@ -432,6 +432,7 @@ class TestInstalledScript:
         assert done.err.startswith(f"error: {broken}:")
         assert done.err.count("\n") == 1
 
+    @LONG
     def test_version(self, script):
         done = script("--version")
         assert done.code == AGREED

@@ -109,6 +109,26 @@ def written(path):
     return record
 
 
+@pytest.fixture(scope="module")
+def some_record():
+    return sweeping.examine(sweeping.ComparisonTask("kr500", 1, 0, "none")).record
+
+
+@pytest.fixture
+def examined(monkeypatch, some_record):
+    """Bookkeeping does not need the numbers: every robot that can be loaded gets the same."""
+
+    def examine(task):
+        if "new" in task.robot:
+            return sweeping.ComparisonOutcome(task.robot, failure="not a robot")
+        own = {"robot": task.robot, "file_sha256": content_sha256(task.robot)}
+        return sweeping.ComparisonOutcome(
+            task.robot, {**some_record, **own, "samples": task.samples, "seed": task.seed}
+        )
+
+    monkeypatch.setattr(sweeping, "examine", examine)
+
+
 class TestOutcomes:
     def test_in_processes(self, program, folder, tmp_path, monkeypatch):
         monkeypatch.setattr(console, "PROGRESS_INTERVAL", math.inf)  # however slow the machine, no line of progress
@@ -207,7 +227,7 @@ class TestArguments:
         (failure,) = written(tmp_path / "r.json")["failures"]
         assert failure["robot"] == str(folder / "empty")
 
-    def test_with_names_and_twice(self, program, here, good_folder):
+    def test_with_names_and_twice(self, program, here, examined, good_folder):
         assert program("kr500", good_folder, good_folder / "good.urdf", "--samples", 1).code == AGREED
         assert here == ["kr500", "good.urdf", "bare.urdf"]
 
@@ -242,26 +262,8 @@ class TestArguments:
         assert here == []
 
 
-@pytest.fixture(scope="module")
-def some_record():
-    return sweeping.examine(sweeping.ComparisonTask("kr500", 1, 0, "none")).record
-
-
+@pytest.mark.usefixtures("examined")
 class TestResume:
-    @pytest.fixture(autouse=True)
-    def examined(self, monkeypatch, some_record):
-        """Bookkeeping does not need the numbers: every robot that can be loaded gets the same."""
-
-        def examine(task):
-            if "new" in task.robot:
-                return sweeping.ComparisonOutcome(task.robot, failure="not a robot")
-            own = {"robot": task.robot, "file_sha256": content_sha256(task.robot)}
-            return sweeping.ComparisonOutcome(
-                task.robot, {**some_record, **own, "samples": task.samples, "seed": task.seed}
-            )
-
-        monkeypatch.setattr(sweeping, "examine", examine)
-
     @pytest.fixture
     def sweep(self, program, here, good_folder, tmp_path):
         """Sweeps once and returns a function that goes on with what was written, and tells what was compared."""

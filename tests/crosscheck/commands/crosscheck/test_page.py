@@ -201,13 +201,12 @@ class TestForm:
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
-def test_in_a_browser(tmp_path, page, wrong_comparison, tree):
+def test_in_a_browser(tmp_path, wrong_comparison, tree):
     """No page is wider than its window, no script fails, and the buttons appear."""
     function = judged(tree, "joint_torque_regressor", 1.5)
     verdict = judgment(tree, function, diagnoses=(DIAGNOSIS,))
     identified = identified_arm.compared()
     pages = {
-        "small.html": page,
         "wrong.html": comparison_page([wrong_comparison], COMMAND),
         "judged.html": judgment_page(verdict),
         "identified.html": page_of(identify_report(identified, identified.shown()), COMMAND, versions()),

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from long_check import few
 from planting import PLANTED, SAMPLES, SEED, with_body
 from shown.pages import COMMAND, comparison_page, executed, snippets
 
@@ -24,15 +25,20 @@ def state_of(model, name):
     return WorstState("urdf", name, *numbers, tau, wrenches, turn, tuple(case.model.gravity.tolist()))
 
 
+WITH_STATE = sorted(set(COMPARED) - {"base_parameters"})
+ALIKE = {f"{what}_{by}_recursive" for what in ("dmultipliers", "dwrenches") for by in ("dv", "da")}
+"""Written like the derivatives by q, and half a second each to compile."""
+
+
 class TestSnippets:
-    @pytest.mark.parametrize("name", sorted(set(COMPARED) - {"base_parameters"}))
+    @pytest.mark.parametrize("name", few(WITH_STATE, *(set(WITH_STATE) - ALIKE)))
     def test_both_sides_of_every_quantity(self, small_comparison, name, capsys):
         _, difference = executed(worst_state(small_comparison, small_comparison.quantities[name]), capsys)
         assert difference < PLANTED
 
     def test_every_quantity_with_a_state_has_one(self, small_comparison):
         with_state = {name for name, result in small_comparison.quantities.items() if result.worst}
-        assert with_state == set(COMPARED) - {"base_parameters"}
+        assert with_state == set(WITH_STATE)
 
     def test_the_first_of_the_page_shows_the_disagreement(self, wrong_comparison, tree, plant, capsys):
         """A RobotModel was compared: the reader puts it into `model`."""
