@@ -11,6 +11,7 @@ from typing import Any
 
 from lxml import etree
 
+from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.elements import line_of
 from urdf.errors import MalformedXML, TooLarge
 
@@ -37,11 +38,17 @@ _EMPTY, _VERSION, _LIMIT = (
 
 @dataclass(frozen=True)
 class Document:
-    """A file, its bytes, and its root element <robot>; path: as messages give it."""
+    """A file, its bytes, and its root element <robot>.
+
+    path: as messages give it; gravity: that goes with it (3,) [m/s²]
+    complaints: warnings of the expander of .xacro files, None where the file was not expanded
+    """
 
     path: Path
     content: bytes
     robot: etree._Element
+    gravity: tuple[float, float, float] = STANDARD_GRAVITY
+    complaints: tuple[str, ...] | None = None
 
 
 def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bool = True) -> Document:

@@ -10,7 +10,7 @@ from pathlib import Path
 from lxml import etree
 
 from urdf.document.connections.loop_elements import read
-from urdf.document.connections.loops import Closure, Motor, SourceLocation
+from urdf.document.connections.loops import Closure, Motor, SourceLocation, Unread
 from urdf.document.elements import children, describe, line_of, name_of, tag_of, written_tag
 from urdf.document.vocabulary import (
     ATTRIBUTES,
@@ -22,17 +22,6 @@ from urdf.document.vocabulary import (
     UNREAD_CHANGES,
 )
 from urdf.errors import shortened
-
-
-@dataclass(frozen=True)
-class Unread:
-    """Something that is not read, at one or more places; element, line: the first."""
-
-    code: str
-    element: str
-    line: int | None
-    problem: str
-    places: int
 
 
 @dataclass(frozen=True)
@@ -90,7 +79,7 @@ def _unread(robot: etree._Element) -> Iterator[Unread]:
         first.setdefault((code, problem), element)
         places[code, problem] += 1
     for (code, problem), element in first.items():
-        yield Unread(code, describe(element), line_of(element), problem, places[code, problem])
+        yield Unread(problem, describe(element), line_of(element), code, places[code, problem])
 
 
 _ON_THE_WAY = {

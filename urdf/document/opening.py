@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from os.path import isfile
 from pathlib import Path
@@ -32,19 +32,7 @@ class Xacro:
     packages: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
-class Opened:
-    """A document, and the gravity that goes with it (3,) [m/s²].
-
-    complaints: warnings of the expander, None where the file was not expanded
-    """
-
-    document: Document
-    gravity: tuple[float, float, float]
-    complaints: tuple[str, ...] | None = None
-
-
-def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
+def open_document(given: Given, xacro: Xacro | None = None) -> Document:
     """The document of a source; a file whose name ends with .xacro is expanded first.
 
     Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled; OSError.
@@ -59,17 +47,18 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Opened:
         document = parsed(path, content, encoding)  # raises where the XML is malformed or unsafe
         text, complaints = expand(path, document.content, settings.arguments, settings.packages)
         check_size(text, path)
-        return Opened(parsed(path, text, UTF8, lines=False), gravity, tuple(complaints))
+        expanded = parsed(path, text, UTF8, lines=False)
+        return replace(expanded, gravity=gravity, complaints=tuple(complaints))
     if xacro is not None:
         problem = "xacro arguments and packages are given, but not a file that ends with .xacro"
         remedy = "leave them out, or give the .xacro file"
         raise InvalidXacro(problem, remedy, path=path)
-    return Opened(parsed(path, content, encoding), gravity)
+    return replace(parsed(path, content, encoding), gravity=gravity)
 
 
 def content_of(path: Path, xacro: Xacro | None = None) -> bytes:
     """The bytes of a file; for a .xacro file, of its expansion. Raises as open_document does."""
-    return open_document(path, xacro).document.content if path.suffix.lower() == ".xacro" else path.read_bytes()
+    return open_document(path, xacro).content if path.suffix.lower() == ".xacro" else path.read_bytes()
 
 
 def path_of(given: Given) -> Path:

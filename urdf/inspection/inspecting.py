@@ -12,7 +12,8 @@ import numpy as np
 from graphdyn import InvalidInput
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.connections.loops import CompanionFiles
-from urdf.document.opening import Given, Opened, open_document, path_of, said
+from urdf.document.document import Document
+from urdf.document.opening import Given, open_document, path_of, said
 from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
 from urdf.errors import URDFError
@@ -67,9 +68,12 @@ def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[Read
     return report(asked, None if path is None else str(path), [found])
 
 
-def _findings(opened: Opened, meshes: Meshes, reading: Reading) -> Iterator[Finding]:
-    document = opened.document
-    around = [*_of_the_expansion(opened), *_limited(document_findings(document)), *_limited(reader_findings(document))]
+def _findings(document: Document, meshes: Meshes, reading: Reading) -> Iterator[Finding]:
+    around = [
+        *_of_the_expansion(document),
+        *_limited(document_findings(document)),
+        *_limited(reader_findings(document)),
+    ]
     try:
         beside = stated_beside(reading.loops, document.path)
         source = reduced(document)
@@ -92,11 +96,11 @@ def _findings(opened: Opened, meshes: Meshes, reading: Reading) -> Iterator[Find
         yield from _of_the_model(source, beside, structure, replace(reading, repair=()))
 
 
-def _of_the_expansion(opened: Opened) -> Iterator[Finding]:
-    if opened.complaints is None:
+def _of_the_expansion(document: Document) -> Iterator[Finding]:
+    if document.complaints is None:
         return
     yield of_file("xacro-expanded", "the file is expanded by xacro: elements have no line in it")
-    for complaint in opened.complaints:
+    for complaint in document.complaints:
         yield of_file("xacro-complaint", f"expanding the file: {complaint}")
 
 

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 from lxml import etree
 
-from urdf.document.connections.loops import Closure, CompanionFiles, CoupledSums, Motor, SourceLocation
+from urdf.document.connections.loops import Closure, CompanionFiles, CoupledSums, Motor, SourceLocation, Unread
 from urdf.document.elements import name_of
-from urdf.document.extensions import Unread
 from urdf.document.source import Source
 from urdf.document.tree import joint_into, path_up
 from urdf.errors import InvalidLoop, listed, shortened
@@ -107,10 +106,4 @@ def unread_motors(motors: Sequence[Motor], driven: Container[str]) -> Iterator[U
     for motor in motors:
         if motor.joint in driven:
             problem = f"a motor at joint '{shortened(motor.joint)}', which other joints drive"
-            yield Unread("unread-dynamics", motor.place.element or "", motor.place.line, problem, 1)
-
-
-def unread_beside(beside: CompanionFiles) -> Iterator[Unread]:
-    """What the YAML file has that is not known."""
-    for said in beside.unread:
-        yield Unread("unread-dynamics", "", None, said, 1)
+            yield Unread(problem, motor.place.element or "", motor.place.line)

@@ -52,9 +52,9 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     RepairWarning, XacroWarning.
     """
     how = Reading.of(load, reading)
-    opened, _, parsed = parsed_source(source, how)
-    model = build(parsed, opened.gravity)
-    warn(parsed, model.gravity if how.gravity is None else None, opened.complaints or ())
+    document, _, parsed = parsed_source(source, how)
+    model = build(parsed, document.gravity)
+    warn(parsed, model.gravity if how.gravity is None else None, document.complaints or ())
     return model if how.gravity is None else model.with_gravity(how.gravity)
 
 
@@ -92,8 +92,8 @@ def shapes(
         raise InvalidInput(f"geometry is {geometry!r}; give 'visual' or 'collision'")
     if faces is not None and (not isinstance(faces, Integral) or isinstance(faces, bool) or faces < 1):
         raise InvalidInput(f"faces is {faces!r}; give a whole number from 1 on, or None")
-    opened, elements, parsed = parsed_source(source, Reading.of(shapes, reading))
-    model = build(parsed, opened.gravity)
+    document, elements, parsed = parsed_source(source, Reading.of(shapes, reading))
+    model = build(parsed, document.gravity)
     names = (model.base_name, *model.body_names)
     own = (Frame(name, body, Placement()) for body, name in enumerate(names))
     places = {frame.name: (names[frame.body], frame.placement) for frame in (*model.frames, *own)}
@@ -108,9 +108,9 @@ class Misreadings:
     """
 
     def __init__(self, source: Given, reading: Reading = AS_IT_STANDS) -> None:
-        _, document, self._parsed = parsed_source(source, reading)
+        _, elements, self._parsed = parsed_source(source, reading)
         self.robot: Robot = self._parsed.robot
-        self.order = joints_in_order(document)[1]
+        self.order = joints_in_order(elements)[1]
         assembly = self._parsed.assembly
         self.carriers = {
             name: assembly.bodies[number - 1].name for name, (number, share) in assembly.fused.items() if share.any()

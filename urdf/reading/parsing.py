@@ -14,26 +14,23 @@ from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, Coupling, InvalidModel, RobotModel
-from urdf.document.connections.loops import CompanionFiles
-from urdf.document.extensions import Unread
-from urdf.document.opening import Given, Opened, open_document
+from urdf.document.connections.loops import CompanionFiles, Unread
+from urdf.document.document import Document
+from urdf.document.opening import Given, open_document
 from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, joints_in_order, tree_faults
 from urdf.errors import InvalidRobot
 from urdf.loops.closing import all_closures, chords, closure_faults, stated_beside
-from urdf.loops.couplings import actuated, check_motors, unread_beside, unread_motors
+from urdf.loops.couplings import actuated, check_motors, unread_motors
 from urdf.loops.mimics import resolve
 from urdf.reading.checks import faults
 from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble
-from urdf.reading.reading import AS_IT_STANDS, Reading
+from urdf.reading.reading import Reading
 from urdf.reading.repairing import repair as mend
 
 if TYPE_CHECKING:
     import yourdfpy
-
-
-NO_COMPANION_FILES = CompanionFiles()
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,18 +57,14 @@ class Parsed:
     assembly: Assembly
 
 
-def parsed_source(given: Given, reading: Reading) -> tuple[Opened, Source, Parsed]:
+def parsed_source(given: Given, reading: Reading) -> tuple[Document, Source, Parsed]:
     """A source through all stages, with its elements as they are after repairs and cuts. Raises as load does."""
-    opened = open_document(given, reading.xacro)
-    source = reduced(opened.document)
-    return opened, source, parse(source, stated_beside(reading.loops, opened.document.path), reading)
+    document = open_document(given, reading.xacro)
+    source = reduced(document)
+    return document, source, parse(source, stated_beside(reading.loops, document.path), reading)
 
 
-def parse(
-    source: Source,
-    beside: CompanionFiles = NO_COMPANION_FILES,
-    reading: Reading = AS_IT_STANDS,
-) -> Parsed:
+def parse(source: Source, beside: CompanionFiles, reading: Reading) -> Parsed:
     """The stages between the document and the model; the source is modified. Raises as load does.
 
     beside: what is stated beside the file about loops
@@ -115,7 +108,7 @@ def parse(
         chords=closing,
         actuated=actuated(motors, [joint.name for joint in assembly.joints if joint.name not in driven]),
         changes=tuple(changes),
-        unread=(*source.extensions.unread, *unread_beside(beside), *unread_motors(motors, driven)),
+        unread=(*source.extensions.unread, *beside.unread, *unread_motors(motors, driven)),
         assembly=assembly,
     )
 

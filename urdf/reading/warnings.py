@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.layout import Array
-from urdf.document.extensions import Unread
+from urdf.document.connections.loops import Unread
 from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, rotation_from_rpy, values
 from urdf.errors import (
     MAX_QUOTED_NAMES,

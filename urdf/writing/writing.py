@@ -133,20 +133,14 @@ def _add_motion(element: etree._Element, joint: Joint) -> None:
 
 def _limits(joint: Joint) -> dict[str, float]:
     """The attributes of <limit>; empty where the joint needs none."""
-    limits = joint.limits
-    if joint.kind == "continuous" and limits.velocity is None and limits.effort is None:
+    unlimited = {"lower": -NO_LIMIT, "upper": NO_LIMIT, "effort": NO_LIMIT, "velocity": NO_LIMIT}
+    position = {"lower", "upper"} if joint.kind != "continuous" else set()
+    stated = {name: getattr(joint.limits, name) for name in unlimited if name in position | {"effort", "velocity"}}
+    stated = {name: limit for name, limit in stated.items() if limit is not None}
+    if joint.kind == "continuous" and not stated:
         return {}
-    bounds: dict[str, float] = {}
-    if joint.kind != "continuous" and not (limits.lower is None and limits.upper is None):
-        # readers take a single missing bound as zero
-        bounds = {
-            "lower": -NO_LIMIT if limits.lower is None else limits.lower,
-            "upper": NO_LIMIT if limits.upper is None else limits.upper,
-        }
-    return bounds | {
-        "effort": NO_LIMIT if limits.effort is None else limits.effort,
-        "velocity": NO_LIMIT if limits.velocity is None else limits.velocity,
-    }
+    written = {"effort", "velocity"} | (position if position & stated.keys() else set())  # a single bound is not enough
+    return {name: stated.get(name, limit) for name, limit in unlimited.items() if name in written}
 
 
 def _mimic(coupling: Coupling) -> etree._Element:

@@ -1,13 +1,8 @@
-"""Elements that close loops or couple joints, of the forms that are read.
+"""Elements that close loops or couple joints, of the forms that are read; urdf.document.vocabulary has their sources.
 
-- <loop>, <coupling>: URDF+ (M. Chignoli et al., "URDF+: An Enhanced URDF for Robots with Kinematic Loops", 2024,
-  arXiv:2411.19753). The types "spherical" and "distance" are additions of ours, which urdf.save writes
-- <loop_joint>: Drake's former RigidBodyTree and RigidBodyDynamics.jl; origins are attributes of the links
-- <constraint>: the proposal of ros/urdfdom, pull request 264; type "link" joins two frames rigidly
-- <drake:ball_constraint>: Drake, "Parsing Models for Multibody Systems"
-
-All of them state the axis in the frames that meet, with the same components in both, and take (1, 0, 0) for a missing
-one.
+The types "spherical" and "distance" of <loop> are additions of ours, which urdf.save writes; the type "link" of
+<constraint> joins two frames rigidly. All elements state the axis in the frames that meet, with the same components in
+both, and take (1, 0, 0) for a missing one.
 """
 
 from __future__ import annotations

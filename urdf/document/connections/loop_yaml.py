@@ -14,7 +14,7 @@ from pathlib import Path
 import yaml
 
 from graphdyn.model import ChordKind
-from urdf.document.connections.loops import CompanionFiles, Loop, Motor, SourceLocation
+from urdf.document.connections.loops import CompanionFiles, Loop, Motor, SourceLocation, Unread
 from urdf.errors import InvalidLoop, URDFError, shortened
 
 YAML_CHORD_KINDS: dict[str, ChordKind] = {"6d": "weld", "6D": "weld", "3d": "ball", "3D": "ball"}
@@ -76,7 +76,7 @@ class _File:
                 raise self.fault(key, name, "stated twice", "keep the one that is meant")
             nodes[name] = value
             if name not in YAML_KEYS:
-                unread.append(f"{self.path.name}:{key.start_mark.line + 1}: key '{name}'")
+                unread.append(Unread(f"{self.path.name}:{key.start_mark.line + 1}: key '{name}'"))
         for element in ("closed_loop", "type"):
             if element not in nodes:
                 raise InvalidLoop(f"'{element}' is missing", "state the pairs and their types", path=self.path)

@@ -96,10 +96,21 @@ class Motor:
     place: SourceLocation
 
 
+@dataclass(frozen=True)
+class Unread:
+    """Something that is not read, at one or more places; element, line: the first."""
+
+    problem: str
+    element: str = ""
+    line: int | None = None
+    code: str = "unread-dynamics"
+    places: int = 1
+
+
 @dataclass(frozen=True, eq=False)
 class CompanionFiles:
-    """What is stated beside a file: loops, by links or joints, motors, and in words what is not read."""
+    """What is stated beside a file: loops, by links or joints, motors, and what is not read."""
 
     loops: tuple[tuple[Loop, SourceLocation], ...] = ()
     motors: tuple[Motor, ...] = ()
-    unread: tuple[str, ...] = ()
+    unread: tuple[Unread, ...] = ()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from graphdyn import InconsistentState, RobotModel
+from graphdyn import InconsistentState, RobotModel, mass_matrix
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces
@@ -42,23 +43,26 @@ def free_motions(model: RobotModel, q: Array) -> list[Array]:
     return [right[:, free] for right, free in zip(spaces.right, spaces.free, strict=True)]
 
 
-def loop_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
-    """Findings about a robot with chords."""
+def loop_findings(model: RobotModel, structure: Structure) -> Generator[Finding, None, list[Array]]:
+    """Findings about a robot with chords; returns the mass matrices of the motions that keep the loops closed."""
     yield from _massless(model)
     if model.n_chord_rows > MAX_CHORD_ROWS:
         problem = f"the loops have {model.n_chord_rows} rows: more than {MAX_CHORD_ROWS} are not examined"
         yield of_file("loops-not-examined", problem)
-        return
+        return []
     try:
         q = closed_states(model)
     except InconsistentState as error:
         yield of_file("loop-cannot-close", str(error))
-        return
+        return []
     motions = free_motions(model, q)
     yield _rows(model, motions)
     generic = min(motions, key=lambda motion: motion.shape[-1])  # singular poses have more
     yield from _idle(model, generic)
     yield from _independent(model, structure, generic)
+    matrices = mass_matrix(replace(model, chords=(), actuated=None), q)
+    projected = [motion.T @ matrix @ motion for motion, matrix in zip(motions, matrices, strict=True)]
+    return [matrix for matrix in projected if 0 < len(matrix) == generic.shape[-1]]
 
 
 def _massless(model: RobotModel) -> Iterator[Finding]:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
-from graphdyn import InconsistentState, RobotModel, mass_matrix
+from graphdyn import RobotModel, mass_matrix
 from graphdyn.layout import Array
 from urdf.document.elements import name_of
 from urdf.errors import listed
 from urdf.inspection.findings import Finding, about, of_file
-from urdf.inspection.rules.loop_rules import MAX_CHORD_ROWS, closed_states, free_motions, loop_findings
+from urdf.inspection.rules.loop_rules import loop_findings
 from urdf.inspection.structure import Structure
 
 N_STATES, SEED = 5, 0
@@ -38,9 +37,8 @@ def model_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]
     """Findings about a robot that loads."""
     yield from _bodies(model, structure)
     yield from _units(model)
-    if model.chords:
-        yield from loop_findings(model, structure)
-    yield from _mass_matrix(model)
+    closed = (yield from loop_findings(model, structure)) if model.chords else None
+    yield from _mass_matrix(model, closed)
 
 
 def _bodies(model: RobotModel, structure: Structure) -> Iterator[Finding]:
@@ -68,36 +66,18 @@ def _units(model: RobotModel) -> Iterator[Finding]:
         yield of_file("suspicious-masses", f"{mass:.3g} kg on a reach of {reach:.3g} m")
 
 
-def _mass_matrix(model: RobotModel) -> Iterator[Finding]:
+def _mass_matrix(model: RobotModel, closed: list[Array] | None) -> Iterator[Finding]:
+    """closed: mass matrices of the motions that keep loops closed, None where there are no loops."""
     n = model.n_bodies
     if n > MAX_EXAMINED_BODIES:
         problem = f"{n} moving bodies: the mass matrix of more than {MAX_EXAMINED_BODIES} is not examined"
         yield of_file("mass-matrix-not-examined", problem)
         return
-    if model.chords:
-        yield from _of_closed_motions(model)
-        return
-    q, _ = model.random_state(np.random.default_rng(SEED), N_STATES)
-    yield from _judged(model, mass_matrix(model, q), f"over {N_STATES} random states (seed {SEED})")
-
-
-def _of_closed_motions(model: RobotModel) -> Iterator[Finding]:
-    """Findings about the mass matrix of the motions that keep the loops closed; nothing where no such state is
-    known."""
-    if model.n_chord_rows > MAX_CHORD_ROWS:
-        return
-    try:
-        q = closed_states(model)
-    except InconsistentState:
-        return  # a finding of its own
-    motions = free_motions(model, q)
-    degrees_of_freedom = min(motion.shape[-1] for motion in motions)
-    regular = [k for k, motion in enumerate(motions) if motion.shape[-1] == degrees_of_freedom]
-    tree = replace(model, chords=(), actuated=None)
-    matrices = [motions[k].T @ mass_matrix(tree, q[k]) @ motions[k] for k in regular]
-    if degrees_of_freedom:
-        where = f"over motions that keep the loops closed, at {len(regular)} poses"
-        yield from _judged(model, np.array(matrices), where)
+    if closed is None:
+        q, _ = model.random_state(np.random.default_rng(SEED), N_STATES)
+        yield from _judged(model, mass_matrix(model, q), f"over {N_STATES} random states (seed {SEED})")
+    elif closed:
+        yield from _judged(model, np.array(closed), f"over motions that keep the loops closed, at {len(closed)} poses")
 
 
 def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]:
