@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.consistent.manifold import inertial_prior
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
@@ -26,6 +25,7 @@ from graphdyn.identification.terms import (
     Viscous,
 )
 from graphdyn.layout import BODY_PARAMETERS, Array
+from graphdyn.model.inertia import pseudo_inertia_from_parameters
 
 NONNEGATIVE_TERMS = (
     *(Viscous, Coulomb, AsymmetricViscous, AsymmetricCoulomb, LoadFriction, MaxwellSlip),
@@ -88,13 +88,11 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
     for payload, carrier in carriers.items():
         if not ten[payload].any():
             ten[payload] = model.bodies[carrier].parameters
-    inside = inertial_prior(ten)
-    moved = ", ".join(name for name, lifted in zip(names, inside.lifted, strict=True) if lifted)
+    inside, lifted = inertial_prior(ten)
+    moved = ", ".join(name for name, light in zip(names, lifted, strict=True) if light)
     further = tuple(column.name for k, column in enumerate(torque_model.columns) if k not in in_bodies)
     remark = f"no real body has the prior inertia of {moved}; it was made heavier or thicker" if moved else ""
-    return Bodies(
-        tuple(names), tuple(columns), inside.pseudo_inertia, further, tuple(nonnegative), (remark,) if remark else ()
-    )
+    return Bodies(tuple(names), tuple(columns), inside, further, tuple(nonnegative), (remark,) if remark else ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,3 +171,50 @@ def _bounds(what: str, given: ArrayLike, shape: tuple[int, ...], unit: str) -> A
     if np.any(bounds[0] > bounds[1]):
         raise InvalidInput(f"{what}: the lower limit {bounds[0]} is above the upper limit {bounds[1]} {unit}")
     return bounds
+
+
+MIN_PRIOR_RADIUS = 1e-3
+"""Smallest extent of a prior [m]: the root mean square distance of its mass from a plane through the center of mass."""
+
+
+MIN_PRIOR_THINNESS = 0.05
+"""Smallest extent of a prior relative to its largest one: the log-det of a flat or slender CAD body is undefined."""
+
+
+MIN_PRIOR_MASS_SHARE = 1e-2
+"""Smallest mass of a prior relative to the mean body: a link without mass in the file gets that much."""
+
+
+def inertial_prior(parameters: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Positive definite pseudo-inertia matrices (n, 4, 4) of a prior (n, 10), and which of them had to be lifted (n,).
+
+    A body that is too light, too thin or not physically consistent is moved inside the consistent ones. The mass is
+    raised to MIN_PRIOR_MASS_SHARE of the mean, and the extent along each principal axis to MIN_PRIOR_THINNESS of the
+    largest one and to MIN_PRIOR_RADIUS. A body that is already inside stays unchanged.
+    Raises InvalidInput if no body has a mass.
+    """
+    mass = parameters[:, 0]
+    heavy = mass > 0
+    if not heavy.any():
+        raise InvalidInput("no body of the prior has a mass; give a prior with at least rough masses")
+    matrices = pseudo_inertia_from_parameters(parameters)
+    least = MIN_PRIOR_MASS_SHARE * mass[heavy].mean()
+    lifted = np.array([_lift(matrix, least) for matrix in matrices])
+    return matrices, lifted
+
+
+def _lift(matrix: Array, least_mass: float) -> bool:
+    """Move one pseudo-inertia matrix inside, in place; return whether that was needed."""
+    light = matrix[3, 3] < least_mass
+    center = np.zeros(3) if matrix[3, 3] <= 0 else matrix[:3, 3] / matrix[3, 3]
+    second_moments = matrix[:3, :3] - matrix[3, 3] * np.outer(center, center)
+    mass = max(matrix[3, 3], least_mass)
+    values, axes = np.linalg.eigh(second_moments)
+    smallest = max(MIN_PRIOR_THINNESS**2 * values[-1], MIN_PRIOR_RADIUS**2 * mass)
+    if not light and values[0] >= smallest:
+        return False
+    second_moments = axes * np.maximum(values, smallest) @ axes.T
+    matrix[:3, :3] = second_moments + mass * np.outer(center, center)
+    matrix[:3, 3] = matrix[3, :3] = mass * center
+    matrix[3, 3] = mass
+    return True

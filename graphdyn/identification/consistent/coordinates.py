@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
 from graphdyn.identification.algebra.compressed import solve_triangle
-from graphdyn.identification.consistent.manifold import upper_factor
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import parameters_from_pseudo_inertia
 
@@ -158,3 +157,8 @@ def prior_coordinates(
         base_values=best.x,
         base_covariance=best.inverse,
     )
+
+
+def upper_factor(matrix: Array) -> Array:
+    """Upper triangular U with P = U Uᵀ, positive diagonal (…, 4, 4)."""
+    return np.asarray(np.linalg.cholesky(matrix[..., ::-1, ::-1])[..., ::-1, ::-1], dtype=float)

@@ -34,9 +34,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates
+from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates, upper_factor
 from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, VIOLATION_TOLERANCE, ConsistentFit
-from graphdyn.identification.consistent.manifold import upper_factor
 from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT, Cost, polished, suboptimality
 from graphdyn.layout import BODY_PARAMETERS, Array
 

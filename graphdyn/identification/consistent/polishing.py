@@ -14,6 +14,17 @@ bodies S_i ⪰ margin · E, rows G u ≥ h and any multipliers λ ≥ 0,
 Let Z_i be the part of the slope ∇f - Gᵀλ that belongs to S_i. A body contributes ⟨Z_i, S_i - S_i*⟩, which is at most
 ⟨Z_i, S_i - margin · E⟩ if Z_i ⪰ 0. The negative part of Z_i, and the slope of the further columns, are multiplied by
 the size of u itself, as if u* were no larger.
+
+There are two distances d of physically consistent bodies, whose P are the positive definite 4×4 matrices, from a prior:
+
+    entropic    d = tr(P₀⁻¹ P) - log det(P₀⁻¹ P) - 4        Bregman divergence of -log det
+    pullback    d = ½ tr((P₀⁻¹ (P - P₀))²)                  its second-order part at P₀, a quadratic form in P
+
+Both are ≥ 0, vanish at P₀ alone, and are invariant to changes of link frame or units: P → G P Gᵀ, P₀ → G P₀ Gᵀ.
+
+Lee, Wensing and Park, "Geometric robot dynamic identification: a convex programming approach", IEEE Transactions on
+Robotics 36(2), 2020, Eq. (22) and (26); Lee and Park, "A geometric algorithm for robust multibody inertial parameter
+identification", IEEE Robotics and Automation Letters 3(3), 2018.
 """
 
 from dataclasses import dataclass
@@ -22,7 +33,6 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates
-from graphdyn.identification.consistent.manifold import entropic_divergence, pullback_distance
 from graphdyn.layout import BODY_PARAMETERS, Array
 
 Metric = Literal["entropic", "pullback"]
@@ -146,3 +156,17 @@ def suboptimality(cost: Cost, u: Array, rows: Array, right: Array, multipliers: 
     lacking = np.maximum(0.0, -np.linalg.eigvalsh(z)[:, 0]) * np.trace(s, axis1=1, axis2=2)
     further = np.abs(slope[c.width :] * u[c.width :])
     return float(slack.sum() + lacking.sum() + further.sum() + abs(multipliers @ (rows @ u - right)))
+
+
+def entropic_divergence(matrix: Array, prior: Array) -> Array:
+    """tr(P₀⁻¹ P) - log det(P₀⁻¹ P) - 4 of positive definite P, P₀ (…, 4, 4); infinite if P is not positive definite."""
+    excess = np.linalg.eigvals(np.linalg.solve(prior, matrix)).real - 1.0
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(excess.min(axis=-1) > -1, np.sum(excess - np.log1p(excess), axis=-1), np.inf)
+
+
+def pullback_distance(matrix: Array, prior: Array) -> Array:
+    """½ tr((P₀⁻¹ (P - P₀))²) (…,) of symmetric P and positive definite P₀ (…, 4, 4)."""
+    relative = np.linalg.solve(prior, matrix - prior)
+    squared: Array = np.trace(relative @ relative, axis1=-2, axis2=-1) / 2
+    return squared

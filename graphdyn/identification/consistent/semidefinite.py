@@ -3,7 +3,7 @@
     minimize    ‖A u - b‖² + strength · d(u)      over u = offset + basis y
     subject to  S_i ⪰ margin · E  for every body,  G u ≥ h
 
-d is the entropic divergence or the quadratic pullback distance (manifold) of the bodies. A weak quadratic
+d is the entropic divergence or the quadratic pullback distance (polishing) of the bodies. A weak quadratic
 of the further columns makes the minimum unique. cvxpy writes the cone program, Clarabel solves it.
 """
 

@@ -1,5 +1,6 @@
 """Estimators. Each states its reference, its assumptions and its needs."""
 
+from graphdyn.identification.estimators.closed_loop import ClosedLoopOutputError, DirectInverse, InstrumentalVariables
 from graphdyn.identification.estimators.consistent import (
     ConsistentLeastSquares,
     ConsistentWithPrior,
@@ -7,7 +8,6 @@ from graphdyn.identification.estimators.consistent import (
     RobustConsistent,
 )
 from graphdyn.identification.estimators.generalized import GeneralizedLeastSquares
-from graphdyn.identification.estimators.instrumental import InstrumentalVariables
 from graphdyn.identification.estimators.least_squares import (
     EssentialParameters,
     OrdinaryLeastSquares,
@@ -15,7 +15,6 @@ from graphdyn.identification.estimators.least_squares import (
     WeightedLeastSquares,
 )
 from graphdyn.identification.estimators.maximum_likelihood import MaximumLikelihood
-from graphdyn.identification.estimators.output_error import ClosedLoopOutputError, DirectInverse
 from graphdyn.identification.estimators.reweighted import ReweightedLeastSquares
 from graphdyn.identification.estimators.ridge import Ridge
 

@@ -22,7 +22,7 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
 from graphdyn.identification.closed_loop.equations import beside
-from graphdyn.identification.estimators.output_error import outputs, sensitivities
+from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
 EXACT = 1e-7

@@ -1,4 +1,4 @@
-"""Output errors of the simulated loop.
+"""Methods that simulate the loop of the recording: output errors, and instrumental variables.
 
 Direct and inverse dynamic identification (DIDIM) takes the torque, and for its sensitivities the regressor:
 
@@ -9,9 +9,6 @@ the motion hardly depends on them, and the torque depends on them as in the inve
 therefore enough for a Gauss-Newton step. Measured positions serve only as the start, so their noise and its
 differentiation do not matter.
 
-Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
-IEEE Transactions on Control Systems Technology 21(2), 2013.
-
 Output errors on positions (CLOE), or on torques, the input of the robot (CLIE), take those of whole simulations:
 
     minimize Σ_g ‖y_g - y_g(x)‖² / σ_g²,    y = q or τ
@@ -19,13 +16,25 @@ Output errors on positions (CLOE), or on torques, the input of the robot (CLIE),
 by the Gauss-Newton method. No measurement is differentiated, and none enters an equation twice: for white noise on the
 output this is maximum likelihood. Each iteration simulates the loop 2 r + 1 times.
 
-Landau and Karimi, Automatica 33(8), 1997; Gautier, Janot and Vandanjon, IEEE Transactions on Control Systems Technology
-21(2), 2013, with a comparison with DIDIM.
-
 These sensitivities are central differences. Each parameter takes two simulations; as many run at
 once as there are lanes and cores. The step changes the torque by RELATIVE_PARAMETER_STEP of itself. The error of the
 differences, the step squared from their curvature and 1e-13 over the step from rounding, is about 1e-8. The changes go
 through the same low-pass as the measured output.
+
+Instrumental variables (IDIM-IV):
+
+    x = (Σ_g Z_gᵀ W_g / σ_g²)⁻¹ Σ_g Z_gᵀ τ_g / σ_g²
+
+W has noise, because q, v and a are measured. In a closed loop the same noise is in τ, so least squares is biased,
+whatever the length of the recording. Z is the regressor of the motion that the loop makes in simulation, with the
+parameters of the previous iteration. It resembles W and is independent of the noise, so that Zᵀ(W x - τ) is zero at the
+truth on average. Each joint is weighted by its own residual.
+
+Gautier, Janot and Vandanjon, "A new closed-loop output error method for parameter identification of robot dynamics",
+IEEE Transactions on Control Systems Technology 21(2), 2013; Landau and Karimi, Automatica 33(8), 1997; Janot, Vandanjon
+and Gautier, "A generic instrumental variable approach for industrial robot identification", IEEE
+Transactions on Control Systems Technology 22(1), 2014. They filter Z like W; here only W and τ are filtered (see
+closed_loop.beside).
 """
 
 from __future__ import annotations
@@ -37,7 +46,8 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.closed_loop.equations import LoopSolution, RowBlock, beside, output_step
+from graphdyn.identification.algebra.compressed import residual_deviations
+from graphdyn.identification.closed_loop.equations import CrossedEquations, LoopSolution, RowBlock, beside, output_step
 from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
@@ -177,3 +187,32 @@ class ClosedLoopOutputError:
             return output_step(problem, x, outputs(loop, x, simulated, self.output), noise)
 
         return iterated(loop, self.start, step, self.most, self.output)
+
+
+@dataclass(frozen=True, eq=False)
+class InstrumentalVariables:
+    """IDIM-IV.
+
+    loop: the controller of the recording and its reference; without it there is no estimate
+    start: of the iteration: "wls", "cad", or parameters of all columns of the torque model (p,)
+    most: simulations after which an estimate that still moves counts as diverged
+    """
+
+    loop: ClosedLoop | None = None
+    start: Beginning = "wls"
+    most: int = MAX_LOOP_ITERATIONS
+    name: str = "IDIM-IV"
+    reference: str = "Janot, Vandanjon and Gautier, IEEE Trans. Control Systems Technology 22(1), 2014"
+    assumptions: str = "noise on q, v, a and torques that the reference knows nothing of; controller and friction known"
+    needs: str = "as WLS; the controller of the loop, and the reference that it followed"
+
+    def estimate(self, problem: Problem) -> Estimate:
+        """Estimate of a problem. Raises EstimationFailed if the loop is not known, or the iteration diverges."""
+        loop = SimulatedLoop(problem, self.loop)
+        used = np.full(problem.n_joints, problem.base.rank / problem.n_joints)
+
+        def step(x: Array, simulated: list[Samples]) -> LoopSolution:
+            noise = residual_deviations(problem.equations, problem.equations.residual_squares(x), used)
+            return CrossedEquations.of(beside(problem, simulated), problem.support).solve(noise)
+
+        return iterated(loop, self.start, step, self.most)
