@@ -42,6 +42,10 @@ EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
 """
 
 
+NAMED_FUNCTIONS = ("inverse_dynamics", "forward_dynamics", "mass_matrix", "joint_torque_regressor")
+"""Functions that have an option of their own."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOptions, PageOptions):
     """What `graphdyn judge` is asked for."""
@@ -90,14 +94,11 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
 
     def functions(self, programs: Mapping[str, ProgramFunction]) -> dict[str, TestedFunction]:
         """The functions in Python, and those of programs. Raises typer.BadParameter for none, and one named twice."""
-        given = {
-            "inverse_dynamics": self.inverse_dynamics,
-            "forward_dynamics": self.forward_dynamics,
-            "mass_matrix": self.mass_matrix,
-            "joint_torque_regressor": self.joint_torque_regressor,
+        options = {name: f"--{name.replace('_', '-')}" for name in NAMED_FUNCTIONS}
+        given = {name: getattr(self, name) for name in NAMED_FUNCTIONS}
+        named: dict[str, tuple[str, str]] = {
+            name: (options[name], text) for name, text in given.items() if text is not None
         }
-        options = {name: f"--{name.replace('_', '-')}" for name in given}
-        named = {name: (options[name], text) for name, text in given.items() if text is not None}
         for name, text in pairs("--function", self.function, "NAME=FILE.py:FUNCTION"):
             if name in named:
                 raise typer.BadParameter(f"--function {name}={text}: {name} is given twice")
@@ -107,9 +108,8 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             raise typer.BadParameter(f"no function to judge; give at least one of {known}, --answers")
         for name in programs:
             if name in named:
-                raise typer.BadParameter(
-                    f"{name} is named by {named[name][0]} and by --command or --library; name it once"
-                )
+                option = named[name][0]
+                raise typer.BadParameter(f"{name} is named by {option} and by --command or --library; name it once")
         found: dict[str, Any] = {name: user_function(option, text) for name, (option, text) in named.items()}
         return found | dict(programs)
 

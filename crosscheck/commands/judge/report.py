@@ -80,18 +80,14 @@ STATUS_MEANINGS: Mapping[str, str] = {
 
 
 def _diagnosis(diagnosis: Diagnosis) -> tuple[Block, ...]:
-    left = (
-        f"a relative error of {diagnosis.explains:.1e}" if math.isfinite(diagnosis.explains) else "the whole deviation"
-    )
-    also = (("equivalent faults", "; or ".join(diagnosis.also)),) if diagnosis.also else ()
-    apart = (("distinguished by", diagnosis.apart),) if diagnosis.apart else ()
+    left = diagnosis.explains
     items = (
         ("status", f"{diagnosis.status}: {STATUS_MEANINGS[diagnosis.status]}"),
         ("evidence", diagnosis.evidence),
         ("remedy", diagnosis.remedy),
-        *also,
-        *apart,
-        ("unexplained", left),
+        *([("equivalent faults", "; or ".join(diagnosis.also))] if diagnosis.also else []),
+        *([("distinguished by", diagnosis.apart)] if diagnosis.apart else []),
+        ("unexplained", f"a relative error of {left:.1e}" if math.isfinite(left) else "the whole deviation"),
     )
     facts = Facts(items, title=f"{diagnosis.function}: {diagnosis.message} [{diagnosis.kind}]")
     return (facts, _fitted(diagnosis)) if diagnosis.numbers else (facts,)
@@ -115,15 +111,11 @@ def _fitted(diagnosis: Diagnosis) -> Table:
 
 def _errors(judgment: Judgment) -> Table:
     """A row per function, two for accelerations: the largest error against every reference implementation."""
-    rows = [
-        row
-        for function in judgment.functions.values()
-        for row in (
-            (function, function.name, function.errors, function.scale),
-            (function, "backward_error", function.backward_errors, function.backward_scale),
-        )
-        if row[2]
-    ]
+    rows = []
+    for function in judgment.functions.values():
+        rows.append((function, function.name, function.errors, function.scale))
+        if function.backward_errors:
+            rows.append((function, "backward_error", function.backward_errors, function.backward_scale))
     return Table(
         (
             Column("function", "name"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from crosscheck.judging.exchange import library_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
@@ -68,9 +67,7 @@ class ProgramFunction:
     def __enter__(self) -> ProgramFunction:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_raised: object) -> None:
         self.close()
 
 

@@ -62,14 +62,8 @@ class Observation:
         place = np.zeros(len(self.state[0]) + 1, dtype=np.intp)
         place[needed] = np.arange(len(needed))
         q, v, a = (x[needed] for x in self.state)
-        return Observation(
-            (q, v, a),
-            place[of],
-            np.where(less >= 0, place[less], -1),
-            self.answers[rows],
-            self.scale[rows],
-            self.part[rows],
-        )
+        subtracted = np.where(less >= 0, place[less], -1)
+        return Observation((q, v, a), place[of], subtracted, self.answers[rows], self.scale[rows], self.part[rows])
 
     def and_(self, other: Observation) -> Observation:
         """The rows of both."""
@@ -183,18 +177,10 @@ def _of_accelerations(
     assert response.velocity is not None
     assert response.doubled is not None
     mass = np.linalg.inv(np.swapaxes(response.inertia, -1, -2) / torque)
-
-    def required(acceleration: Array) -> Array:
-        needed: Array = -np.einsum("kij,kj->ki", mass, acceleration)
-        return needed
-
-    return EquationTerms(
-        required(response.gravity),
-        np.swapaxes(mass, -1, -2),
-        required(response.velocity),
-        required(response.doubled),
-        acceleration,
+    gravity, velocity, doubled = (
+        -np.einsum("kij,kj->ki", mass, a) for a in (response.gravity, response.velocity, response.doubled)
     )
+    return EquationTerms(gravity, np.swapaxes(mass, -1, -2), velocity, doubled, acceleration)
 
 
 def _of_bias(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:

@@ -1,8 +1,6 @@
 """Faults that any function of the table may have: put into graphdyn's function, and its answers compared.
 
 For functions that are not taken apart by experiments into the terms of the equations of motion.
-
-The search for a fault that any function of the table may have, by comparing answers.
 """
 
 from __future__ import annotations
@@ -19,7 +17,7 @@ from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
 from crosscheck.quantities.measures import Chosen
-from graphdyn import Joint, Placement, RobotModel
+from graphdyn import Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_DOF, LINEAR, Array
 
 SIGN_FACTOR_TOLERANCE = 1e-4
@@ -156,7 +154,7 @@ def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault
         )  # fmt: skip
         yield AnswerFault(
             "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
-            _rotation_transposed(known),
+            lambda s, c: _rotation_transposed(known.of_graphdyn(s, c)),
         )  # fmt: skip
     assert states.frame is not None
     own = states.model.frame(states.frame)
@@ -168,13 +166,10 @@ def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault
             )  # fmt: skip
 
 
-def _rotation_transposed(known: Quantity) -> Answering:
-    def answers(states: JudgedStates, chosen: Chosen) -> Array:
-        placed = known.of_graphdyn(states, chosen).copy()
-        placed[:, :3, :3] = np.swapaxes(placed[:, :3, :3], -1, -2)
-        return placed
-
-    return answers
+def _rotation_transposed(placed: Array) -> Array:
+    found = placed.copy()
+    found[:, :3, :3] = np.swapaxes(placed[:, :3, :3], -1, -2)
+    return found
 
 
 def _other_models(known: Quantity, model: RobotModel) -> Iterator[AnswerFault]:
@@ -188,35 +183,18 @@ def _other_models(known: Quantity, model: RobotModel) -> Iterator[AnswerFault]:
         yield of("gravity has the opposite sign", "gravity", remedy, model.with_gravity(-model.gravity))
     yield of("the placement of the base is left out", "frame", "begin with the base", model.with_base(Placement()))
     for k, joint in enumerate(model.joints):
-        remedy = "reverse the axis"
-        yield of(f"the axis of joint '{joint.name}' points the other way", "sign", remedy, _but(model, k, _reversed))
-        yield of(f"the rotation of joint '{joint.name}' is transposed", "frame", "transpose it", _but(model, k, _back))
+        placement, name = joint.placement, joint.name
+        reversed_axis = _but(model, k, axis=-joint.axis)
+        back = _but(model, k, placement=Placement(placement.rotation.T, placement.translation))
+        yield of(f"the axis of joint '{name}' points the other way", "sign", "reverse the axis", reversed_axis)
+        yield of(f"the rotation of joint '{name}' is transposed", "frame", "transpose it", back)
 
 
-def _but(model: RobotModel, k: int, change: Callable[[Joint], Joint]) -> RobotModel:
-    return dataclasses.replace(
-        model, joints=tuple(change(joint) if i == k else joint for i, joint in enumerate(model.joints))
-    )
-
-
-def _reversed(joint: Joint) -> Joint:
-    return dataclasses.replace(joint, axis=-joint.axis)
-
-
-def _back(joint: Joint) -> Joint:
-    placement = joint.placement
-    return dataclasses.replace(joint, placement=Placement(placement.rotation.T, placement.translation))
-
-
-def fitted_faults(
-    known: Quantity, answer: Array, ours: Array, chosen: Chosen, model: RobotModel
-) -> Iterator[AnswerFault]:
-    """Factors on the answers, fitted to those of the function under test.
-
-    answer, ours: of the function under test and of graphdyn, read as chosen   (N, …)
-    """
-    yield from _scaled(known, answer, ours, chosen)
-    yield from _per_joint(known, answer, ours, model)
+def _but(model: RobotModel, k: int, **fields: Array | Placement) -> RobotModel:
+    """The robot with other fields of one joint."""
+    joints = list(model.joints)
+    joints[k] = dataclasses.replace(joints[k], **fields)  # type: ignore[arg-type]
+    return dataclasses.replace(model, joints=tuple(joints))
 
 
 def _scaled(known: Quantity, answer: Array, ours: Array, chosen: Chosen) -> Iterator[AnswerFault]:
@@ -242,11 +220,9 @@ def _per_joint(known: Quantity, answer: Array, ours: Array, model: RobotModel) -
     for axis, size in enumerate(known.shape, start=1):
         if size != "n":
             continue
-        parts = zip(np.moveaxis(answer, axis, 0), np.moveaxis(ours, axis, 0), strict=True)
-        factors = np.array([_factor(x, y) for x, y in parts])
-        wrong = {
-            name: x for name, x in zip(model.joint_names, factors, strict=True) if abs(x - 1) > SIGN_FACTOR_TOLERANCE
-        }
+        factors = np.array(list(map(_factor, np.moveaxis(answer, axis, 0), np.moveaxis(ours, axis, 0))))
+        joints = zip(model.joint_names, factors, strict=True)
+        wrong = {name: x for name, x in joints if abs(x - 1) > SIGN_FACTOR_TOLERANCE}
         what = {1: "entries", 2: "row" if axis == 1 else "column"}.get(len(known.shape), "part")
         said = ", ".join(f"'{name}' × {x:.6g}" for name, x in wrong.items())
         scale = factors.reshape(-1, *[1] * (len(known.shape) - axis))
@@ -283,7 +259,9 @@ def answer_fault(
     few = np.arange(len(states.q)) < FIRST_TRIAL_STATES
     for chosen in known.readings(declared):
         ours = known.of_graphdyn(states, chosen)
-        for fault in chain(faults(known, states), fitted_faults(known, answer, ours, chosen, states.model)):
+        for fault in chain(
+            faults(known, states), _scaled(known, answer, ours, chosen), _per_joint(known, answer, ours, states.model)
+        ):
 
             def left(some: JudgedStates, given: Array, fault: AnswerFault = fault, chosen: Chosen = chosen) -> float:
                 return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())

@@ -20,11 +20,9 @@ MAX_COLUMN_REMAINDER = 1e-6
 """Part of a column that may remain after subtracting a multiple of another one to count as that multiple."""
 
 
-def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[FaultDescription, float] | None:
-    """The fault that columns are ours in another order or scale, and what it leaves; None if they are not.
-
-    answer, ours: (N, n, 10n)
-    """
+def _of_columns(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """The columns are ours in another order or scale. answer, ours: (N, n, 10n)"""
+    model = states.model
     remedy = f"use {', '.join(PARAMETER_NAMES)} about the link origin, body after body"
     here = _by_body(ours)
     by_type = np.moveaxis(answer.reshape(*answer.shape[:2], BODY_PARAMETERS, -1), (2, 3), (1, 0))
@@ -44,9 +42,8 @@ def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[FaultDe
         if list(bodies) != list(range(model.n_bodies)):
             said.append(f"the columns are in the order of the bodies {', '.join(model.body_names[k] for k in bodies)}")
         if places != list(range(BODY_PARAMETERS)):
-            said.append(
-                f"the ten columns of each body are in the order {', '.join(PARAMETER_NAMES[k] for k in places)}"
-            )
+            order = ", ".join(PARAMETER_NAMES[k] for k in places)
+            said.append(f"the ten columns of each body are in the order {order}")
         wrong = [
             f"{PARAMETER_NAMES[place]} × {factor:.4g}"
             for place, factor in zip(places, factors, strict=True)
@@ -55,7 +52,7 @@ def column_fault(answer: Array, ours: Array, model: RobotModel) -> tuple[FaultDe
         if wrong:
             said.append(f"{'' if said else 'columns are '}scaled: {', '.join(wrong)}")
         if said:
-            return FaultDescription("parameter_order", ", ".join(said), remedy), left
+            return FoundFault(FaultDescription("parameter_order", ", ".join(said), remedy), left)
     return None
 
 
@@ -98,11 +95,6 @@ MAX_LISTED_COLUMNS = 6
 
 OwnFault = Callable[[Array, Array, JudgedStates, float], FoundFault | None]
 """(answers, graphdyn's, states, bound) → the fault; None if it is none of those known here."""
-
-
-def _of_columns(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
-    found = column_fault(answer, ours, states.model)
-    return None if found is None else FoundFault(*found)
 
 
 def _of_coriolis_matrix(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
