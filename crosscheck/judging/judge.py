@@ -123,7 +123,7 @@ def judge_functions(
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
             if not found.verdict.agrees:
                 say(f"looking for the fault of {name}")
-                diagnoses += diagnoses_of(function, found, declared, partial(faults_of_file, robot), say)
+                diagnoses += diagnoses_of(found, partial(faults_of_file, robot), say)
     judgment = Judgment(
         robot=robot.name,
         file=robot.file,

@@ -116,9 +116,6 @@ class JudgedFunction:
 
 
 DiagnosisStatus = Literal["confirmed", "candidate", "part", "located", "unknown"]
-"""holds: put into graphdyn, the fault gives the function's numbers at all states, up to the function's own precision;
-candidate: it does, and so do others that change as many numbers; part: it explains some of the deviation; located: it
-says where the deviation is, not why; unknown: no explanation."""
 
 
 @dataclass(frozen=True)
@@ -152,7 +149,7 @@ class Diagnosis:
     remedy: what to do about it
     explains: largest relative error that is left, at all judged states and in all experiments, after putting this fault
         and those named with it into graphdyn; NaN where there is no explanation
-    status: holds: put into graphdyn, the fault gives the function's numbers at all judged states, up to its own
+    status: confirmed: put into graphdyn, the fault gives the function's numbers at all judged states, up to its own
         precision; candidate: it does, and so do others that are as simple; part: it explains some of the deviation;
         located: where the deviation is, not why; unknown: no explanation
     also: other faults that give the same numbers at all states tried

@@ -18,7 +18,7 @@ from crosscheck.judging.setting import Setting
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import Refusal, TestedFunction
-from graphdyn import GraphDynError, RobotModel
+from graphdyn import GraphDynError
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 
@@ -100,7 +100,6 @@ def listed(ids: Sequence[int]) -> str:
 class FirstRound:
     """Questions about one robot. joint_names: their joint order"""
 
-    model: RobotModel
     joint_names: tuple[str, ...]
     questions: tuple[Question, ...]
 
@@ -128,7 +127,7 @@ def first_round(setting: Setting, names: Collection[str]) -> FirstRound:
     for known in functions:
         function = FunctionUnderTest(known, Replay({}, set()), order, loaded=setting.external_wrenches)
         asked += questions(function, known.arguments_at(states_of(known, states, setting)))
-    return FirstRound(states.model, tuple(states.model.joint_names[k] for k in order), tuple(once(asked)))
+    return FirstRound(tuple(states.model.joint_names[k] for k in order), tuple(once(asked)))
 
 
 def answered_functions(setting: Setting, given: Mapping[int, GivenAnswer]) -> list[str]:

@@ -51,10 +51,9 @@ FRICTION_UNITS = ("N m s/rad or N s/m", "N m or N", "rad/s or m/s", "N m or N", 
 def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
     """Torques (N, n) that are cut off: several answers of one joint have its largest size."""
     size = np.abs(torque)
-    level = np.where(
-        (size >= size.max(axis=0) * (1 - 1e-12)).sum(axis=0) >= MIN_EQUAL_ANSWERS, size.max(axis=0), np.inf
-    )
-    level = np.where(level > 0, level, np.inf)
+    largest = size.max(axis=0)
+    equal = (size >= largest * (1 - 1e-12)).sum(axis=0) >= MIN_EQUAL_ANSWERS
+    level = np.where(equal & (largest > 0), largest, np.inf)
     which = np.flatnonzero(np.isfinite(level))
     if len(which):
         said = ", ".join(f"'{model.joint_names[k]}' at {level[k]:.6g}" for k in which)
@@ -140,19 +139,11 @@ def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
 
 def faults(model: RobotModel) -> Iterator[CodeFault]:
     """All faults without free numbers, but those in reading a file."""
-    yield from signs(model)
-    yield from units(model)
-    yield from angles(model)
-    yield from arguments(model)
-    yield from frames(model)
-    yield from inertials(model)
-    yield from orders(model)
+    for kinds in (signs, units, angles, arguments, frames, inertials, orders):
+        yield from kinds(model)
 
 
 def families(model: RobotModel) -> Iterator[CodeFault]:
     """All families of faults."""
-    yield from gravity(model)
-    yield from terms(model)
-    yield from geometry(model)
-    yield from parameters(model)
-    yield from joint_terms(model)
+    for kinds in (gravity, terms, geometry, parameters, joint_terms):
+        yield from kinds(model)

@@ -150,11 +150,7 @@ def found_conventions(
 
 def relative_errors(function: Quantity, answer: Array, reference: Array, states: JudgedStates, chosen: Chosen) -> Array:
     """Relative errors (N,) on the scale of the function; entries that are not finite count as infinite."""
-    return finite(function.judged_by(answer, reference, states, chosen))
-
-
-def finite(errors: Array) -> Array:
-    """Errors whose NaN count as infinite."""
+    errors = function.judged_by(answer, reference, states, chosen)
     return np.where(np.isfinite(errors), errors, np.inf)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import CodeFault, FaultDescription
 from crosscheck.judging.judgment import Diagnosis
-from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
+from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
@@ -25,7 +25,6 @@ from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
-from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
 
 MAX_CHANCE_PROBABILITY = 1e-3
@@ -148,80 +147,74 @@ MAX_ANSWER = 1e100
 WORST_STATE_REMEDY = "look at the worst state"
 
 
-def diagnoses_of(
-    function: FunctionUnderTest, found: Judged, declared: Chosen, of_file: OfFile, say: Progress
-) -> list[Diagnosis]:
+def diagnoses_of(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis]:
     """What is wrong with a function that does not agree.
 
-    declared: conventions that the function must follow
     of_file: gives the faults in reading the robot's file; say: called with what is done next
     """
     verdict, diagnoses = found.verdict, []
     if verdict.failures:
-        diagnoses.append(_failures(function, found))
+        diagnoses.append(_failures(found))
     if not verdict.repeats:
-        chosen, differences = found.conventions.chosen, verdict.repeated
-        kept = kept_between_calls(function, found.answers, found.asked, chosen, differences, verdict.bound)
-        return [*diagnoses, kept]
-    return [*diagnoses, *_of_numbers(function, found, declared, of_file, say)]
+        return [*diagnoses, kept_between_calls(found)]
+    return [*diagnoses, *_of_numbers(found, of_file, say)]
 
 
-def _failures(function: FunctionUnderTest, found: Judged) -> Diagnosis:
+def _failures(found: Judged) -> Diagnosis:
     failures, failed = found.verdict.failures, ~found.answers.answered
-    where = region(failed, found.asked, function.known.arguments)
-    message = f"no answer at {len(failures)} of {len(failed)} states{f', only where {where}' if where else ''}"
+    where = region(failed, found.asked, found.function.known.arguments)
+    message = f"no answer at {len(failures)} of {len(failed)} states{_only(where)}"
     remedy = "the other states are judged; these are listed with the function"
-    return Diagnosis(function.name, "no_answer", message, failures[0].message, remedy, np.inf, "located")
+    return Diagnosis(found.function.name, "no_answer", message, failures[0].message, remedy, np.inf, "located")
 
 
-def _of_numbers(
-    function: FunctionUnderTest, found: Judged, declared: Chosen, of_file: OfFile, say: Progress
-) -> list[Diagnosis]:
+def _only(where: str | None) -> str:
+    return f", only where {where}" if where else ""
+
+
+def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis]:
     """What is wrong with the numbers; empty if they agree."""
-    name, verdict = function.name, found.verdict
-    errors = verdict.largest_errors
-    wrong = errors > verdict.bound
+    function, verdict = found.function, found.verdict
+    name, declared = function.name, found.declared
+    wrong = verdict.largest_errors > verdict.bound
     if not wrong.any():
         return []
     unbounded = np.array([not (np.abs(answer) < MAX_ANSWER).all() for answer in found.answer])
     if unbounded.any():
         where = region(unbounded, found.states, function.known.arguments)
-        evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', only where {where}' if where else ''}"
-        message = (
-            "the answers are not finite" if not np.isfinite(found.answer).all() else f"answers beyond {MAX_ANSWER:g}"
-        )
+        evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{_only(where)}"
+        finite = np.isfinite(found.answer).all()
+        message = f"answers beyond {MAX_ANSWER:g}" if finite else "the answers are not finite"
         return [_unknown(name, message, evidence, "not_finite")]
     where = region(wrong, found.states, function.known.arguments)
-    count = f"{int(wrong.sum())} of {len(wrong)} states deviate{f', only where {where}' if where else ''}"
+    count = f"{int(wrong.sum())} of {len(wrong)} states deviate{_only(where)}"
 
     def one(fault: FoundFault) -> list[Diagnosis]:
         read = ", ".join(f"{convention} '{way}'" for convention, way in fault.chosen.items())
         evidence = f"{count}{f'; answers read with {read}' if read else ''}"
         return [diagnosis_of(name, fault.said, evidence, fault.left)]
 
-    if other := _other_convention(found, declared):
+    if other := _other_convention(found):
         return one(other)
     size = float(verdict.errors["graphdyn"].max())
     precision = noise(function, found.states)
     bound = min(max(verdict.bound, MAX_NOISE_FACTOR * precision), size / MIN_ERROR_REDUCTION)
-    if earlier := earlier_arguments(function, found.answers, found.asked, found.conventions.chosen, bound):
+    if earlier := earlier_arguments(found, bound):
         return one(earlier)
     own = OWN_FAULTS.get(name)
     if own is not None and (fault := own(found.answer, found.conventions.ours, found.states, bound)):
         return one(fault)
     by_terms = [
         replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
-        for diagnosis in _of_terms(function, found, precision, of_file, say)
+        for diagnosis in _of_terms(found, precision, of_file, say)
     ]
     if by_terms and by_terms[0].status in ("confirmed", "candidate"):
         return by_terms
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
     if where:
-        message, remedy = (
-            f"the answers deviate only where {where}",
-            "look for a case, a limit or a table that begins there",
-        )
+        message = f"the answers deviate only where {where}"
+        remedy = "look for a case, a limit or a table that begins there"
         return [Diagnosis(name, "region", message, count, remedy, np.inf, "located")]
     return by_terms or [_unknown(name, "no fault that is known here gives the answers", count)]
 
@@ -230,30 +223,26 @@ def _unknown(name: str, message: str, evidence: str = "", kind: str = "unknown")
     return Diagnosis(name, kind, message, evidence, WORST_STATE_REMEDY, np.inf, "unknown")
 
 
-def _other_convention(found: Judged, declared: Chosen) -> FoundFault | None:
+def _other_convention(found: Judged) -> FoundFault | None:
     """The answers follow another convention than the declared ones."""
+    declared, known, states = found.declared, found.function.known, found.states
     if not declared or found.conventions.fits:
         return None
-    other = found_conventions(found.known, found.answer, found.states, {}, found.verdict.bound)
+    other = found_conventions(known, found.answer, states, {}, found.verdict.bound)
     if not other.fits:
         return None
     differing = {name: other.said[name] for name, way in declared.items() if way not in other.said[name].split(" or ")}
     said = ", ".join(f"{name} is '{way}', not '{declared[name]}'" for name, way in differing.items())
-    left = relative_errors(
-        found.known, found.answer, found.known.of_graphdyn(found.states, other.chosen), found.states, other.chosen
-    )
+    left = relative_errors(known, found.answer, other.ours, states, other.chosen)
     message = f"the answers follow another convention: {said}"
     return FoundFault(FaultDescription("convention", message, "convert them"), float(left.max()))
 
 
-def _of_terms(
-    function: FunctionUnderTest, found: Judged, precision: float, of_file: OfFile, say: Progress
-) -> list[Diagnosis]:
+def _of_terms(found: Judged, precision: float, of_file: OfFile, say: Progress) -> list[Diagnosis]:
     """Diagnoses from experiments, for functions that are parts of the equations of motion; empty for others."""
-    name, states = function.name, found.states
-    torque = np.maximum(
-        np.sqrt(np.mean(states.answer("inverse_dynamics", loaded=True).tau ** 2, axis=0)), np.finfo(float).tiny
-    )
+    function, name, states = found.function, found.function.name, found.states
+    tau = states.answer("inverse_dynamics", loaded=True).tau
+    torque = np.maximum(np.sqrt(np.mean(tau**2, axis=0)), np.finfo(float).tiny)
     try:
         observed = observe(function, states.model, states.trial, torque)
     except np.linalg.LinAlgError:

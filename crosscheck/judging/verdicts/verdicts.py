@@ -22,7 +22,7 @@ from crosscheck.judging.observing.references import (
 )
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.states import JudgedStates
-from crosscheck.quantities import LOADS, Quantity, argument_at
+from crosscheck.quantities import LOADS, argument_at
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
 
@@ -30,6 +30,27 @@ N_REPEATS = 3
 """Number of times that one question is asked in a row."""
 
 PURE_FUNCTION_REMEDY = "compute every answer from the arguments alone; clear what is kept between calls"
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """A verdict, and what it is about.
+
+    declared: conventions that the function must follow
+    asked: all states, answers: what came back
+    states: those that were answered
+    conventions: of the answers, with those of graphdyn read alike
+    answer: the answers there                               (N, …)
+    """
+
+    function: FunctionUnderTest
+    declared: Chosen
+    verdict: JudgedFunction
+    asked: JudgedStates
+    answers: Answers
+    states: JudgedStates
+    conventions: FoundConventions
+    answer: Array
 
 
 def repeated(function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen) -> Array:
@@ -61,44 +82,33 @@ def _reversed(answers: Answers) -> Answers:
     return replace(answers, values=answers.values[::-1], answered=answers.answered[::-1])
 
 
-def kept_between_calls(
-    function: FunctionUnderTest,
-    first: Answers,
-    states: JudgedStates,
-    chosen: Chosen,
-    differences: Array,
-    tolerance: float,
-) -> Diagnosis:
-    """What a function keeps whose answers differ the second time.
-
-    first: its answers at all states, differences: what `repeated` found there
-    """
-    differing = int((differences > tolerance).sum())
+def kept_between_calls(found: Judged) -> Diagnosis:
+    """What a function keeps whose answers differ the second time."""
+    function, differences, bound = found.function, found.verdict.repeated, found.verdict.bound
+    differing = int((differences > bound).sum())
     evidence = f"asked again in the reverse order, {differing} of {len(differences)} answers differ, " + (
         f"by a relative {differences.max():.1e}" if np.isfinite(differences.max()) else "or fail"
     )
-    name = function.name
 
     def diagnosis(kind: str, message: str, left: float = np.inf) -> Diagnosis:
-        return Diagnosis(name, kind, message, evidence, PURE_FUNCTION_REMEDY, left)
+        return Diagnosis(function.name, kind, message, evidence, PURE_FUNCTION_REMEDY, left)
 
-    worst = np.flatnonzero(first.answered)[int(differences.argmax())]
-    rows = [np.repeat(x[worst : worst + 1], N_REPEATS, axis=0) for x in function.known.arguments_at(states)]
+    worst = np.flatnonzero(found.answers.answered)[int(differences.argmax())]
+    rows = [np.repeat(x[worst : worst + 1], N_REPEATS, axis=0) for x in function.known.arguments_at(found.asked)]
     try:
         same = function.ask(*rows).values
     except FunctionFailure:
         return diagnosis("kept_state", "an answer depends on the calls before it")
     if not all(np.array_equal(same[-1], x, equal_nan=True) for x in same[1:]):
         return diagnosis("not_repeatable", "the same question, asked several times in a row, has different answers")
-    if found := earlier_arguments(function, first, states, chosen, tolerance):
-        return diagnosis(found.said.kind, found.said.message, found.left)
+    if earlier := earlier_arguments(found, bound):
+        return diagnosis(earlier.said.kind, earlier.said.message, earlier.left)
     return diagnosis("kept_state", "an answer depends on the calls before it")
 
 
-def earlier_arguments(
-    function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen, tolerance: float
-) -> FoundFault | None:
+def earlier_arguments(found: Judged, bound: float) -> FoundFault | None:
     """The fault that some arguments are those of an earlier call: all answers but the first show it."""
+    function, first, states, chosen = found.function, found.answers, found.asked, found.conventions.chosen
     rest = first.answered & (np.arange(len(first.answered)) > 0)
     if not rest.any():
         return None
@@ -110,7 +120,7 @@ def earlier_arguments(
             errors = relative_errors(function.known, answer, expected, states.rows(rows), chosen)
             return float(errors.max(initial=0.0))
 
-        if left(few) <= tolerance and (whole := left(rest)) <= tolerance:
+        if left(few) <= bound and (whole := left(rest)) <= bound:
             return FoundFault(FaultDescription("kept_state", message, PURE_FUNCTION_REMEDY), whole, chosen)
     return None
 
@@ -127,25 +137,6 @@ def _stale(function: FunctionUnderTest, states: JudgedStates) -> Iterator[tuple[
 
 def _with(states: JudgedStates, names: tuple[str, ...], change: Callable[[Array], Array]) -> JudgedStates:
     return states.but(**{"loads" if name == LOADS else name: change(argument_at(states, name)) for name in names})
-
-
-@dataclass(frozen=True, eq=False)
-class Judged:
-    """A verdict, and what it is about.
-
-    asked: all states, answers: what came back
-    states: those that were answered
-    conventions: of the answers, with those of graphdyn read alike
-    answer: the answers there                               (N, …)
-    """
-
-    known: Quantity
-    verdict: JudgedFunction
-    asked: JudgedStates
-    answers: Answers
-    states: JudgedStates
-    conventions: FoundConventions
-    answer: Array
 
 
 def judged(
@@ -175,9 +166,7 @@ def judged(
     verdict = JudgedFunction(
         name=known.name,
         errors=errors_of,
-        references_differ={
-            reference: relative_errors(known, x, ours, states, found.chosen) for reference, x in others.items()
-        },
+        references_differ={reference: errors(x, ours) for reference, x in others.items()},
         backward_errors=backward_of,
         references_differ_backward={reference: backward(x, "graphdyn") for reference, x in others.items() if solved},
         bound=tolerance,
@@ -193,4 +182,4 @@ def judged(
         code=known.code_for(found.chosen, states.frame),
         failures=tuple(FailedState(number, message) for number, message in answers.failures.items()),
     )
-    return Judged(known, verdict, all_states, answers, states, found, answer)
+    return Judged(function, declared, verdict, all_states, answers, states, found, answer)
