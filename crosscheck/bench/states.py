@@ -55,7 +55,7 @@ class States:
         """The first SINGLE_STATE_SAMPLES samples, with Pinocchio's answers."""
         q, v, a, tau = (x[:SINGLE_STATE_SAMPLES] for x in (self.q, self.v, self.a, self.tau))
         case = Case(RANDOM, self.model, Placement(), q, v, a, tau, np.zeros((*q.shape, 6)))
-        return ComparedStates.of(case, np.ones(len(q), dtype=bool))(self.reference)
+        return ComparedStates.of(case, np.ones(len(q), dtype=bool), self.reference)
 
     @cached_property
     def regressor(self) -> Array:

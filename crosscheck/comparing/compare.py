@@ -156,9 +156,10 @@ def _compare_chunk(
     if with_forward:
         record.count_singular(chunk.name, ~regular)
     quantities = list(_compared_at(chunk, derive))
-    beside = ComparedStates.of(chunk, regular)
+    shared = None
     for route, pinocchio in pinocchio_models.items():
-        states = beside(pinocchio)
+        states = ComparedStates.of(chunk, regular, pinocchio, shared)
+        shared = shared or states
         for quantity in quantities:
             if not quantity.solves and (route == "urdf" or not quantity.row.from_file):
                 at = states.few if quantity.form.when == "few" else states

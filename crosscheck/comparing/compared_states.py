@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import attrgetter
@@ -40,23 +40,15 @@ class ComparedStates(ScaledStates):
             object.__setattr__(self, "_answers", self.shared._answers)
 
     @classmethod
-    def of(cls, case: Case, regular: NDArray[np.bool_]) -> Callable[[PinocchioModel], ComparedStates]:
-        """States beside each of Pinocchio's models, which is given not turned: at the torques of the case, or at those
-        that cause its accelerations.
-        """
-        first: list[ComparedStates] = []
-
-        def beside(robot: PinocchioModel) -> ComparedStates:
-            reference = robot.turned(case.turn, case.model.gravity)
-            tau = reference.rnea(case.q, case.v, case.a) if case.tau is None else case.tau
-            shared = first[0] if first and case.tau is not None else None
-            states = cls(
-                case.model, case.q, case.v, case.a, tau, case=case, reference=reference, regular=regular, shared=shared
-            )
-            first.append(states)
-            return states
-
-        return beside
+    def of(
+        cls, case: Case, regular: NDArray[np.bool_], robot: PinocchioModel, shared: ComparedStates | None = None
+    ) -> ComparedStates:
+        """The states at the torques of the case, or at those that cause its accelerations. robot: not turned yet"""
+        reference = robot.turned(case.turn, case.model.gravity)
+        tau, shared = (reference.rnea(case.q, case.v, case.a), None) if case.tau is None else (case.tau, shared)
+        return cls(
+            case.model, case.q, case.v, case.a, tau, case=case, reference=reference, regular=regular, shared=shared
+        )
 
     @cached_property
     def loaded(self) -> ComparedStates:

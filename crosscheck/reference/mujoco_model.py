@@ -45,11 +45,8 @@ class MujocoModel:
 
     def _one(self, q: Array, v: Array, a: Array, tau: Array) -> dict[str, Array]:
         mujoco, native, data, columns = self._mujoco, self._native, self._data, self._columns
-        data.qpos[columns], data.qvel[columns], data.qacc[columns] = (
-            q,
-            v,
-            a,
-        )  # one position per degree of freedom: hinge and slide
+        # one position per degree of freedom: hinge and slide
+        data.qpos[columns], data.qvel[columns], data.qacc[columns] = q, v, a
         mujoco.mj_inverse(native, data)
         required = data.qfrc_inverse[columns].copy()
         data.qfrc_applied[columns] = tau

@@ -81,8 +81,8 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += [f"reference = PinocchioModel.{_pinocchio(comparison, worst.route)}"] if pinocchio else []
     lines += _surroundings(worst, comparison.model, pinocchio)
     lines += _numbers(worst, quantity.solves, loaded, text)
-    given = f"q, v, a{', tau' * quantity.solves}{f', loads={LOADS}' * loaded}"
-    lines += [f"there = PinocchioAnswers.at(reference, model, {given})"] * pinocchio
+    names = ("q", "v", "a", "tau" if quantity.solves else "0 * q", *([LOADS] if loaded else []))
+    lines += [f"there = PinocchioAnswers(reference, model, {', '.join(f'{x}[None]' for x in names)})"] * pinocchio
     ours, theirs = calls
     return "\n".join([*lines, "", f"ours = {ours}", f"theirs = {theirs}", _SHOWN]) + "\n"
 

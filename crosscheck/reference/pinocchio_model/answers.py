@@ -53,21 +53,6 @@ class PinocchioAnswers:
         self.robot, self.model, self.loads, self.frame = robot, model, loads, frame
         self.q, self.v, self.a_given, self.tau_given = q, v, a, tau
 
-    @classmethod
-    def at(
-        cls,
-        robot: PinocchioModel,
-        model: RobotModel,
-        q: Array,
-        v: Array,
-        a: Array,
-        tau: Array | None = None,
-        loads: Array | None = None,
-    ) -> PinocchioAnswers:
-        """The answers at one state: q, v, a (n,), tau, zeros if left out (n,), loads (n, 6)."""
-        tau = np.zeros_like(q) if tau is None else tau
-        return cls(robot, model, q[None], v[None], a[None], tau[None], None if loads is None else loads[None])
-
     @cached_property
     def rooted(self) -> PinocchioModel:
         """The robot with its first joint at the world's origin.

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 from base64 import b64encode
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from markupsafe import Markup
@@ -74,39 +75,25 @@ def plot_data(plot: Plot, samples: int = MAX_ZOOM_POINTS) -> Markup:
     samples: of a curve, at most; longer ones are thinned, all of a plot to the same rows
     """
     rows = _rows(plot, samples)
-    return Markup(
-        json.dumps(
-            {
-                "x": b64encode(np.asarray(plot.x[rows], dtype="<f8").tobytes()).decode(),
-                "x_title": printable(plot.x_title),
-                "log_x": plot.log_x,
-                "upright": plot.upright,
-                "panels": [
-                    {
-                        "title": printable(panel.title),
-                        "unit": printable(panel.unit),
-                        "log": panel.log,
-                        "level": panel.level,
-                        "prefixes": panel.prefixes,
-                        "height": panel.height,
-                        "series": [
-                            {
-                                "name": printable(one.name),
-                                "style": one.style,
-                                "color": one.color,
-                                "hidden": one.hidden,
-                                "y": _numbers(one.y[rows]),
-                                "low": None if one.low is None else _numbers(one.low[rows]),
-                                "high": None if one.high is None else _numbers(one.high[rows]),
-                            }
-                            for one in panel.series
-                        ],
-                    }
-                    for panel in plot.panels
-                ],
-            }
-        ).replace("<", "\\u003c")
-    )
+    data = {
+        "x": b64encode(np.asarray(plot.x[rows], dtype="<f8").tobytes()).decode(),
+        "x_title": printable(plot.x_title),
+        "log_x": plot.log_x,
+        "upright": plot.upright,
+        "panels": _data(plot.panels, rows),
+    }
+    return Markup(json.dumps(data).replace("<", "\\u003c"))
+
+
+def _data(value: Any, rows: NDArray[np.intp]) -> Any:
+    """Panels and series as JSON has them, by the names of their fields; of curves (N,) these rows."""
+    if isinstance(value, Panel | Series):
+        return {field.name: _data(getattr(value, field.name), rows) for field in fields(value)}
+    if isinstance(value, tuple):
+        return [_data(item, rows) for item in value]
+    if isinstance(value, np.ndarray):
+        return _numbers(value[rows])
+    return printable(value) if isinstance(value, str) else value
 
 
 def plot_picture(key: str, plot: Plot, points: int = MAX_STATIC_POINTS) -> Markup:

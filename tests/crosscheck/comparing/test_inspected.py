@@ -35,11 +35,11 @@ OTHER_NAMES = {"other-encoding", "name-spacing"}
 ARMS_REFUSED = {"aubo_i5", "mk3"}
 
 
-def states_beside(model):
-    """Random states beside a model of Pinocchio, at the torques that cause their accelerations."""
+def states_beside(pinocchio, model, shared=None):
+    """Random states at the torques that cause their accelerations. shared: the same beside another"""
     case = next(cases(model, SAMPLES, 0))
     tau = graphdyn.inverse_dynamics(model, case.q, case.v, case.a).tau
-    return ComparedStates.of(replace(case, tau=tau), np.ones(len(case.q), dtype=bool))
+    return ComparedStates.of(replace(case, tau=tau), np.ones(len(case.q), dtype=bool), pinocchio, shared)
 
 
 def errors(states):
@@ -59,13 +59,13 @@ def agrees(path, otherwise=False):
         warnings.simplefilter("ignore", urdf.URDFWarning)
         model = replace(urdf.load(path).uncoupled, chords=(), actuated=None)  # Pinocchio's is the tree
     with interpreted():
-        beside = states_beside(model)
-        assert errors(beside(PinocchioModel.from_model(model))) == {}
+        states = states_beside(PinocchioModel.from_model(model), model)
+        assert errors(states) == {}
         try:
             pinocchio = PinocchioModel.from_urdf(path, model)
         except PinocchioRefuses:
             return False
-        missed = errors(beside(pinocchio))
+        missed = errors(states_beside(pinocchio, model, states))
     assert ("inverse_dynamics" in missed) if otherwise else missed == {}
     return True
 

@@ -159,7 +159,7 @@ def _difference(path: Path, model: RobotModel) -> str | None:
 def _wrong(model: RobotModel, pinocchio: PinocchioModel) -> dict[str, float]:
     """The quantities that miss their bound, and how far off they are."""
     case = _case(model)
-    states = ComparedStates.of(case, np.ones(len(case.q), dtype=bool))(pinocchio)
+    states = ComparedStates.of(case, np.ones(len(case.q), dtype=bool), pinocchio)
     errors = {
         name: states.errors(quantity)
         for name, quantity in COMPARED.items()
