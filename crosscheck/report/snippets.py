@@ -88,7 +88,8 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
 
 
 _IMPORTS = (
-    ("crosscheck.quantities", "QUANTITIES, PinocchioAnswers, PinocchioModel", "there"),
+    ("crosscheck.quantities", "QUANTITIES", "there"),
+    ("crosscheck.reference.pinocchio_model", "PinocchioAnswers, PinocchioModel", "there"),
     ("crosscheck.reference.subject", "FRAME_REFERENCES, compared_frames", "FRAME_REFERENCES"),
     ("graphdyn.equations", "link_origins", "link_origins"),
 )
