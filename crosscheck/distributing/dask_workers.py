@@ -11,12 +11,11 @@ import warnings
 from collections import deque
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import chdir, nullcontext
+from contextlib import chdir, closing, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
@@ -48,12 +47,7 @@ class Cluster:
                 "--nthreads 1"
             ) from None
 
-    def __enter__(self) -> Cluster:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
         self._client.close()
 
     def n_workers(self) -> int:
@@ -151,7 +145,7 @@ class DaskWorkers:
         waiting, suspected = deque(range(len(tasks))), deque[int]()
         running: dict[str, tuple[Future, int]] = {}
         ended: SimpleQueue[str] = SimpleQueue()
-        with Cluster(self.address) as cluster:
+        with closing(Cluster(self.address)) as cluster:
 
             def start(k: int) -> None:
                 future = cluster.submit(work, tasks[k])
@@ -159,9 +153,8 @@ class DaskWorkers:
                 future.add_done_callback(lambda done: ended.put(done.key))
 
             while waiting or running:
-                room = (
-                    max(1, TASKS_PER_WORKER * cluster.n_workers()) if waiting else 0
-                )  # one waits for a new worker, if need be
+                # one waits for a new worker, if need be
+                room = max(1, TASKS_PER_WORKER * cluster.n_workers()) if waiting else 0
                 while waiting and len(running) < room:
                     start(waiting.popleft())
                 future, k = running.pop(_next(ended, cluster))

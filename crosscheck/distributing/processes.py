@@ -71,13 +71,13 @@ class KeptProcesses:
                 for ready in wait(list(busy)):
                     process, k = busy.pop(cast(Connection, ready))
                     answer = process.answer()
-                    if isinstance(answer, _Died):
+                    if isinstance(answer, Lost):
                         deaths[k] += 1
                         if deaths[k] < self._tries:
                             waiting.appendleft(k)
                             give_next()
                             continue
-                        answer = Lost(f"its process died with code {answer.code}, tries: {deaths[k]}")
+                        answer = Lost(f"{answer.reason}, tries: {deaths[k]}")
                     else:
                         self._idle.append(process)
                     if waiting:
@@ -99,13 +99,6 @@ class KeptProcesses:
     def end(self) -> None:
         while self._idle:
             self._idle.pop().end()
-
-
-@dataclass(frozen=True)
-class _Died:
-    """code: exit code of a process that ended without an answer, or minus the number of a signal."""
-
-    code: int | None
 
 
 class _Process:
@@ -136,7 +129,7 @@ class _Process:
         except (EOFError, OSError):
             self.pipe.close()
             self._process.join()
-            return _Died(self._process.exitcode)
+            return Lost(f"its process died with code {self._process.exitcode}")
 
     def end(self) -> None:
         self.pipe.close()

@@ -31,7 +31,7 @@ from crosscheck.recordings.errors import (
     RecordingFinding,
     spans,
 )
-from crosscheck.recordings.formats.table import read_table
+from crosscheck.recordings.formats.format import read_table
 from crosscheck.recordings.mapping.conversion import (
     RecordedColumn,
     joint_channels,

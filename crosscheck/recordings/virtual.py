@@ -14,13 +14,13 @@ import re
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile, quoted
 from crosscheck.recordings.table import cells_of_column
-from graphdyn import InvalidInput, VirtualRecording
+from graphdyn import InvalidInput, Simulation, VirtualRecording
 from graphdyn.errors import counted
 from graphdyn.experiments import CHANNELS
 from graphdyn.layout import Array
@@ -132,21 +132,8 @@ FIRST_ROW = {".csv": ("line", 2), ".parquet": ("row", 1)}
 """Name of a row in messages, and number of the first, per kind of file."""
 
 
-class RecordedMotion(Protocol):
-    """A motion that can be written: a VirtualRecording or a Simulation."""
-
-    @property
-    def joint_names(self) -> tuple[str, ...]: ...
-    @property
-    def time(self) -> Array: ...
-    @property
-    def q(self) -> Array: ...
-    @property
-    def v(self) -> Array: ...
-    @property
-    def a(self) -> Array: ...
-    @property
-    def tau(self) -> Array: ...
+RecordedMotion = VirtualRecording | Simulation
+"""A motion that can be written."""
 
 
 def save_virtual_recording(recording: VirtualRecording, path: str | PathLike[str]) -> None:

@@ -34,7 +34,7 @@ def is_of_source(suffix: str) -> bool:
         return False
     if suffix in (*ROBOT_SUFFIXES, *MESH_SUFFIXES, *OTHER_SUFFIXES, ".npy"):
         return True
-    from crosscheck.recordings.formats.table import formats  # half a second, which reports need not wait for
+    from crosscheck.recordings.formats.format import formats  # half a second, which reports need not wait for
 
     return suffix in {"." + known.rpartition(".")[2] for known in formats()}
 

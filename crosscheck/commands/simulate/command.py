@@ -179,7 +179,7 @@ def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
 
 
 def _check_suffix(out: OutputFile) -> None:
-    from crosscheck.recordings.formats.table import written_suffixes
+    from crosscheck.recordings.formats.format import written_suffixes
 
     if out.is_standard_output or out.path.suffix.lower() not in written_suffixes():
         raise typer.BadParameter(f"--out {out.name}: name a file that ends with {', '.join(written_suffixes())}")
@@ -187,7 +187,7 @@ def _check_suffix(out: OutputFile) -> None:
 
 def _write(motion: Simulation, out: OutputFile, settings: dict[str, Any]) -> None:
     """The motion as a recording, with the robot as URDF, and what it was simulated with."""
-    from crosscheck.recordings.formats.table import motion_document
+    from crosscheck.recordings.formats.format import motion_document
     from crosscheck.report.records.record import versions
     from urdf.writing import urdf_document
 

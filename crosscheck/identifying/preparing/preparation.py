@@ -39,9 +39,7 @@ class Preparation:
     min_speed: ArrayLike = 0.0
 
     def differentiated(self, recording: Recording) -> Recording:
-        """The recording with v and a. Raises InvalidInput without torque, or if the recording is too short for the
-        filter.
-        """
+        """The recording with v and a. Raises InvalidInput without torque, or for too few rows for the filter."""
         return differentiated(self._at_middle_of_hold(recording), self.cutoff, velocity=self.velocity)
 
     def differentiation(self, recording: Recording) -> Differentiation:

@@ -35,9 +35,7 @@ def problems_of(
 
 
 def pooled(parts: Sequence[ResidualStatistics]) -> ResidualStatistics:
-    """Statistics of all rows of all trials. Whiteness and correlation are NaN for several trials, because of the
-    gaps.
-    """
+    """Statistics of all rows of all trials. Whiteness and correlation of several trials are NaN: they have gaps."""
     if len(parts) == 1:
         return parts[0]
     unknown = np.full(len(parts[0].durbin_watson), np.nan)

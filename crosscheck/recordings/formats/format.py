@@ -1,17 +1,22 @@
-"""Description of a file format of recordings, a Format in the file that reads it, and what several formats share.
+"""Description of a file format of recordings, what several formats share, and reading and writing by the suffix.
 
-Shared are text files as bytes, plain or compressed with gzip, and named arrays of a file as columns.
+A file of this room describes its formats in FORMATS. Shared are text files as bytes, plain or compressed with gzip, and
+named arrays of a file as columns.
 """
 
 from __future__ import annotations
 
 import gzip
 import io
+import pkgutil
 import zlib
 from codecs import BOM_UTF8
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from errno import ENOENT
+from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +26,7 @@ from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, not
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, cells_of_column, in_words
 from crosscheck.recordings.virtual import RecordedMotion
+from graphdyn import InvalidInput
 from graphdyn.errors import counted
 
 
@@ -181,3 +187,77 @@ def _elements(column: Any) -> list[Cells] | str:
     if isinstance(flat, str):
         return flat
     return [flat._replace(values=values) for values in flat.values.reshape(-1, widths[0]).T]
+
+
+BAG = ".bag"
+"""Suffix of the format that a folder has."""
+
+
+@cache
+def formats() -> Mapping[str, Format]:
+    """Formats by suffix: those in FORMATS of the modules of this room."""
+    folder = [str(Path(__file__).parent)]
+    modules = (import_module(f"{__package__}.{found.name}") for found in pkgutil.iter_modules(folder))
+    found = [each for module in modules for each in getattr(module, "FORMATS", ())]
+    return {suffix: each for each in found for suffix in each.suffixes}
+
+
+def suffix_of(path: Path) -> str:
+    """The suffix of a name in lower case, .csv.gz as a whole."""
+    return "".join(path.suffixes[-2:] if path.suffix.lower() == ".gz" else path.suffixes[-1:]).lower()
+
+
+def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...] | None) -> RecordedTable:
+    """The table of one file, read by its suffix; a folder is a ROS 2 bag. Raises BadRecordingFile, OSError."""
+    if not path.exists():
+        raise FileNotFoundError(ENOENT, "no such file", str(path))
+    if path.is_dir() and not (path / "metadata.yaml").exists():
+        raise BadRecordingFile(f"{path}: is a folder, and no ROS 2 bag: it has no metadata.yaml; give a file")
+    suffix = BAG if path.is_dir() else suffix_of(path)
+    if suffix not in formats():
+        known = ", ".join(formats())
+        raise BadRecordingFile(
+            f"{path}: recordings cannot be read from '{suffix}' files; convert it to one of: {known}"
+        )
+    return formats()[suffix].read(path, mapping, joints)
+
+
+def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTable]:
+    """The file as tables of at most this number of rows. Raises BadRecordingFile, OSError."""
+    import pyarrow as pa
+
+    if not path.exists():
+        raise FileNotFoundError(ENOENT, "no such file", str(path))
+    path.open("rb").close()  # what the system refuses is not the file's fault
+    found = formats().get(suffix_of(path))
+    if found is None or found.batches is None:
+        streamed = ", ".join(suffix for suffix, each in formats().items() if each.batches)
+        raise BadRecordingFile(f"{path}: only {streamed} files are streamed; convert it to one")
+    try:
+        names, batches = found.batches(path, delimiter, rows)
+        for batch in batches:
+            columns = pa.table(batch.columns, names=[str(k) for k in range(len(names))]).columns
+            yield table_of_columns(path, names, columns)
+    except (pa.ArrowException, OSError, EOFError, UnicodeDecodeError, zlib.error) as error:
+        raise BadRecordingFile(f"{path}: {error}; load_recording gives details, or repair the file") from error
+
+
+def written_suffixes() -> tuple[str, ...]:
+    """Suffixes with which a motion can be written."""
+    return tuple(suffix for suffix, each in formats().items() if each.write and suffix == each.suffixes[0])
+
+
+def motion_document(recording: RecordedMotion, path: Path, metadata: Mapping[str, str]) -> bytes:
+    """The content of a file of this name with a simulated motion; load_recording reads it.
+
+    Parquet and CSV take a VirtualRecording, with every channel; .npz has the channels of the joints. An MCAP bag has
+    the messages that a robot publishes, sensor_msgs/JointState, which cannot hold accelerations and constraint
+    forces. Parquet, .npz and MCAP carry the metadata, such as the URDF; CSV cannot.
+
+    Raises InvalidInput for another suffix; BadRecordingFile without rosbags.
+    """
+    found = formats().get(path.suffix.lower())
+    if found is None or found.write is None or path.suffix.lower() != found.suffixes[0]:
+        known = ", ".join(written_suffixes())
+        raise InvalidInput(f"{path}: a motion is written as {known}, not as '{path.suffix}'")
+    return found.write(recording, path, metadata)

@@ -98,28 +98,18 @@ class Channel:
     factor: SI value per number in the column: unit, sign and gain    (n,)
     offset: added after the transmission                              (n,)
     slides: per joint, whether it is prismatic according to the unit; None if the unit fits both types
-    sign: the part of the factor that is a sign             (n,), ones by default
-    delay: delay of the recorded joint values               (n,) [s], zero by default
+    signs: the part of the factor that is a sign             (n,)
+    delays: delays of the recorded joint values              (n,) [s]
     """
 
     columns: tuple[str | int, ...]
     factor: Array
     offset: Array
     slides: tuple[bool | None, ...]
+    signs: Array
+    delays: Array
     file: str = "*"
     motor: bool = False
-    sign: Array | None = None
-    delay: Array | None = None
-
-    @property
-    def signs(self) -> Array:
-        """Signs of the joints (n,)."""
-        return np.ones(len(self.columns)) if self.sign is None else self.sign
-
-    @property
-    def delays(self) -> Array:
-        """Delays of the joints (n,) [s]."""
-        return np.zeros(len(self.columns)) if self.delay is None else self.delay
 
 
 @dataclass(frozen=True)
@@ -260,8 +250,8 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         tuple(unit.slides for unit in known),
         file=toml_text(table, "file", where) or "*",
         motor=side == "motor",
-        sign=sign,
-        delay=toml_numbers(table, "delay", n, 0.0, where),
+        signs=sign,
+        delays=toml_numbers(table, "delay", n, 0.0, where),
     )
 
 

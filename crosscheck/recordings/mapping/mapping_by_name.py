@@ -1,6 +1,4 @@
-"""The mapping by the names of the columns, if they are unambiguous: time, or the two parts of a ROS stamp, and
-channels.
-"""
+"""The mapping by the names of the columns, if they are unambiguous: time, or two parts of a ROS stamp, and channels."""
 
 from __future__ import annotations
 
@@ -141,9 +139,7 @@ def _refuse_left_out(table: RecordedTable, families: dict[str, Family]) -> None:
 
 
 def _order(where: str, found: list[str], joints: Sequence[str] | None) -> list[str]:
-    """The joints in the order of the robot, if known; otherwise numbers ascending, names in the order of the
-    columns.
-    """
+    """The joints in the order of the robot, if known; otherwise numbers ascending, names as the columns."""
     if all(joint.isdigit() for joint in found):
         if joints and len(joints) != len(found):
             raise BadMapping(
@@ -175,4 +171,6 @@ def _channel(
         np.array([unit.factor for unit in units]),
         np.zeros(len(order)),
         tuple(unit.slides if column.unit else None for unit, column in zip(units, columns, strict=True)),
+        signs=np.ones(len(order)),
+        delays=np.zeros(len(order)),
     )

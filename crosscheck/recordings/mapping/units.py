@@ -33,9 +33,7 @@ DRIVE_UNITS = {"A": 1.0, "mA": 1e-3, "%": 1.0}
 
 
 class Unit(NamedTuple):
-    """Factor to SI; whether the unit is for prismatic joints (None: for both types); whether it needs a gain to be a
-    torque.
-    """
+    """Factor to SI; whether it is for prismatic joints (None: for both types); whether a torque needs a gain."""
 
     factor: float
     slides: bool | None

@@ -51,9 +51,7 @@ class Log:
 
     @cached_property
     def rows(self) -> tuple[int, ...]:
-        """Number of rows of every file. Raises BadRecordingFile for one that is not Parquet, or has other columns than
-        the first.
-        """
+        """Number of rows of every file. Raises BadRecordingFile for one not Parquet, or with other columns."""
         counts, first = [], None
         for file in self.files:
             rows, names = _told(file)

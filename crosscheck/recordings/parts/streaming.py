@@ -17,7 +17,7 @@ import numpy as np
 
 from crosscheck.recordings.checks import Origin, times
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.table import tables
+from crosscheck.recordings.formats.format import tables
 from crosscheck.recordings.loading import check_rate, reordered
 from crosscheck.recordings.mapping.conversion import joint_channels, mapped_columns, sliding_joints
 from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping

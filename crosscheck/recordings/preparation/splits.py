@@ -81,21 +81,13 @@ def fold_rows(recording: Recording, folds: int, guard: float) -> list[tuple[NDAr
     if not guard >= 0:
         raise InvalidInput(f"guard is {guard!r}; give a time in s, zero or more")
     numbers = fold_numbers(recording, folds)
-    found = []
+    rows, found = np.arange(len(numbers)), []
     for fold in range(folds):
         test = numbers == fold
         first, last = np.flatnonzero(test)[[0, -1]]
-        same = (
-            (recording.file == recording.file[first])
-            & (np.arange(len(test)) < first)
-            & (recording.t > recording.t[first] - guard)
-        )
-        same |= (
-            (recording.file == recording.file[last])
-            & (np.arange(len(test)) > last)
-            & (recording.t < recording.t[last] + guard)
-        )
-        train = ~test & ~same
+        before = (recording.file == recording.file[first]) & (recording.t > recording.t[first] - guard)
+        after = (recording.file == recording.file[last]) & (recording.t < recording.t[last] + guard)
+        train = ~(test | (rows < first) & before | (rows > last) & after)
         if not train.any():
             raise InvalidInput(f"a guard of {guard:g} s leaves nothing to fit; choose a shorter one, or fewer folds")
         found.append((train, test))

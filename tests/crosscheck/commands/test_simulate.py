@@ -17,7 +17,7 @@ import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.identifying import Preparation
 from crosscheck.recordings import BadRecordingFile, load_recording, load_virtual_recording
-from crosscheck.recordings.formats.table import motion_document
+from crosscheck.recordings.formats.format import motion_document
 from crosscheck.reference.mujoco_model import MujocoModel
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
 from graphdyn import ComputedTorqueControl, Friction, InvalidInput, kr500, rollout, simulate
