@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -38,7 +37,7 @@ from crosscheck.recordings.mapping.conversion import (
     mapped_columns,
     sliding_joints,
 )
-from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.mapping.mapping import ColumnMapping, given_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.preparation.resampling import with_delays_undone
 from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Provenance, Recording
@@ -134,9 +133,7 @@ def _read(
     rate: float | None,
 ) -> _Content:
     files = [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
-    check_rate(rate)
-    if mapping is not None and not isinstance(mapping, ColumnMapping):
-        mapping = load_mapping(mapping)
+    mapping = given_mapping(mapping, rate)
     if len(files) != 1 and mapping is None:
         raise BadMapping(f"{len(files)} files without a mapping; give one that says which file has which columns")
     tables = [read_table(path, mapping, tuple(joints) if joints else None) for path in files]
@@ -144,8 +141,6 @@ def _read(
     if mapping is None:
         mapping, said = mapping_by_name(tables[0], joints, rate)
         findings += said
-    elif rate is not None:
-        mapping = replace(mapping, rate=rate)
     by_quantity = mapped_columns(tables, mapping)
     columns = list({(c.table.path, c.number): c for found in by_quantity.values() for c in found}.values())
     slides, channels = sliding_joints(mapping), joint_channels(by_quantity, mapping)
@@ -171,12 +166,6 @@ def _time(mapping: ColumnMapping, column: list[RecordedColumn] | None, count: in
         return times(column, mapping.time.factor)
     assert mapping.rate is not None  # a mapping has one or the other
     return np.arange(count) / mapping.rate, Origin()
-
-
-def check_rate(rate: float | None) -> None:
-    """Check samples per second. Raises InvalidInput for an impossible rate."""
-    if rate is not None and not 0 < rate < np.inf:
-        raise InvalidInput(f"rate is {rate!r}; give samples per second")
 
 
 def _without(count: int, findings: Iterable[RecordingFinding]) -> NDArray[np.bool_]:

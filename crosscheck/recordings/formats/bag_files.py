@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import AmbiguousColumns, BadRecordingFile, RecordingFinding
-from crosscheck.recordings.formats.format import Format
+from crosscheck.recordings.formats.format import Format, refusing_damage
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable, in_words
 from crosscheck.recordings.virtual import RecordedMotion
@@ -36,21 +36,17 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
         raise BadRecordingFile(
             f"{path}: to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"
         ) from error
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            connections = [c for c in reader.connections if c.msgtype == JOINT_STATE]
-            topic = _topic(path, sorted({c.topic for c in connections}), topic)
-            wanted = [c for c in connections if c.topic == topic]
-            messages = [
-                (received, reader.deserialize(raw, connection.msgtype))
-                for connection, received, raw in reader.messages(wanted)
-            ]
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged bag makes rosbags and its storages raise
-        raise BadRecordingFile(
-            f"{path}: not a readable bag ({error}); record it again, or give the whole folder"
-        ) from error
+    with (
+        refusing_damage(path, "bag", "record it again, or give the whole folder"),
+        AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader,
+    ):
+        connections = [c for c in reader.connections if c.msgtype == JOINT_STATE]
+        topic = _topic(path, sorted({c.topic for c in connections}), topic)
+        wanted = [c for c in connections if c.topic == topic]
+        messages = [
+            (received, reader.deserialize(raw, connection.msgtype))
+            for connection, received, raw in reader.messages(wanted)
+        ]
     if not messages:
         raise BadRecordingFile(f"{path}: no messages on {topic}; record at least one")
     return _table(path, topic, messages, joints)

@@ -13,6 +13,7 @@ import zlib
 from codecs import BOM_UTF8
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from errno import ENOENT
 from functools import cache
@@ -59,6 +60,17 @@ def check_expanded(path: Path, size: int) -> None:
             f"{path}: its content is larger than {MAX_EXPANDED_BYTES} bytes when expanded; divide the file, or stream "
             "it as Parquet or CSV with crosscheck.StreamedRecording"
         )
+
+
+@contextmanager
+def refusing_damage(path: Path, what: str, remedy: str) -> Iterator[None]:
+    """Raise BadRecordingFile in place of whatever a damaged file makes a library raise. what: kind of file"""
+    try:
+        yield
+    except BadRecordingFile:
+        raise
+    except Exception as error:
+        raise BadRecordingFile(f"{path}: not a readable {what} ({error}); {remedy}") from error
 
 
 def content_of(path: Path) -> bytes:

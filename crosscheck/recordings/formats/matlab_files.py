@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.format import MAX_EXPANDED_BYTES, Format, check_expanded, table_of
+from crosscheck.recordings.formats.format import MAX_EXPANDED_BYTES, Format, check_expanded, refusing_damage, table_of
 from crosscheck.recordings.table import RecordedTable
 
 HEADER_BYTES, COMPRESSED_TYPE = 128, 15
@@ -24,15 +24,12 @@ def read_mat(path: Path) -> RecordedTable:
     from scipy.io import loadmat
 
     content = path.read_bytes()
-    try:
+    with refusing_damage(path, ".mat file", "save it with save('-v7')"):
         check_expanded(path, _expanded_size(content))
-        variables = loadmat(io.BytesIO(content), simplify_cells=True)
-    except NotImplementedError:
-        variables = _read_hdf5(path)
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged file makes scipy raise
-        raise BadRecordingFile(f"{path}: not a readable .mat file ({error}); save it with save('-v7')") from error
+        try:
+            variables = loadmat(io.BytesIO(content), simplify_cells=True)
+        except NotImplementedError:
+            variables = _read_hdf5(path)
     return table_of(path, _flat({name: value for name, value in variables.items() if not name.startswith("__")}))
 
 
@@ -75,13 +72,8 @@ def _read_hdf5(path: Path) -> dict[str, Any]:
         check_expanded(path, sum(sizes))
         return np.transpose(node[()])
 
-    try:
-        with h5py.File(path) as file:
-            return dict(content(file))
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged file makes h5py raise
-        raise BadRecordingFile(f"{path}: not a readable .mat file ({error}); save it with save('-v7')") from error
+    with h5py.File(path) as file:
+        return dict(content(file))
 
 
 def _flat(variables: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.format import Format, check_expanded, table_of
+from crosscheck.recordings.formats.format import Format, check_expanded, refusing_damage, table_of
 from crosscheck.recordings.table import RecordedTable
 from crosscheck.recordings.virtual import RecordedMotion
 
@@ -19,19 +19,15 @@ from crosscheck.recordings.virtual import RecordedMotion
 def read_npz(path: Path) -> RecordedTable:
     """Read the arrays of a NumPy archive; pickled objects are refused."""
     content = path.read_bytes()
-    try:
+    arrays = {}
+    with refusing_damage(path, ".npz file", "save it with numpy.savez"):
         _check_headers(path, content)
         with np.load(io.BytesIO(content), allow_pickle=False) as archive:
-            arrays = {}
             for name in archive.files:
                 try:
                     arrays[name] = archive[name]
                 except (ValueError, MemoryError) as error:
                     raise BadRecordingFile(f"{path}: {name!r} is not an array of numbers; save it as one") from error
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged archive makes zipfile and NumPy raise
-        raise BadRecordingFile(f"{path}: not a readable .npz file ({error}); save it with numpy.savez") from error
     return table_of(path, arrays)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from crosscheck.recordings.errors import BadRecordingFile
-from crosscheck.recordings.formats.format import Format, check_expanded, table_of_columns
+from crosscheck.recordings.formats.format import Format, check_expanded, refusing_damage, table_of_columns
 from crosscheck.recordings.table import RecordedTable
 from crosscheck.recordings.virtual import virtual_recording_document
 
@@ -18,7 +18,7 @@ def read_parquet(path: Path) -> RecordedTable:
     import pyarrow as pa
     from pyarrow import parquet
 
-    try:
+    with refusing_damage(path, "Parquet file", "save it again"):
         file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
         batches, size = [], 0
         check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
@@ -28,10 +28,6 @@ def read_parquet(path: Path) -> RecordedTable:
             check_expanded(path, size)
         table = pa.Table.from_batches(batches, file.schema_arrow)
         names = table.schema.names
-    except BadRecordingFile:
-        raise
-    except Exception as error:  # whatever a damaged file makes Arrow raise
-        raise BadRecordingFile(f"{path}: not a readable Parquet file ({error}); save it again") from error
     return table_of_columns(path, names, table.columns)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from reprlib import repr as shown
@@ -163,6 +163,15 @@ def load_mapping(path: str | PathLike[str]) -> ColumnMapping:
         if isinstance(error, InvalidInput):
             raise
         raise BadMapping(f"{path}: not TOML ({error}); write it as docs/recordings shows") from error
+
+
+def given_mapping(mapping: ColumnMapping | str | PathLike[str] | None, rate: float | None) -> ColumnMapping | None:
+    """The mapping, or that of the file, with the rate that is given beside it. Raises as load_mapping, InvalidInput."""
+    if rate is not None and not 0 < rate < np.inf:
+        raise InvalidInput(f"rate is {rate!r}; give samples per second")
+    if isinstance(mapping, str | PathLike):
+        mapping = load_mapping(mapping)
+    return mapping if mapping is None or rate is None else replace(mapping, rate=rate)
 
 
 def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:

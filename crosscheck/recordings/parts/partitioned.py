@@ -5,14 +5,13 @@ from __future__ import annotations
 import pickle
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from os import PathLike
 from typing import Any, TypeVar, cast
 
 from crosscheck.distributing import Lost, NoWorkers, Workers
-from crosscheck.recordings.loading import check_rate
-from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.mapping.mapping import ColumnMapping, given_mapping
 from crosscheck.recordings.parts.partitions import Partition, ReadableLog, log_of, partitions
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
@@ -56,7 +55,7 @@ class PartitionedRecording:
     @cached_property
     def logs(self) -> list[ReadableLog]:
         """The logs in the order given. Raises InvalidInput if there is none, or if one is given twice."""
-        check_rate(self.rate)
+        mapping = given_mapping(self.mapping, self.rate)
         logs = [log_of(path) for path in self.paths]
         files = [file.resolve() for log in logs for file in log.files]
         twice = next((file for file, count in Counter(files).items() if count > 1), None)
@@ -65,9 +64,6 @@ class PartitionedRecording:
             raise InvalidInput(what if logs else "there is no log; give at least one")
         if isinstance(self.cutoff, str):
             raise InvalidInput(f"cutoff is '{self.cutoff}'; give it in Hz, or per channel, or None")
-        mapping = load_mapping(self.mapping) if isinstance(self.mapping, str | PathLike) else self.mapping
-        if mapping is not None and self.rate is not None:
-            mapping = replace(mapping, rate=self.rate)
         joints = None if self.joints is None else tuple(self.joints)
         if not 0 <= self.between[0] < self.between[1] <= 1:
             raise InvalidInput(f"between is {self.between}; give two numbers from 0 to 1, the smaller one first")

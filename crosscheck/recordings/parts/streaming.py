@@ -8,7 +8,7 @@ Rows that load_recording would drop or resample are refused by number.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple, cast
@@ -18,9 +18,9 @@ import numpy as np
 from crosscheck.recordings.checks import Origin, times
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.format import tables
-from crosscheck.recordings.loading import check_rate, reordered
+from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.mapping.conversion import joint_channels, mapped_columns, sliding_joints
-from crosscheck.recordings.mapping.mapping import ColumnMapping, load_mapping
+from crosscheck.recordings.mapping.mapping import ColumnMapping, given_mapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.preparation.derivatives import differentiated
 from crosscheck.recordings.preparation.filtering import FORGETTING_BORDERS, samples_with, torque_filter
@@ -150,9 +150,8 @@ class StreamedRecording:
 
     def _parts(self) -> Iterator[Recording]:
         """Consecutive rows as read, at the joints in SI units."""
-        check_rate(self.rate)
         path, count = Path(self.path), 0
-        mapping = None if self.mapping is None else self._mapping()
+        mapping = given_mapping(self.mapping, self.rate)
         origin: Origin | None = None
         for table in tables(path, mapping.delimiter if mapping else None, self.window):
             if mapping is None:
@@ -161,7 +160,3 @@ class StreamedRecording:
             recording, origin = window_of(table, mapping, RowPosition(count, count), origin)
             count += len(table.values)
             yield recording if self.joints is None else reordered(recording, self.joints)
-
-    def _mapping(self) -> ColumnMapping:
-        mapping = self.mapping if isinstance(self.mapping, ColumnMapping) else load_mapping(self.mapping)  # type: ignore[arg-type]
-        return mapping if self.rate is None else replace(mapping, rate=self.rate)
