@@ -32,6 +32,11 @@ class Printed:
         text = self.text if self.reading is None else self.reading
         return float("nan") if text is None else float(text)
 
+    @property
+    def decimal_places(self) -> int:
+        """Number of digits behind the point, as printed."""
+        return len((self.text or "").partition(".")[2])
+
 
 @dataclass(frozen=True)
 class PrintedTable:

@@ -39,7 +39,7 @@ class GeometryTable:
     def texts(self) -> tuple[tuple[str, ...], ...]:
         """Our numbers with the decimal places of the paper."""
         return tuple(
-            tuple(f"{value:.{_places(number)}f}" for value, number in zip(values, numbers, strict=True))
+            tuple(f"{value:.{number.decimal_places}f}" for value, number in zip(values, numbers, strict=True))
             for values, numbers in zip(self.ours, self.printed, strict=True)
         )
 
@@ -59,10 +59,6 @@ def geometry_table() -> GeometryTable:
     moments = np.array([np.diag(body.inertia) for body in bodies]).T
     ours = np.vstack([BODY_LENGTHS, BODY_RADII, [body.mass for body in bodies], moments])
     return GeometryTable(tuple(TABLE_2.rows), tuple(TABLE_2.rows.values()), ours)
-
-
-def _places(number: Printed) -> int:
-    return len((number.text or "").partition(".")[2])
 
 
 def joint_motion(time: float) -> tuple[Array, Array, Array]:

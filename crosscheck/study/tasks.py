@@ -229,12 +229,12 @@ class StudyOutcome:
 
     @classmethod
     def from_json(cls, plain: dict[str, Any]) -> StudyOutcome:
-        results = tuple(Result(**{**row, **_tuples(row)}) for row in plain["results"])
+        rows = (
+            {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
+            for row in plain["results"]
+        )
+        results = tuple(Result(**row) for row in rows)
         return cls(results, tuple(plain["seconds"]), plain["total"])
-
-
-def _tuples(row: dict[str, Any]) -> dict[str, Any]:
-    return {name: tuple(row[name]) for name in ("base", "sigma") if row[name] is not None}
 
 
 def failed(task: StudyTask, reason: str) -> StudyOutcome:
@@ -288,7 +288,7 @@ def _judged(blank: Result, estimate: Estimate, record: RecordedProblem, measure:
     return replace(
         blank,
         iterations=int(estimate.iterations),
-        simulations=_simulations(estimate),
+        simulations=int(estimate.settings.get("simulations", 0)),
         base=tuple(base.tolist()),
         sigma=_sigma(estimate, record, measure),
         parameter_error=measure.parameter_error(base),
@@ -308,7 +308,3 @@ def _sigma(estimate: Estimate, record: RecordedProblem, measure: ValidationMetri
     if np.shape(covariance) != 2 * (measure.base.rank,):
         raise ValueError(f"the method answers a covariance of shape {np.shape(covariance)}")
     return tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist())
-
-
-def _simulations(estimate: Estimate) -> int:
-    return int(estimate.settings.get("simulations", 0))

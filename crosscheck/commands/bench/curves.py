@@ -76,15 +76,12 @@ def _growth(curve: ScalingCurve) -> str:
 
 def _medians(curve: ScalingCurve) -> Table:
     columns = (Column(curve.x, "name"), *(Column(_name(line), "number", form=_cell) for line in curve.lines))
-    rows = [Row((str(x), *(_median(line, x) for line in curve.lines))) for x in _xs(curve)]
+    medians = [{x: times.median for x, times in zip(line.x, line.times, strict=True)} for line in curve.lines]
+    rows = [Row((str(x), *(of_line.get(x) for of_line in medians))) for x in _xs(curve)]
     if curve.x == "bodies":
         growth = (None if line.exponent is None else f"n^{line.exponent:.1f}" for line in curve.lines)
         rows.append(Row(("growth", *growth), rule=True))
     return Table(columns, tuple(rows), caption=f"Time per {curve.seconds_of} (median)", on=("text",))
-
-
-def _median(line: Line, x: int) -> float | None:
-    return line.times[line.x.index(x)].median if x in line.x else None
 
 
 def _cell(value: float | str) -> str:

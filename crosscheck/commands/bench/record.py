@@ -149,13 +149,14 @@ class BenchRecord(CommandRecord, of=Benchmark, format="graphdyn bench 3", leave_
 
 def record(found: Benchmark, command: Sequence[str]) -> dict[str, Any]:
     """A benchmark but for the model."""
+    ratios = [{"threads": threads, "trusted": r.steady, **_ratio(r)} for threads, r in found.identification.comparisons]
     return written(
         BenchRecord,
         found,
         command=command,
         works=[_work(measured, found.floors.get(measured.name)) for measured in found.works],
-        identification=_identification(found.identification),
-        curves=[_curve(curve) for curve in found.curves],
+        identification=written(BenchIdentificationRecord, found.identification, ratios=ratios),
+        curves=[written(CurveRecord, curve, lines=[_line(line) for line in curve.lines]) for curve in found.curves],
     )
 
 
@@ -169,15 +170,6 @@ def _ratio(ratio: Ratio) -> dict[str, Any]:
     return {"ratio": ratio.median, "fastest_ratio": ratio.fastest, "quartiles": ratio.quartiles}
 
 
-def _curve(curve: ScalingCurve) -> dict[str, Any]:
-    return written(CurveRecord, curve, lines=[_line(line) for line in curve.lines])
-
-
 def _line(line: Line) -> dict[str, Any]:
     points = [written(PointRecord, times, x=x) for x, times in zip(line.x, line.times, strict=True)]
     return written(LineRecord, line, points=points)
-
-
-def _identification(found: Identifications) -> dict[str, Any]:
-    ratios = [{"threads": threads, "trusted": r.steady, **_ratio(r)} for threads, r in found.comparisons]
-    return written(BenchIdentificationRecord, found, ratios=ratios)

@@ -135,11 +135,11 @@ def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified
 
 def _expanded(paths: Sequence[Path]) -> list[str]:
     """The arguments with patterns, which a shell leaves in quotation marks as they are, replaced by what they match."""
-    return [name for path in paths for name in ([str(path)] if path.exists() else _matching(str(path)))]
-
-
-def _matching(pattern: str) -> list[str]:
-    return sorted(glob.glob(pattern)) or [pattern]  # what is not there is refused by name
+    expanded = list[str]()
+    for path in paths:
+        matching = [] if path.exists() else sorted(glob.glob(str(path)))
+        expanded += matching or [str(path)]  # what is not there is refused by name
+    return expanded
 
 
 def simulated(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:

@@ -112,6 +112,8 @@ def _aside(answered: Sequence[Candidate], k: int) -> dict[str, ResidualStatistic
 
 
 def _methods(found: Identified) -> Table:
+    known = any(model.cad_of is not None for model in found.models)
+    words_of_cad = f"; {CAD_NAME}: as in the file, drives fitted" if known else ""
     return Table(
         (
             Column("method", "name"),
@@ -124,13 +126,8 @@ def _methods(found: Identified) -> Table:
         ),
         tuple(_method(found, candidate) for candidate in found.candidates),
         caption="error: ‖e‖/‖τ‖ over the moving rows of each joint (all rows where it hardly moves), mean over joints; "
-        f"M: the mass matrix in random poses{_words_of_cad(found)}",
+        f"M: the mass matrix in random poses{words_of_cad}",
     )
-
-
-def _words_of_cad(found: Identified) -> str:
-    known = any(model.cad_of is not None for model in found.models)
-    return f"; {CAD_NAME}: as in the file, drives fitted" if known else ""
 
 
 def _method(found: Identified, candidate: Candidate) -> Row:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import inspect
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -210,8 +210,8 @@ def models_of(
         own, scaled = (
             [_beside(file, text) for text in _names(where, table, key)] for key in ("known_torques", "scaled_torques")
         )
-        drives = [_term(where, file, entry) for entry in _entries(where, table, "terms")]
-        chosen = [_method(where, file, entry) for entry in _entries(where, table, "methods")] or methods
+        drives = [_made("term", where, file, entry) for entry in _entries(where, table, "terms")]
+        chosen = [_made("method", where, file, entry) for entry in _entries(where, table, "methods")] or methods
         subtracted = (*known_links, *known, *known_torques(own))
         terms = (*bodies, *load, *drives, *scaled_torques(scaled))
         expected = _expected(f"{where} expected", table.get("expected", {}))
@@ -260,28 +260,17 @@ def _names(where: str, table: Mapping[str, Any], key: str) -> list[str]:
     return [str(entry) for entry in entries]
 
 
-def _term(where: str, file: Path, entry: str | dict[str, Any]) -> Any:
-    from crosscheck.identifying import term_with
+def _made(kind: str, where: str, file: Path, entry: str | dict[str, Any]) -> Any:
+    """kind: term or method"""
+    from crosscheck.identifying import method_with, term_with
 
     if isinstance(entry, str) and ":" in entry:
-        return made("--models", _beside(file, entry), "columns", "rows")
-    return _called(term_with, where, "term", entry)
-
-
-def _method(where: str, file: Path, entry: str | dict[str, Any]) -> Any:
-    from crosscheck.identifying import method_with
-
-    if isinstance(entry, str) and ":" in entry:
-        return made("--models", _beside(file, entry), *OF_A_METHOD)
-    return _called(method_with, where, "method", entry)
-
-
-def _called(make: Callable[..., Any], where: str, kind: str, entry: str | dict[str, Any]) -> Any:
+        return made("--models", _beside(file, entry), *(("columns", "rows") if kind == "term" else OF_A_METHOD))
     given = {kind: entry} if isinstance(entry, str) else entry
     if kind not in given:
         raise typer.BadParameter(f"{where}: {entry} names no {kind}; write {{{kind} = NAME, …}}")
     try:
-        return make(**given)
+        return (term_with if kind == "term" else method_with)(**given)
     except (InvalidInput, TypeError, ValueError) as error:
         raise typer.BadParameter(f"{where} {kind} {given[kind]}: {error}") from error
 

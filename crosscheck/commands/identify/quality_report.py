@@ -24,7 +24,10 @@ def data_quality_section(found: Identified) -> Section:
             _joints(data_quality.measures),
             *_findings(data_quality),
             *_of_predicted(found),
-            _unseen(data_quality),
+            Notes(
+                tuple(map(Note, data_quality.unseen)),
+                title="What this recording cannot show, and the test that would",
+            ),
         )
     return Section("data_quality", "Data quality of the recording", blocks)
 
@@ -59,7 +62,7 @@ def _joints(measures: RecordingQuality) -> Table:
             Column("joint", "name"),
             Column("gain", "number", form=_gain),
             Column("sign", "number", "×", ".2f", meaning="residual with this torque reversed, relative"),
-            Column("delay", "number", "ms", form=_with_deviation),
+            Column("delay", "number", "ms", form=lambda numbers: "{:.1f} ± {:.1f}".format(*numbers)),
             Column("residual", "number", "%", ".3g"),
             Column("without bounds", "number", "%", ".3g"),
             Column("standstill", "number", "%", ".0f", meaning="rows with |v| ≤ 0.02 rad/s or m/s"),
@@ -74,10 +77,6 @@ def _gain(numbers: tuple[float, float, float]) -> str:
     gain, deviation, share = numbers
     text = f"{gain:.3g} ± {deviation:.1g}"
     return text if share >= MIN_CLEAR_SHARE else f"({text})"
-
-
-def _with_deviation(numbers: tuple[float, float]) -> str:
-    return f"{numbers[0]:.1f} ± {numbers[1]:.1f}"
 
 
 def _findings(data_quality: DataQuality) -> list[Block]:
@@ -100,13 +99,6 @@ def _of_predicted(found: Identified) -> list[Block]:
         elif data_quality.findings:
             blocks += [Prose(f"Of {name}, which is predicted:"), *_findings(data_quality)]
     return blocks
-
-
-def _unseen(data_quality: DataQuality) -> Notes:
-    return Notes(
-        tuple(Note(words) for words in data_quality.unseen),
-        title="What this recording cannot show, and the test that would",
-    )
 
 
 def excitation_table(model: IdentifiedModel) -> Table:

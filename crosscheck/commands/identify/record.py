@@ -272,7 +272,7 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         excitation=excitation(found.problem),
         recording=_recording(found),
         base_parameters=_base_parameters(found.comparison),
-        methods=_methods(found),
+        methods=[_method(found, result) for result in found.comparison.results],
         other_models=[_model(model) for model in found.others],
         comparison=[_candidate(candidate) for candidate in found.candidates],
         shown=None if shown is None else _shown(found, shown),
@@ -285,17 +285,13 @@ def _model(model: IdentifiedModel) -> dict[str, Any]:
         model,
         cad_links=model.cad_of is not None,
         base_parameters=_base_parameters(model.comparison),
-        methods=_methods(model),
+        methods=[_method(model, result) for result in model.comparison.results],
     )
 
 
 def _base_parameters(found: MethodComparison) -> list[dict[str, str]]:
     rows = zip(found.base_names, found.base_symbols, found.base_units, strict=True)
     return [{"name": name, "symbol": symbol, "unit": unit} for name, symbol, unit in rows]
-
-
-def _methods(model: IdentifiedModel) -> list[dict[str, Any]]:
-    return [_method(model, result) for result in model.comparison.results]
 
 
 def _method(model: IdentifiedModel, result: MethodResult) -> dict[str, Any]:
@@ -353,12 +349,12 @@ def _shown(found: Identified, result: MethodResult) -> dict[str, Any]:
         correlation_times=correlation.times if correlation else None,
         lower_bound=correlation.lower_bound if correlation else None,
         base_parameters=base_rows(found, result),
-        bodies=[_body(row) for row in body_rows(found, result)],
+        bodies=[
+            written(IdentifyBodyRecord, row, cad=_named(row.cad_parameters), identified=_named(row.parameters))
+            for row in body_rows(found, result)
+        ],
     )
 
 
-def _body(row: BodyRow) -> dict[str, Any]:
-    def named(parameters: Array) -> dict[str, float]:
-        return dict(zip(PARAMETER_NAMES, parameters, strict=True))
-
-    return written(IdentifyBodyRecord, row, cad=named(row.cad_parameters), identified=named(row.parameters))
+def _named(parameters: Array) -> dict[str, float]:
+    return dict(zip(PARAMETER_NAMES, parameters, strict=True))

@@ -62,10 +62,6 @@ def _verdict(found: Identified) -> Verdict:
     return Verdict("agrees", f"recommended method: {chosen.name}", f"It is {chosen.reason}.")
 
 
-def _all_or(number: int, whole: int) -> str:
-    return f"all {whole}" if number == whole else str(number)
-
-
 def _overview(found: Identified, shown: MethodResult | None) -> Facts:
     comparison, fit = _model(found, shown).comparison, found.division.fit.provenance
     held_out_rows = sum(trial.n_rows for trial in found.trials)
@@ -78,7 +74,7 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
             (
                 f"parameters{of_model}",
                 f"{len(comparison.names)}; {comparison.structural_rank} combinations are identifiable, and this motion "
-                f"determines {_all_or(comparison.rank, comparison.structural_rank)}",
+                f"determines {'all ' if comparison.rank == comparison.structural_rank else ''}{comparison.rank}",
             ),
             (
                 "condition number",

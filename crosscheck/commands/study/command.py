@@ -79,7 +79,7 @@ def run(options: StudyOptions) -> None:
                 resume=resume,
                 versions=versions(),
                 progress=shown,
-                tell=_tell,
+                tell=lambda line: say(line, "yellow"),
             )
     except (KeyboardInterrupt, Ended):
         say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
@@ -109,10 +109,6 @@ def _check_own(study: Configuration) -> None:
     for method in study.methods:
         if ":" in method:
             made(f"{study.file}: methods:", method, *OF_A_METHOD)
-
-
-def _tell(line: str) -> None:
-    say(line, "yellow")
 
 
 class _Shown:

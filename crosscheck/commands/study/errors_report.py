@@ -111,16 +111,13 @@ def _frame(
     panel.grid(axis="y", color=FAINT_COLOR, linewidth=0.5)
     panel.set_axisbelow(True)
     panel.set_xticks(range(len(places)), places if named else [""] * len(places))
-    panel.tick_params(axis="x", labelsize=6.5, length=2, color=MIDDLE_COLOR, rotation=30 if _long(places) else 0, pad=1)
+    rotation = 30 if sum(map(len, places)) > 22 else 0
+    panel.tick_params(axis="x", labelsize=6.5, length=2, color=MIDDLE_COLOR, rotation=rotation, pad=1)
     panel.tick_params(axis="y", which="both", labelsize=7, length=0, labelleft=numbers)
     panel.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     panel.minorticks_off()
     if numbers:
         panel.set_ylabel("%", fontsize=7.5, color=INK, labelpad=1, rotation=0)
-
-
-def _long(places: Sequence[str]) -> bool:
-    return sum(map(len, places)) > 22
 
 
 def _draw_line(panel: Axes, line: ErrorLine, method: int, aside: float, color: int, top: float) -> None:

@@ -129,15 +129,17 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
     count = counted(len(scenarios), "scenario")
     differing = ", ".join(axis.replace("_", " ") for axis in grid.varying)
     seconds = sum(float(np.nansum(scenario.seconds)) for scenario in scenarios)
+    time = f"{seconds / SECONDS_PER_HOUR:.1f} h" if seconds > SECONDS_PER_HOUR else time_text(seconds)
+    how_many = counted(runs[0], "run") if len(runs) == 1 else f"{runs[0]} to {runs[-1]} runs"
     items = [
         *facts,
         (
             "grid",
-            f"{count}{f' of {differing}' if differing else ''}; {_range(runs)} run{'' if runs == [1] else 's'} of each",
+            f"{count}{f' of {differing}' if differing else ''}; {how_many} of each",
         ),
         *([("usual setting", grid.usual)] if grid.usual else []),
         ("confidence", f"{CONFIDENCE_LEVEL:.0%} intervals and tests"),
-        ("methods' time", f"{_long(seconds)} of processor time"),
+        ("methods' time", f"{time} of processor time"),
     ]
     yield Facts(tuple(items))
     few, reached = min(runs), order_of_median(min(runs))[1]
@@ -146,14 +148,6 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
     elif reached < CONFIDENCE_LEVEL:
         said = f"intervals of medians reach from the smallest to the largest of {few} runs, which has {reached:.1%}"
         yield Notes((Note(said),))
-
-
-def _long(seconds: float) -> str:
-    return f"{seconds / SECONDS_PER_HOUR:.1f} h" if seconds > SECONDS_PER_HOUR else time_text(seconds)
-
-
-def _range(numbers: Sequence[int]) -> str:
-    return str(numbers[0]) if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]}"
 
 
 def _leaders(found: StudySummary) -> Iterator[Block]:

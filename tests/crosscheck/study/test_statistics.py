@@ -247,5 +247,5 @@ def test_tables_that_do_not_fit():
     with pytest.raises(InvalidInput, match="has no rows"):
         outcomes([], scenarios, times)
     results[0]["base"] = [1.0]
-    with pytest.raises(InvalidInput, match=r"'base' of 'ols', run 0 of .* has 1 values, .* names 6 base parameters"):
+    with pytest.raises(InvalidInput, match=r"'base' of 'ols', run 0 of .* has 1 value, .* names 6 base parameters"):
         outcomes(results, scenarios, times)
