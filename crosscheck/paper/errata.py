@@ -126,7 +126,7 @@ class Effect:
         return float(self.corrected_errors.max())
 
 
-def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | None = None) -> list[Effect]:
+def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] = lambda _: None) -> list[Effect]:
     """Effects of all errata on KR500 and UR5, at random states.
 
     progress: called with each effect as soon as it is measured
@@ -135,8 +135,7 @@ def measure(samples: int, seed: int = 0, progress: Callable[[Effect], None] | No
     for model in (kr500(), urdf.load("ur5")):
         for effect in _measure(model, samples, seed):
             effects.append(effect)
-            if progress:
-                progress(effect)
+            progress(effect)
     return effects
 
 

@@ -244,25 +244,20 @@ class Reproduction:
         return all(check.agrees for check in self.checks)
 
 
-def reproduce(samples: int, seed: int = 0, progress: Callable[[str], None] | None = None) -> Reproduction:
+def reproduce(samples: int, seed: int = 0, progress: Callable[[str], None] = lambda _: None) -> Reproduction:
     """Compute every part; progress is called with the name of each when it is done."""
-
-    def done(what: str) -> None:
-        if progress:
-            progress(what)
-
     geometry = geometry_table()
-    done(PROGRESS_STEPS[0])
+    progress(PROGRESS_STEPS[0])
     identification = identify()
-    done(PROGRESS_STEPS[1])
+    progress(PROGRESS_STEPS[1])
     printed = printed_multipliers()
     numbers = multipliers(printed)
-    done(PROGRESS_STEPS[2])
+    progress(PROGRESS_STEPS[2])
     corrected = corrected_multipliers()
-    done(PROGRESS_STEPS[3])
+    progress(PROGRESS_STEPS[3])
     motion = over_time()
-    done(PROGRESS_STEPS[4])
-    effects = tuple(measure(samples, seed, lambda effect: done(f"{effect.erratum} on {effect.robot}")))
+    progress(PROGRESS_STEPS[4])
+    effects = tuple(measure(samples, seed, lambda effect: progress(f"{effect.erratum} on {effect.robot}")))
     return Reproduction(
         geometry,
         identification,

@@ -229,10 +229,10 @@ class StudyOutcome:
 
     @classmethod
     def from_json(cls, plain: dict[str, Any]) -> StudyOutcome:
-        rows = (
+        rows: list[dict[str, Any]] = [
             {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
             for row in plain["results"]
-        )
+        ]
         results = tuple(Result(**row) for row in rows)
         return cls(results, tuple(plain["seconds"]), plain["total"])
 

@@ -5,22 +5,52 @@ The absolute error of every identified parameter, the paper's and ours from othe
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS, error_text, misprints, printed_text, value_text
-from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4
+from crosscheck.paper.printed import PARAMETERS, TABLE_3, TABLE_4, Printed
 from crosscheck.paper.tables import WHY_TABLE_3, PaperIdentification
 from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, picture
 from crosscheck.report.plain_text import superscript
-from crosscheck.report.report import WIDE_LINE_CHARACTERS, Column, Picture, Prose, Row, Section, Table
+from crosscheck.report.report import NO_VALUE, WIDE_LINE_CHARACTERS, Column, Picture, Prose, Row, Section, Table
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+
+BODY_TABLE_COLUMNS = tuple(Column(f"B_{i}", "number") for i in range(1, 7))
+
+
+def printed_text(number: Printed) -> str:
+    """The number as printed, with the number of its erratum."""
+    if number.text is None:
+        return NO_VALUE
+    return f"{number.text} {number.erratum or ''}".strip()
+
+
+def misprints(numbers: Iterable[Printed]) -> str:
+    """What every misprint among these should read, as sentences."""
+    return " ".join(
+        f"{number.text} is a misprint for {number.reading} ({number.erratum})." for number in numbers if number.erratum
+    )
+
+
+def value_text(value: float) -> str:
+    """The value with the four decimal places of the paper; no minus before a zero."""
+    return NO_VALUE if math.isnan(value) else f"{round(value, 4) + 0.0:.4f}"
+
+
+def error_text(error: float) -> str:
+    """An error far below the places of the paper."""
+    if math.isnan(error):
+        return NO_VALUE
+    return f"{error:.0e}" if error else "0"
 
 
 WIDTH, ROW, AXIS = 7.6, 0.165, 0.95

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from itertools import groupby
 
 import numpy as np
 
-from crosscheck.commands.paper.texts import misprints, multiplier_text, printed_text
+from crosscheck.commands.paper.identification_report import misprints, printed_text
 from crosscheck.paper.multipliers import (
     INSTANT,
     WHY_PRINTED,
@@ -16,7 +17,7 @@ from crosscheck.paper.multipliers import (
     printed_ratios,
 )
 from crosscheck.paper.reproduction import WHY_CORRECTED, Reproduction
-from crosscheck.report.report import Column, Note, Notes, Panel, Plot, Prose, Row, Section, Series, Table
+from crosscheck.report.report import NO_VALUE, Column, Note, Notes, Panel, Plot, Prose, Row, Section, Series, Table
 from graphdyn.layout import Array
 
 COMPONENTS = (("λ_1", "N"), ("λ_2", "N"), ("λ_3", "N"), ("λ_4", "N m"), ("λ_5", "N m"))
@@ -36,7 +37,7 @@ def corrected_section(found: CorrectedMultipliers) -> Section:
 
 def _multipliers(numbers: tuple[Multiplier, ...]) -> Table:
     rows = [
-        Row((one.name, printed_text(one.printed), multiplier_text(one), one.digits or "", one.meaning), rule=k == 0)
+        Row((one.name, printed_text(one.printed), _multiplier_text(one), one.digits or "", one.meaning), rule=k == 0)
         for _, joint in groupby(numbers, lambda number: number.joint)
         for k, one in enumerate(joint)
     ]
@@ -53,6 +54,13 @@ def _multipliers(numbers: tuple[Multiplier, ...]) -> Table:
         caption=caption + misprints(number.printed for number in numbers),
         compact=True,
     )
+
+
+def _multiplier_text(number: Multiplier) -> str:
+    """The multiplier with the seven digits of the paper; zero for what is rounding of zero."""
+    if math.isnan(number.ours):
+        return NO_VALUE
+    return "0" if number.kind == "rounding" else f"{number.ours:.6e}"
 
 
 def _ratios(found: Reproduction) -> Table:

@@ -12,10 +12,9 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.commands.errata.report import MEANINGS, distributions, effects_table, missing_rank, towards_lock
-from crosscheck.commands.paper.identification_report import identification_section
+from crosscheck.commands.paper.identification_report import BODY_TABLE_COLUMNS, identification_section
 from crosscheck.commands.paper.multipliers_report import corrected_section, over_time_section, printed_section
 from crosscheck.commands.paper.record import record
-from crosscheck.commands.paper.texts import BODY_TABLE_COLUMNS
 from crosscheck.paper.printed import POSE_TIMES
 from crosscheck.paper.reproduction import EXPERIMENT_NOTE, WHY_ERRATA, Check, Reproduction
 from crosscheck.paper.tables import WHY_TABLE_2, GeometryTable, joint_motion, rail

@@ -17,10 +17,10 @@ from shown.pages import complaints, parsed, table
 from typer.testing import CliRunner
 
 from crosscheck.commands import app
+from crosscheck.commands.paper.identification_report import error_text, misprints, printed_text, value_text
 from crosscheck.commands.paper.multipliers_report import MARKED_SAMPLE_INTERVAL
 from crosscheck.commands.paper.record import record as record_of
 from crosscheck.commands.paper.report import paper_report
-from crosscheck.commands.paper.texts import error_text, misprints, printed_text, value_text
 from crosscheck.commands.program import console
 from crosscheck.paper.printed import TABLE_2, Printed
 from crosscheck.paper.reproduction import PROGRESS_STEPS, REFERENCE_BOUND, Check, reproduce
