@@ -5,9 +5,7 @@ The scripts on it are known to its content security policy by their hashes; noth
 
 from __future__ import annotations
 
-import hashlib
 import shlex
-from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from functools import cache
 from itertools import count, groupby
@@ -36,8 +34,8 @@ from crosscheck.report.report import (
     shown,
 )
 from crosscheck.report.report import Group as BlockGroup
+from crosscheck.viewing.page import file_text, policy_hash, script_hashes
 from crosscheck.viewing.page import page as stage_page
-from crosscheck.viewing.page import script_hashes
 
 MAX_NOTE_LENGTH = 240
 """Characters from which a note is folded."""
@@ -63,10 +61,10 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
     plots = [block for block in blocks if isinstance(block, Plot)]
     of_stages = script_hashes() if any(isinstance(block, Stage) for block in blocks) else []
     scripts = [
-        *([_text(VENDOR / "uPlot.iife.min.js"), _text(PAGE / "plots.js")] if plots else []),
-        _text(PAGE / "page.js"),
+        *([file_text(VENDOR / "uPlot.iife.min.js"), file_text(PAGE / "plots.js")] if plots else []),
+        file_text(PAGE / "page.js"),
     ]
-    styles = [*([_text(VENDOR / "uPlot.min.css")] if plots else []), _text(PAGE / "style.css")]
+    styles = [*([file_text(VENDOR / "uPlot.min.css")] if plots else []), file_text(PAGE / "style.css")]
     return (
         _environment()
         .get_template("page.html")
@@ -76,7 +74,7 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
             contents=[section for section in report.ordered if section.title],
             styles=[Markup(style) for style in styles],
             scripts=[Markup(script) for script in scripts],
-            hashes=[*(f"'sha256-{_hash(script)}'" for script in scripts), *of_stages],
+            hashes=[*map(policy_hash, scripts), *of_stages],
             command=shlex.join(command),
             versions=versions,
             key=map("p{}".format, count(1)).__next__,
@@ -91,15 +89,6 @@ def _all(blocks: Sequence[Block]) -> Iterator[Block]:
         yield block
         if isinstance(block, BlockGroup):
             yield from _all(block.blocks)
-
-
-def _hash(script: str) -> str:
-    return b64encode(hashlib.sha256(script.encode()).digest()).decode()
-
-
-@cache
-def _text(path: Path) -> str:
-    return path.read_text(encoding="utf-8")
 
 
 def _stage_page(stage: Stage) -> str:

@@ -37,8 +37,8 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
     """
     store = NumberStore()
     shown = scene(title, figures, store) | {"live": live}
-    scripts = [Markup(_text(path)) for path in PLAYER_SCRIPTS]
-    styles = [Markup(_text(path)) for path in STYLE_SHEETS]
+    scripts = [Markup(file_text(path)) for path in PLAYER_SCRIPTS]
+    styles = [Markup(file_text(path)) for path in STYLE_SHEETS]
     return (
         _environment()
         .get_template("page.html")
@@ -49,7 +49,7 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
             styles=styles,
             libraries=_compressed_libraries(),
             script_hashes=script_hashes(),
-            style_hashes=[_hash(style) for style in styles],
+            style_hashes=[policy_hash(style) for style in styles],
             scene=Markup(json.dumps(shown, separators=(",", ":")).replace("<", "\\u003c")),
             numbers=store.text(),
         )
@@ -59,11 +59,11 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
 def script_hashes() -> list[str]:
     """Hashes of all scripts of the page, as a content security policy names them: a page around it must allow them
     too."""
-    return [_hash(script) for script in (_libraries(), *map(_text, PLAYER_SCRIPTS))]
+    return [policy_hash(script) for script in (_libraries(), *map(file_text, PLAYER_SCRIPTS))]
 
 
 def _libraries() -> str:
-    return "".join(map(_text, SCRIPT_LIBRARIES))
+    return "".join(map(file_text, SCRIPT_LIBRARIES))
 
 
 @cache
@@ -71,12 +71,14 @@ def _compressed_libraries() -> str:
     return compressed(_libraries().encode())
 
 
-def _hash(text: str) -> str:
+def policy_hash(text: str) -> str:
+    """A script or style as a content security policy names it."""
     return f"'sha256-{b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 @cache
-def _text(path: Path) -> str:
+def file_text(path: Path) -> str:
+    """The text of a file that the program brings along."""
     return path.read_text(encoding="utf-8")
 
 

@@ -181,20 +181,15 @@ def _fourier(motion: PlannedMotion, model: RobotModel) -> list[dict[str, Any]] |
 
 
 def _parameter(found: Excited, k: int) -> dict[str, Any]:
-    def sigma(plan: ExcitationPlan | None) -> float | None:
-        return None if plan is None else float(plan.sigma[k])
-
-    plan = found.plan
+    plan, others = found.plan, ("best_random", "median_random", "recorded")
     return written(
         PlannedParameterRecord,
         name=plan.names[k],
         unit=plan.units[k],
         prior=plan.prior[k],
         spread=plan.spread[k],
-        sigma=sigma(plan),
+        sigma=plan.sigma[k],
         relative=plan.relative[k],
         verdict=plan.verdicts[k],
-        best_random=sigma(found.best_random),
-        median_random=sigma(found.median_random),
-        recorded=sigma(found.recorded),
+        **{name: None if (other := getattr(found, name)) is None else other.sigma[k] for name in others},
     )

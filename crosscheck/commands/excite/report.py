@@ -164,13 +164,10 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
         ("minimized", found.criterion),
         ("geometric mean σ", f"{100 * plan.geometric_mean:.3g} % of what is unknown before the experiment"),
     ]
-    for words, other in (
-        (f"best of {found.random} random motions", found.best_random),
-        ("median random motion", found.median_random),
-        ("recorded motion", found.recorded),
-    ):
-        if other is not None:
-            facts.append((words, f"geometric mean σ {other.geometric_mean / plan.geometric_mean:.2f} × as large"))
+    facts += [
+        (title, f"geometric mean σ {other.geometric_mean / plan.geometric_mean:.2f} × as large")
+        for title, other in _others(found, f"best of {found.random} random").items()
+    ]
     facts.append(("condition number", _conditions(found)))
     facts.append(("collisions", collisions_text(found)))
     if written:
@@ -247,6 +244,12 @@ def _parameters(found: Excited) -> Section:
     return Section("parameters", "What the motion will determine", (_table(found), bars, Notes(tuple(notes))))
 
 
+def _others(found: Excited, best: str = "best random") -> dict[str, ExcitationPlan]:
+    """The plans that are shown beside that of the motions, by their titles."""
+    plans = {best: found.best_random, "median random": found.median_random, "recorded": found.recorded}
+    return {title: plan for title, plan in plans.items() if plan is not None}
+
+
 def random_is_better(found: Excited) -> bool:
     """Whether the search has ended in a worse motion than one of those that were drawn for comparison."""
     searched = found.motions[0].seed is not None
@@ -255,16 +258,11 @@ def random_is_better(found: Excited) -> bool:
 
 def _table(found: Excited) -> Table:
     plan = found.plan
-    others: list[tuple[str, ExcitationPlan | None]] = [
-        ("best random", found.best_random),
-        ("median random", found.median_random),
-        ("recorded", found.recorded),
-    ]
-    there = [(title, other) for title, other in others if other is not None]
+    others = _others(found)
     rows = []
     for k, name in enumerate(plan.names):
         verdict = plan.verdicts[k]
-        ratios = [other.sigma[k] / plan.sigma[k] for _, other in there]
+        ratios = [other.sigma[k] / plan.sigma[k] for other in others.values()]
         known = plan.prior[k] if plan.prior[k] else None
         rows.append(
             Row(
@@ -280,7 +278,7 @@ def _table(found: Excited) -> Table:
             Column("σ", "number", form=".2g", meaning="standard deviation after the experiment"),
             Column("σ", "number", "%", ".2g", "of the file's value, or of the prior spread where that is more"),
             Column("determined", "verdict"),
-            *(Column(title, "number", "× σ", ".2f", from_width=100) for title, _ in there),
+            *(Column(title, "number", "× σ", ".2f", from_width=100) for title in others),
         ),
         tuple(rows),
         caption="for independent errors of the torques with the given noise; × σ: how many times as large with others",
@@ -290,6 +288,10 @@ def _table(found: Excited) -> Table:
 
 MAX_AXIS_PERCENT = 1e4
 """[%] Largest end of the axis: beyond, nothing is determined."""
+
+
+MARKERS = {"best": ("o", CURVES[1]), "median": ("x", CURVES[2]), "recorded": ("s", CURVES[3])}
+"""Marker and color of each of the other motions, by the first word of its title."""
 
 
 def sigma_bars(key: str, found: Excited) -> Markup:
@@ -302,16 +304,10 @@ def _draw(axes: Axes, found: Excited) -> None:
     plan = found.plan
     scale = np.maximum(np.abs(plan.prior), plan.spread)
     own = 100 * plan.relative
-    others = [
-        (words, 100 * other.sigma / scale, marker, color)
-        for words, other, marker, color in (
-            (f"best of {found.random} random", found.best_random, "o", CURVES[1]),
-            ("median random", found.median_random, "x", CURVES[2]),
-            ("recorded", found.recorded, "s", CURVES[3]),
-        )
-        if other is not None
-    ]
-    there = np.concatenate([own, *(values for _, values, _, _ in others)])
+    others = {
+        title: 100 * other.sigma / scale for title, other in _others(found, f"best of {found.random} random").items()
+    }
+    there = np.concatenate([own, *others.values()])
     there = there[np.isfinite(there)]
     reach = (there.min() / 2, min(2 * there.max(), MAX_AXIS_PERCENT)) if there.size else (1.0, MAX_AXIS_PERCENT)
     axes.set(xscale="log", xlim=reach)
@@ -323,8 +319,9 @@ def _draw(axes: Axes, found: Excited) -> None:
     y = np.arange(len(plan.sigma)) + 0.5
     left = reach[0]
     axes.barh(y, np.minimum(own, reach[1]) - left, left=left, height=0.6, color=BAR, label="this motion")
-    for words, values, marker, color in others:
+    for title, values in others.items():
+        marker, color = MARKERS[title.split()[0]]
         hollow = "none" if marker != "x" else color
-        axes.plot(values, y, linestyle="", marker=marker, markersize=4.5, mfc=hollow, mec=color, mew=1.1, label=words)
+        axes.plot(values, y, linestyle="", marker=marker, markersize=4.5, mfc=hollow, mec=color, mew=1.1, label=title)
     axes.set_xlabel("σ [% of the parameter's size]", fontsize=9, color=INK)
     put_key(axes, 4)

@@ -15,6 +15,7 @@ from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.options import EXAMPLES, PageOptions, RobotArgument, command_line
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
+from crosscheck.commands.program.recording_options import numbers
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
@@ -101,12 +102,13 @@ def run(options: SimulateOptions) -> None:
     import urdf
     from crosscheck.commands.simulate.record import SimulatedRun
     from crosscheck.commands.simulate.report import simulate_report
+    from graphdyn import ComputedTorqueControl
 
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
     q, v = _start(model, options.position, options.velocity)
     how = {
-        "torque": _hold(q) if torque == "hold" else function,
+        "torque": ComputedTorqueControl(HOLDING**2, 2 * HOLDING, q) if torque == "hold" else function,
         "method": options.method,
         "step": step,
         "friction": "model" if options.friction else None,
@@ -138,12 +140,6 @@ def _simulated(
         return simulate(model, q, v, duration, progress=tell, **how)
 
 
-def _hold(position: list[float]) -> Any:
-    from graphdyn import ComputedTorqueControl
-
-    return ComputedTorqueControl(HOLDING**2, 2 * HOLDING, position)
-
-
 def _times(duration: float, rate: float) -> list[float]:
     """Rows at the rate, and the end."""
     count = int(duration * rate * (1 + 1e-9))
@@ -166,16 +162,13 @@ def _numbers(option: str, text: str | None, model: RobotModel) -> list[float]:
     """One number per joint that no others drive. Raises typer.BadParameter."""
     if text is None:
         return [0.0] * model.nv
-    try:
-        numbers = [float(part) for part in text.split(",")]
-    except ValueError:
-        raise typer.BadParameter(f"{option} {text}: numbers with commas between them are needed") from None
-    if len(numbers) != model.nv:
+    found = numbers(option, text)
+    if len(found) != model.nv:
         names = ", ".join(model.independent_joints)
         raise typer.BadParameter(
-            f"{option} has {counted(len(numbers), 'number')} for {counted(model.nv, 'joint')}: {names}"
+            f"{option} has {counted(len(found), 'number')} for {counted(model.nv, 'joint')}: {names}"
         )
-    return numbers
+    return found
 
 
 def _check_suffix(out: OutputFile) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.reference.subject import OfReading
-from crosscheck.report.records.record import CommandRecord, Count, Index, Number, Record, attribute, written
+from crosscheck.report.records.record import CommandRecord, Count, Index, Record, attribute, written
 from graphdyn import Simulation
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.simulation import Occurrence
@@ -26,9 +26,9 @@ class SimulatedJoint:
     lowest, highest: positions [rad or m]
     largest_velocity: largest |v| [rad/s or m/s]
     largest_torque: largest |τ| of the actuator [N m or N]
-    largest_force: largest size of the force that the joint transmits; None where loops leave a component undetermined
+    largest_force: largest size of the force that the joint transmits; NaN where loops leave a component undetermined
         [N]
-    largest_moment: largest size of the moment about the joint, that of the actuator included; None as above [N m]
+    largest_moment: largest size of the moment about the joint, that of the actuator included; NaN as above [N m]
     """
 
     number: Index
@@ -38,8 +38,8 @@ class SimulatedJoint:
     highest: float
     largest_velocity: float
     largest_torque: float
-    largest_force: Number
-    largest_moment: Number
+    largest_force: float
+    largest_moment: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,15 +77,11 @@ class SimulatedRun(OfReading):
                 highest=float(q[:, j].max()),
                 largest_velocity=float(np.abs(v[:, j]).max()),
                 largest_torque=float(np.abs(tau[:, j]).max()),
-                largest_force=_determined(forces[j]),
-                largest_moment=_determined(moments[j]),
+                largest_force=float(forces[j]),
+                largest_moment=float(moments[j]),
             )
             for j, joint in enumerate(motion.model.joints)
         ]
-
-
-def _determined(size: float) -> float | None:
-    return None if np.isnan(size) else float(size)
 
 
 def of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:

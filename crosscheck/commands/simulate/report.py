@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -56,6 +57,8 @@ def _what_closes(model: RobotModel) -> str:
 
 def _loads(run: SimulatedRun) -> Table:
     number: dict[str, Any] = {"kind": "number", "form": ".4g"}
+    loads = ("largest_velocity", "largest_torque", "largest_force", "largest_moment")
+    cells = attrgetter("number", "name", "lowest", "highest", *loads)
     return Table(
         (
             Column("no.", "number"),
@@ -67,21 +70,7 @@ def _loads(run: SimulatedRun) -> Table:
             Column("force", unit="N", meaning="that the joint transmits", **number),
             Column("moment", unit="N m", meaning="about the joint, that of the actuator included", **number),
         ),
-        tuple(
-            Row(
-                (
-                    joint.number,
-                    joint.name,
-                    joint.lowest,
-                    joint.highest,
-                    joint.largest_velocity,
-                    joint.largest_torque,
-                    joint.largest_force,
-                    joint.largest_moment,
-                )
-            )
-            for joint in run.joints
-        ),
+        tuple(Row(cells(joint)) for joint in run.joints),
         title="Joints, and their largest speeds and loads",
         failures_first=False,
         repeated=2,

@@ -96,7 +96,7 @@ def test_program_for_kuka(tmp_path):
         ),
         ("a.script", "servoj([1])", r"a\.script: has no line 'global period = …'"),
         ("a.script", "global period = 0.1\nservoj([x, 1])", r"a\.script: a servoj holds something else"),
-        ("a.script", "global period = 0.1\nservoj([1])", r"a\.script: servoj has 1 joints, the robot 3"),
+        ("a.script", "global period = 0.1\nservoj([1])", r"a\.script: servoj has 1 joint, the robot 3"),
         ("a.src", "PTP {A1 1}", r"a\.src: has no points"),
         ("a.src", "PTP {A1 1}\nSPTP {A1 1}\nTIME_BLOCK END = 1", r"a\.src: point \{A1 1\} lacks axis E1"),
     ],

@@ -158,7 +158,7 @@ def test_page(program, small_arm, tmp_path):
         (("--out", "-"), "--out -: name a file that ends with .mcap"),
         (("--rate", "0"), "--rate and --duration must be above zero"),
         (("--position", "1,2"), "--position has 2 numbers for 3 joints: z_shoulder, y_elbow, a_slide"),
-        (("--velocity", "1,2,x"), "--velocity 1,2,x: numbers with commas between them are needed"),
+        (("--velocity", "1,2,x"), "--velocity 1,2,x: give numbers with commas between them"),
         (("--torque", "torques.py:wrong"), "the function torque answers shape (1,) at 0 s"),
         (("--torque", "torques.py:none"), "none does not exist in torques.py"),
         (("--method", "rk5"), "method is 'rk5'; use one of dop853, rk8, rk4, euler"),
