@@ -33,14 +33,6 @@ MIN_VELOCITY_TORQUE_SHARE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class TrialStates:
-    """The states of the experiments: q, v (N, n)."""
-
-    q: Array
-    v: Array
-
-
-@dataclass(frozen=True, eq=False)
 class EquationTerms:
     """The terms of a function; None where it does not give them. The trailing dimensions are those of the function.
 
@@ -64,7 +56,7 @@ def torques(model: RobotModel) -> Function:
     return lambda q, v, a: inverse_dynamics(model, q, v, a).tau
 
 
-def split(function: Function, trial: TrialStates, acceleration: float) -> EquationTerms:
+def split(function: Function, trial: JudgedStates, acceleration: float) -> EquationTerms:
     """All experiments with one call of the function."""
     size, n = trial.q.shape
     zero, unit = np.zeros_like(trial.q), acceleration * np.eye(n)
@@ -76,17 +68,17 @@ def split(function: Function, trial: TrialStates, acceleration: float) -> Equati
     return EquationTerms(rest, columns, moving - rest, fast - rest, acceleration)
 
 
-def usual_acceleration(model: RobotModel, trial: TrialStates) -> float:
+def usual_acceleration(trial: JudgedStates) -> float:
     """An acceleration at which inertia takes torques as large as gravity: differences of torques then lose no
     digits."""
-    weight = np.abs(inverse_dynamics(model, trial.q, 0 * trial.q, 0 * trial.q).joint_wrenches).max()
-    inertia = np.abs(mass_matrix(model, trial.q)).max()
+    weight = np.abs(inverse_dynamics(trial.model, trial.q, 0 * trial.q, 0 * trial.q).joint_wrenches).max()
+    inertia = np.abs(mass_matrix(trial.model, trial.q)).max()
     return float(max(1.0, weight / inertia)) if inertia > 0 else 1.0
 
 
-def scales(model: RobotModel, trial: TrialStates, *all_parts: EquationTerms) -> dict[str, float]:
+def scales(trial: JudgedStates, *all_parts: EquationTerms) -> dict[str, float]:
     """The scale of each part: its largest entry, and for differences of torques the joint wrenches."""
-    wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
+    wrench = float(np.abs(inverse_dynamics(trial.model, trial.q, trial.v, 0 * trial.v).joint_wrenches).max())
     floor = {"gravity": wrench, "inertia": 0.0, "velocity": MIN_VELOCITY_TORQUE_SHARE * wrench}
     largest = {
         part: max([floor[part], *(_size(getattr(parts, part)) for parts in all_parts if part in parts.known())])
@@ -159,7 +151,7 @@ class JudgedStates(ScaledStates):
         loads = LOAD * weight * rng.normal(size=(*q.shape, 6)) if loaded else None
         return cls(model, q, v, a, tau, loads, frame)
 
-    def rows(self, selected: NDArray[np.bool_]) -> JudgedStates:
+    def rows(self, selected: NDArray[np.bool_] | NDArray[np.intp]) -> JudgedStates:
         """Some of the states."""
         loads = {} if self.loads is None else {"loads": self.loads[selected]}
         return self.but(q=self.q[selected], v=self.v[selected], a=self.a[selected], tau=self.tau[selected], **loads)
@@ -169,11 +161,11 @@ class JudgedStates(ScaledStates):
         return replace(self, **arrays)  # type: ignore[arg-type]
 
     @property
-    def trial(self) -> TrialStates:
+    def trial(self) -> JudgedStates:
         """States for the experiments: random ones, then ones with whole turns added."""
         rows = [*range(N_EXPERIMENT_STATES // 2), *range(-N_TURNED_STATES, -N_TURNED_STATES + N_EXPERIMENT_STATES // 2)]
         rows = [row if row < 0 else row % len(self.q) for row in rows]
-        return TrialStates(self.q[rows], self.v[rows])
+        return self.rows(np.array(rows))
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:

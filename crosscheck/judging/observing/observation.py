@@ -14,11 +14,10 @@ from crosscheck.judging.states import (
     EXPERIMENT_PARTS,
     EquationTerms,
     JudgedStates,
-    TrialStates,
     split,
     usual_acceleration,
 )
-from graphdyn import RobotModel, inverse_dynamics
+from graphdyn import inverse_dynamics
 from graphdyn.layout import Array
 
 
@@ -78,11 +77,11 @@ class Observation:
         )
 
 
-def of_experiments(model: RobotModel, trial: TrialStates, parts: EquationTerms) -> Observation:
+def of_experiments(trial: JudgedStates, parts: EquationTerms) -> Observation:
     """The experiments: at rest, accelerated from rest, moving; rows state by state."""
     size, n = trial.q.shape
     zero = np.zeros_like(trial.q)
-    wrench = float(np.abs(inverse_dynamics(model, trial.q, trial.v, zero).joint_wrenches).max())
+    wrench = float(np.abs(inverse_dynamics(trial.model, trial.q, trial.v, zero).joint_wrenches).max())
     acceleration = parts.acceleration
     q = np.concatenate([trial.q, np.repeat(trial.q, n, axis=0), trial.q])
     v = np.concatenate([zero, np.zeros((size * n, n)), trial.v])
@@ -151,51 +150,47 @@ def _judged(state: State, of: NDArray[np.intp], less: NDArray[np.intp], torque: 
     return Observation(state, of, less, torque / scale, scale, np.full(len(of), "judged"))
 
 
-def observe(tested: FunctionUnderTest, model: RobotModel, trial: TrialStates, torque: Array) -> EquationTerms | None:
+def observe(tested: FunctionUnderTest, trial: JudgedStates, torque: Array) -> EquationTerms | None:
     """The experiments with a function under test; None where its answers are no part of the equations of motion.
 
     torque: usual size per joint (n,), for forward dynamics, which gives M⁻¹ and from it the same terms
     Raises numpy.linalg.LinAlgError where forward dynamics give a singular M⁻¹.
     """
-    acceleration = usual_acceleration(model, trial)
+    acceleration = usual_acceleration(trial)
     shown = tested.known.shows
     if shown == "accelerations":
         return _of_accelerations(tested, trial, torque, acceleration)
     if shown == "torques per parameter":
-        return split(lambda q, v, a: tested(q, v, a) @ model.inertial_parameters, trial, acceleration)
+        return split(lambda q, v, a: tested(q, v, a) @ trial.model.inertial_parameters, trial, acceleration)
     if shown == "torques":
         return split(tested, trial, acceleration)
     return _PARTS[shown](tested, trial) if shown else None
 
 
 def _of_accelerations(
-    tested: FunctionUnderTest, trial: TrialStates, torque: Array, acceleration: float
+    tested: FunctionUnderTest, trial: JudgedStates, torque: Array, acceleration: float
 ) -> EquationTerms:
     response = split(lambda q, v, a: tested(q, v, a * torque), trial, 1.0)  # a (q, v, τ), one torque at a time
-    assert response.gravity is not None
     assert response.inertia is not None
-    assert response.velocity is not None
-    assert response.doubled is not None
     mass = np.linalg.inv(np.swapaxes(response.inertia, -1, -2) / torque)
-    gravity, velocity, doubled = (
-        -np.einsum("kij,kj->ki", mass, a) for a in (response.gravity, response.velocity, response.doubled)
-    )
+    others = (getattr(response, part) for part in ("gravity", "velocity", "doubled"))
+    gravity, velocity, doubled = (-np.einsum("kij,kj->ki", mass, a) for a in others)
     return EquationTerms(gravity, np.swapaxes(mass, -1, -2), velocity, doubled, acceleration)
 
 
-def _of_bias(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:
+def _of_bias(tested: FunctionUnderTest, trial: JudgedStates) -> EquationTerms:
     q, v = (np.concatenate(x) for x in ([trial.q] * 3, [0 * trial.v, trial.v, 2 * trial.v]))
     rest, moving, fast = np.split(tested(q, v), 3)
     return EquationTerms(gravity=rest, velocity=moving - rest, doubled=fast - rest)
 
 
-def _of_coriolis(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:
+def _of_coriolis(tested: FunctionUnderTest, trial: JudgedStates) -> EquationTerms:
     q, v = np.concatenate([trial.q, trial.q]), np.concatenate([trial.v, 2 * trial.v])
     once, twice = np.split(np.einsum("kij,kj->ki", tested(q, v), v), 2)
     return EquationTerms(velocity=once, doubled=twice)
 
 
-def _of_quadratic_form(tested: FunctionUnderTest, trial: TrialStates) -> EquationTerms:
+def _of_quadratic_form(tested: FunctionUnderTest, trial: JudgedStates) -> EquationTerms:
     """M_ij = T(e_i + e_j) - T(e_i) - T(e_j)."""
     size, n = trial.q.shape
     unit = np.eye(n)
@@ -205,7 +200,7 @@ def _of_quadratic_form(tested: FunctionUnderTest, trial: TrialStates) -> Equatio
     return EquationTerms(inertia=sums - singles[:, :, None] - singles[:, None, :])
 
 
-_PARTS: Mapping[str, Callable[[FunctionUnderTest, TrialStates], EquationTerms]] = {
+_PARTS: Mapping[str, Callable[[FunctionUnderTest, JudgedStates], EquationTerms]] = {
     "inertia": lambda tested, trial: EquationTerms(inertia=np.swapaxes(tested(trial.q), -1, -2)),
     "inverse of the inertia": lambda tested, trial: EquationTerms(
         inertia=np.swapaxes(np.linalg.inv(tested(trial.q)), -1, -2)

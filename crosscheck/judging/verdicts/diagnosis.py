@@ -27,13 +27,12 @@ from crosscheck.judging.states import (
     EXPERIMENT_PARTS,
     EquationTerms,
     JudgedStates,
-    TrialStates,
     deviations,
     scales,
     split,
     torques,
 )
-from graphdyn import RobotModel, inverse_dynamics
+from graphdyn import inverse_dynamics
 from graphdyn.layout import Array
 
 DIFFERENCE_ORDER = 8
@@ -102,8 +101,7 @@ class Deviation:
     """
 
     function: str
-    model: RobotModel
-    trial: TrialStates
+    trial: JudgedStates
     observed: EquationTerms
     judged: Observation | None
     of_file: Callable[[], Sequence[CodeFault]]
@@ -121,12 +119,8 @@ def evidence_of(deviation: Deviation, before: Mapping[str, float], observed: Equ
         for part, error in before.items()
     ]
     if "velocity" in before and before["velocity"] > deviation.bound:
-        assert observed.doubled is not None
-        assert own.doubled is not None
-        assert observed.velocity is not None
-        assert own.velocity is not None
-        once = np.abs(observed.velocity - own.velocity).max()
-        twice = np.abs(observed.doubled - own.doubled).max()
+        parts = ("velocity", "doubled")
+        once, twice = (np.abs(getattr(observed, part) - getattr(own, part)).max() for part in parts)
         said.append(f"at twice the velocity the error is {twice / once:.3g} times as large")
     if deviation.noise > deviation.tolerance / MAX_NOISE_FACTOR:
         said.append(precision_said(deviation.noise))
@@ -259,15 +253,15 @@ def _where(deviation: Deviation, search: Search) -> str:
     (residual,) = search.all_rows.residuals([search.own])
     torque = residual * search.all_rows.scale
     size = np.abs(residual).max(axis=0)
-    names = [name for name, x in zip(deviation.model.joint_names, size, strict=True) if x > deviation.bound]
+    names = [name for name, x in zip(deviation.trial.model.joint_names, size, strict=True) if x > deviation.bound]
     _, values, ways = np.linalg.svd(torque, full_matrices=False)
     if len(names) > 1 and values[1] <= deviation.bound * values[0]:
         way = ways[0] / ways[0][np.abs(ways[0]).argmax()]
         shown = ", ".join(
-            f"{name} {x:.4g}" for name, x in zip(deviation.model.joint_names, way, strict=True) if abs(x) > 1e-6
+            f"{name} {x:.4g}" for name, x in zip(deviation.trial.model.joint_names, way, strict=True) if abs(x) > 1e-6
         )
         return f"; all deviations have one direction ({shown}), as from a constraint or a transmission"
-    if 0 < len(names) < deviation.model.n_bodies:
+    if 0 < len(names) < deviation.trial.model.n_bodies:
         return f"; only torques of {', '.join(names)} deviate"
     return ""
 
@@ -284,13 +278,13 @@ MAX_EXTRA_NUMBERS = 1
 
 def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnosis]:
     """What is wrong with a function that deviates."""
-    model, trial, observed = deviation.model, deviation.trial, deviation.observed
-    own = split(torques(model), trial, observed.acceleration)
-    before = deviations(observed, own, scales(model, trial, own, observed))
+    trial, observed = deviation.trial, deviation.observed
+    own = split(torques(trial.model), trial, observed.acceleration)
+    before = deviations(observed, own, scales(trial, own, observed))
     if not np.isfinite(list(before.values())).all():
         return [unknown(deviation, "the answers are not finite", "", np.inf)]
-    experiments = of_experiments(model, trial, observed)
-    search = Search(model, deviation.of_file(), experiments, deviation.judged, deviation.noise, deviation.bound)
+    experiments = of_experiments(trial, observed)
+    search = Search(trial.model, deviation.of_file(), experiments, deviation.judged, deviation.noise, deviation.bound)
     nothing = search.nothing()
     evidence = evidence_of(deviation, before, observed, own)
     left = float((nothing.worst if deviation.judged is None else nothing.judged).max())

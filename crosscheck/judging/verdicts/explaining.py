@@ -244,7 +244,7 @@ def _of_terms(found: Judged, precision: float, of_file: OfFile, say: Progress) -
     tau = states.answer("inverse_dynamics", loaded=True).tau
     torque = np.maximum(np.sqrt(np.mean(tau**2, axis=0)), np.finfo(float).tiny)
     try:
-        observed = observe(function, states.model, states.trial, torque)
+        observed = observe(function, states.trial, torque)
     except np.linalg.LinAlgError:
         return [_unknown(name, "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular")]
     except FunctionFailure as failure:
@@ -252,5 +252,5 @@ def _of_terms(found: Judged, precision: float, of_file: OfFile, say: Progress) -
     if observed is None:
         return []
     judged = of_judged(name, found.answer, states)
-    deviation = Deviation(name, states.model, states.trial, observed, judged, of_file, precision, found.verdict.bound)
+    deviation = Deviation(name, states.trial, observed, judged, of_file, precision, found.verdict.bound)
     return diagnose(deviation, say)
