@@ -13,9 +13,8 @@ from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.source import Source
-from urdf.geometry.drawn import MESH_KIND, Drawn
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
-from urdf.geometry.reading import Solid, read_solids
+from urdf.geometry.reading import MESH_KIND, Drawn, Solid, read_solids
 from urdf.geometry.shape import UnreadableMesh
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ class Filled:
 
 
 def filled(drawn: Drawn, parts: Sequence[Triangles]) -> Filled:
-    """A drawing filled uniformly, in the frame of its link. Raises Unreadable for a mesh without volume."""
+    """A drawing filled uniformly, in the frame of its link. Raises UnreadableMesh for a mesh without volume."""
     whole = joined(parts)
     own = _mesh(welded(whole)) if drawn.kind == MESH_KIND else _primitive(drawn, whole)
     return own.seen_from(drawn.placement, whole.vertices)
@@ -108,7 +107,7 @@ def _mesh(triangles: Triangles) -> Filled:
 
 
 def _hull(vertices: Array) -> trimesh.Trimesh:
-    """The convex hull, its faces counterclockwise from outside. Raises Unreadable for points in one plane."""
+    """The convex hull, its faces counterclockwise from outside. Raises UnreadableMesh for points in one plane."""
     import trimesh
     from scipy.spatial import ConvexHull, QhullError
 

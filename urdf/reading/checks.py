@@ -33,7 +33,7 @@ _REQUIRED_CHILDREN = {"inertial": ("mass", "inertia"), "joint": ("parent", "chil
 _REQUIRED_ATTRIBUTES = {tag: ATTRIBUTES[tag] for tag in ("mass", "inertia", "axis", "parent", "child")}
 
 _COMPUTED = ("origin", "mass", "inertia", "axis")
-"""Elements that dynamics are computed from, held to LARGEST; a limit may be the largest double."""
+"""Elements that dynamics are computed from, held to MAX_NUMBER; a limit may be the largest double."""
 
 
 def faults(source: Source) -> Iterator[URDFError]:

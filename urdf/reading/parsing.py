@@ -21,8 +21,7 @@ from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, joints_in_order, tree_faults
 from urdf.errors import InvalidRobot
 from urdf.loops.closing import all_closures, chords, closure_faults, stated_beside
-from urdf.loops.couplings import actuated, check_motors, unread_motors
-from urdf.loops.mimics import resolve
+from urdf.loops.mimics import actuated, check_motors, resolve, unread_motors
 from urdf.reading.checks import faults
 from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble

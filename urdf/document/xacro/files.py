@@ -1,6 +1,6 @@
 """Expand .xacro files, without ROS, in a separate process that can read only the folders that the user named.
 
-xacro evaluates Python expressions; see _xacro_process for what these may do.
+xacro evaluates Python expressions; see process.py for what these may do.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ _ASCII_COMPATIBLE = (b"utf-8", b"utf8", b"us-ascii", b"ascii", b"iso-8859-1", b"
 class ColladaDocument:
     """The root element and the elements by their id. The file is untrusted: nothing in it expands.
 
-    Raises Unreadable for what is no Collada file.
+    Raises UnreadableMesh for what is no Collada file.
     """
 
     def __init__(self, content: bytes):
@@ -98,7 +98,7 @@ MAX_NODES, MAX_DEPTH = 20_000, 100
 def read_collada(content: bytes) -> list[Triangles]:
     """The triangles of the scene [m], in the axes of the file: <up_axis> is left aside, as in RViz and Pinocchio.
 
-    Raises Unreadable.
+    Raises UnreadableMesh.
     """
     return _ColladaScene(ColladaDocument(content)).triangles()
 

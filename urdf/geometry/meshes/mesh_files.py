@@ -28,12 +28,12 @@ PACKAGE_SCHEMES = ("package", "model")
 def find_mesh(name: str, document: Path) -> Path:
     """The file that a URDF file calls this.
 
-    document: the URDF file, or one of UNNAMED
+    document: the URDF file, or one of UNNAMED_SOURCES
 
     package://NAME/REST is NAME/REST in a folder above the document, else REST in one of them (a package may lie in a
     folder of another name), else NAME/REST in a folder of ROS_PACKAGE_PATH or in share/ of one of AMENT_PREFIX_PATH.
 
-    Raises Unreadable, with the reason.
+    Raises UnreadableMesh, with the reason.
     """
     if not name.strip():
         raise UnreadableMesh("<mesh> has no file name")
@@ -92,7 +92,7 @@ STL_HEADER, STL_TRIANGLE = 84, 50
 def read_mesh(path: Path) -> tuple[Triangles, ...]:
     """The triangles of a file [m], those of one color together, with vertices at the same place as one.
 
-    Raises Unreadable: for a file that is none, too large or damaged, for NaN, for a mesh without triangles.
+    Raises UnreadableMesh: for a file that is none, too large or damaged, for NaN, for a mesh without triangles.
     """
     suffix = path.suffix.lower()
     if suffix not in _READERS:
@@ -113,7 +113,7 @@ def read_mesh(path: Path) -> tuple[Triangles, ...]:
 
 
 def content_of(path: Path, largest: int) -> bytes:
-    """The bytes of a regular file. Raises Unreadable, also for one that is larger than so many bytes."""
+    """The bytes of a regular file. Raises UnreadableMesh, also for one that is larger than so many bytes."""
     try:
         if not stat.S_ISREG(path.stat().st_mode):
             raise UnreadableMesh("not a regular file")

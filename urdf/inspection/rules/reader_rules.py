@@ -146,13 +146,9 @@ def _incomplete_parts(joint: etree._Element) -> Iterator[Finding]:
         if tag == "dynamics" and part.get("damping") is None and part.get("friction") is None:
             lacking = ["damping or friction"]
         if lacking and (tag in unread or tag != "limit"):  # the other limits have a finding of their own
-            yield _incomplete(part, f"without {', '.join(lacking)}")
+            yield about("incomplete-joint-part", part, f"without {', '.join(lacking)}; dynamics do not need it")
         for name in NUMBERS[tag] if tag in unread else ():
             text = part.get(name)
             found = None if text is None else numbers(text, 1, f'{name}="{shortened(text)}"')
             if isinstance(found, BadNumber):
-                yield _incomplete(part, found.problem)
-
-
-def _incomplete(part: etree._Element, problem: str) -> Finding:
-    return about("incomplete-joint-part", part, f"{problem}; dynamics do not need it")
+                yield about("incomplete-joint-part", part, f"{found.problem}; dynamics do not need it")
