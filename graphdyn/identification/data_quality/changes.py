@@ -31,31 +31,6 @@ class RecordedColumns:
         """Columns that are the joint coordinates themselves."""
         return cls(np.eye(n), np.eye(n), np.zeros(n))
 
-    def changed(
-        self,
-        samples: Samples,
-        *,
-        position: Array | None = None,
-        velocity: Array | None = None,
-        torque: Array | None = None,
-        zero: Array | None = None,
-    ) -> Samples:
-        """The samples after a multiplication of the columns by these matrices (n, n).
-
-        velocity: of the columns of v and a
-        zero: added to the resulting joint positions        (n,)
-        """
-        q, v, a = samples.q, samples.v, samples.a
-        if position is not None:
-            q = (q - self.zero) @ _conjugated(position, self.position).T + self.zero
-        if zero is not None:
-            q = q + zero
-        if velocity is not None:
-            matrix = _conjugated(velocity, self.position).T
-            v, a = v @ matrix, a @ matrix
-        tau = samples.tau if torque is None else samples.tau @ _conjugated(torque, self.torque).T
-        return replace(samples, q=q, v=v, a=a, tau=tau)
-
 
 def _conjugated(change: Array, to_joints: Array) -> Array:
     """The change of the columns, expressed in joint coordinates."""
@@ -96,7 +71,8 @@ class Change:
     """A change of the columns that corrects a fault.
 
     joints: those that it concerns                          (k,)
-    position, velocity, torque: factors of the columns, None for no change   (n, n)
+    position, torque: factors of the columns, None for no change   (n, n)
+    velocity: of those of v and a                           (n, n)
     zero: added to joint positions                          (n,) [rad]
     alone: position or velocity is changed without the other, because they contradict each other as recorded
     factor: of a scale; delay of the torque [s], of a lag
@@ -121,9 +97,18 @@ class Change:
         return kept if self.velocity is None else kept[:, np.argmax(np.abs(self.velocity), axis=1)]
 
     def applied(self, samples: Samples, columns: RecordedColumns) -> Samples:
-        return columns.changed(
-            samples, position=self.position, velocity=self.velocity, torque=self.torque, zero=self.zero
-        )
+        """The samples after the change of the columns."""
+        q, v, a, tau = samples.q, samples.v, samples.a, samples.tau
+        if self.position is not None:
+            q = (q - columns.zero) @ _conjugated(self.position, columns.position).T + columns.zero
+        if self.zero is not None:
+            q = q + self.zero
+        if self.velocity is not None:
+            matrix = _conjugated(self.velocity, columns.position).T
+            v, a = v @ matrix, a @ matrix
+        if self.torque is not None:
+            tau = tau @ _conjugated(self.torque, columns.torque).T
+        return replace(samples, q=q, v=v, a=a, tau=tau)
 
 
 def changes(slides: Sequence[bool], contradicting: Sequence[int] = ()) -> Iterator[Change]:

@@ -90,11 +90,6 @@ MIN_CORRELATION_TIMES = 80
 98 of 100 cases, as `python tests/tools interval_coverage` shows."""
 
 
-NO_EXPECTED_VALUES = (
-    "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
-)
-
-
 @dataclass(frozen=True, eq=False)
 class MethodResult:
     """Result of one method: the estimate and its quality, or the reason why there is none.
@@ -223,7 +218,9 @@ def _estimated(problem: Problem, estimator: Estimator, progress: Callable[[str],
     start = time.perf_counter()
     try:
         if problem.torque_model.expected and not getattr(estimator, "takes_expected", False):
-            raise EstimationFailed(NO_EXPECTED_VALUES)
+            raise EstimationFailed(
+                "the method takes no expected values; use one that does (WLS, ridge, consistent, …), or expect none"
+            )
         estimate = estimator.estimate(problem)
         _check(problem, estimate)
     except EstimationFailed as failure:

@@ -131,10 +131,7 @@ def _windows(chunks: Iterable[Rows]) -> Iterator[list[Rows]]:
 def joined(covariance: Array) -> Array:
     """Covariance of all q, then v, then a (3 n, 3 n) from that of q, v, a of each joint (n, 3, 3)."""
     n = len(covariance)
-    together = np.zeros((3, n, 3, n))
-    for j, own in enumerate(covariance):
-        together[:, j, :, j] = own
-    return together.reshape(3 * n, 3 * n)
+    return np.asarray(np.einsum("jab,jk->ajbk", covariance, np.eye(n))).reshape(3 * n, 3 * n)
 
 
 def _motion(problem: Problem) -> tuple[Samples, list[Array], NDArray[np.int64]]:

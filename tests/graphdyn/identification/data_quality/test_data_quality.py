@@ -11,7 +11,7 @@ from random_trees import body_of_points
 import graphdyn
 from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
-from graphdyn.identification.data_quality import Piece, RecordedColumns, assess_recording, excitation
+from graphdyn.identification.data_quality import Change, Piece, RecordedColumns, assess_recording, excitation
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.channels import rate_gain
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
@@ -78,8 +78,11 @@ def recording(late=0.0):
 
 
 def changed(**matrices):
-    piece = recording()
-    return Piece(RecordedColumns.of_joints(N).changed(piece.samples, **matrices), PERIOD)
+    return changed_in(RecordedColumns.of_joints(N), **matrices)
+
+
+def changed_in(columns, **matrices):
+    return Piece(Change("zero", (), **matrices).applied(recording().samples, columns), PERIOD)
 
 
 @functools.cache
@@ -171,13 +174,13 @@ class TestFaults:
         matrix = np.eye(N)
         matrix[3, 2] = 1.0
         columns = RecordedColumns(np.linalg.inv(matrix), matrix.T, np.array([0, -1.5, 1.5, 0]))
-        piece = Piece(columns.changed(recording().samples, torque=signs(3)), PERIOD)
+        piece = changed_in(columns, torque=signs(3))
         (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints) == ("reversed torque", (3,))
 
     def test_a_reversed_column_with_an_offset(self):
         columns = RecordedColumns(np.eye(N), np.eye(N), np.array([0, -1.5, 1.5, 0]))
-        piece = Piece(columns.changed(recording().samples, position=signs(2), velocity=signs(2)), PERIOD)
+        piece = changed_in(columns, position=signs(2), velocity=signs(2))
         (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints, fault.change.zero) == ("reversed position", (2,), None)
 
