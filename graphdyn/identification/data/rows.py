@@ -20,6 +20,8 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import RowFilter, Samples, filtered_length
 from graphdyn.layout import Array
 
+ROW_ARRAYS = ("matrix", "right", "measured", "velocity", "kept")
+
 
 @dataclass(frozen=True, eq=False)
 class Rows:
@@ -42,15 +44,8 @@ class Rows:
         return len(self.right)
 
     def __getitem__(self, rows: slice) -> Rows:
-        return replace(
-            self,
-            matrix=self.matrix[rows],
-            right=self.right[rows],
-            measured=self.measured[rows],
-            velocity=self.velocity[rows],
-            kept=self.kept[rows],
-            first=self.first and not rows.start,
-        )
+        parts = {name: getattr(self, name)[rows] for name in ROW_ARRAYS}
+        return replace(self, **parts, first=self.first and not rows.start)
 
 
 P = TypeVar("P", Rows, Rows | Samples)

@@ -42,7 +42,7 @@ from graphdyn.identification.algebra.compressed import (
     solve,
     weighted_solution,
 )
-from graphdyn.identification.data.rows import Rows, runs
+from graphdyn.identification.data.rows import ROW_ARRAYS, Rows, runs
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.problem.prior import model_prior
@@ -106,11 +106,7 @@ def measured_motion(problem: Problem) -> Iterator[MeasuredRows]:
         raise EstimationFailed("knows the errors of a row at a time, and friction with memory takes all rows together")
     motion, covariances, run, position = *_motion(problem), 0
     for parts in _windows(problem.rows()):
-        names = ("matrix", "right", "measured", "velocity", "kept")
-        matrix, right, measured, velocity, kept = (
-            np.concatenate([getattr(part, name) for part in parts]) for name in names
-        )
-        rows = Rows(matrix, right, measured, velocity, kept)
+        rows = Rows(*(np.concatenate([getattr(part, name) for part in parts]) for name in ROW_ARRAYS))
         blocks = np.concatenate([np.full(len(part), part.block) for part in parts])
         end = position + len(rows)
         yield MeasuredRows(rows, blocks, motion[position:end], covariances[run[position]])

@@ -24,7 +24,7 @@ PhysCon 2003; Al-Bender, Lampaert and Swevers, IEEE Transactions on Automatic Co
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -99,8 +99,7 @@ class AsymmetricCoulomb:
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
         sign = smooth_sign(samples.v, self.width)
-        forth, back = np.maximum(sign, 0.0), np.minimum(sign, 0.0)
-        return np.concatenate([per_joint_rows(forth), per_joint_rows(back)], axis=-1)
+        return per_joint_rows(np.maximum(sign, 0.0), np.minimum(sign, 0.0))
 
 
 @dataclass(frozen=True)
@@ -112,8 +111,7 @@ class AsymmetricViscous:
         return forth + per_joint_columns(model, "viscous friction back", "FV-", *DAMPING_UNITS)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        forth, back = np.maximum(samples.v, 0.0), np.minimum(samples.v, 0.0)
-        return np.concatenate([per_joint_rows(forth), per_joint_rows(back)], axis=-1)
+        return per_joint_rows(np.maximum(samples.v, 0.0), np.minimum(samples.v, 0.0))
 
 
 @dataclass(frozen=True)
@@ -194,14 +192,12 @@ class SmoothCoulomb:
         names: list[TermParameter] = []
         for k, per_joint in enumerate(each_positive("width", self.widths, model.nv), start=1):
             plain = per_joint_columns(model, "Coulomb friction", f"FC{k}", *TORQUE_UNITS)
-            names += [
-                TermParameter(f"{column.name} of width {width:g}", column.symbol, column.unit)
-                for column, width in zip(plain, per_joint, strict=True)
-            ]
+            for column, width in zip(plain, per_joint, strict=True):
+                names.append(replace(column, name=f"{column.name} of width {width:g}"))
         return tuple(names)
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        return np.concatenate([per_joint_rows(smooth_sign(samples.v, width)) for width in self.widths], axis=-1)
+        return per_joint_rows(*(smooth_sign(samples.v, width) for width in self.widths))
 
 
 DEFLECTION = 0.01
@@ -236,4 +232,4 @@ class MaxwellSlip:
         for t, step in enumerate(steps):
             now = np.clip(now + step, -1.0, 1.0)
             z[t] = now
-        return np.concatenate([per_joint_rows(z[:, k]) for k in range(len(widest))], axis=-1)
+        return per_joint_rows(*np.moveaxis(z, 1, 0))

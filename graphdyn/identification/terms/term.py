@@ -78,9 +78,10 @@ def per_joint_columns(
     )
 
 
-def per_joint_rows(values: Array) -> Array:
-    """Diagonal regressor (N, n, n) of values (N, n): column j acts on joint j alone."""
-    n = values.shape[1]
-    rows = np.zeros((*values.shape, n))
-    rows[:, np.arange(n), np.arange(n)] = values
-    return rows
+def per_joint_rows(*values: Array) -> Array:
+    """Diagonal regressors (N, n, n) of values (N, n), side by side: column j of each acts on joint j alone."""
+    joints = np.arange(values[0].shape[1])
+    rows = np.zeros((*values[0].shape, len(values), len(joints)))
+    for k, part in enumerate(values):
+        rows[:, joints, k, joints] = part
+    return rows.reshape(*values[0].shape, -1)
