@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -106,7 +107,8 @@ def measured_motion(problem: Problem) -> Iterator[MeasuredRows]:
         raise EstimationFailed("knows the errors of a row at a time, and friction with memory takes all rows together")
     motion, covariances, run, position = *_motion(problem), 0
     for parts in _windows(problem.rows()):
-        rows = Rows(*(np.concatenate([getattr(part, name) for part in parts]) for name in ROW_ARRAYS))
+        arrays: dict[str, Any] = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ROW_ARRAYS}
+        rows = Rows(**arrays)
         blocks = np.concatenate([np.full(len(part), part.block) for part in parts])
         end = position + len(rows)
         yield MeasuredRows(rows, blocks, motion[position:end], covariances[run[position]])
