@@ -8,7 +8,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Sequence
 from functools import cache
-from itertools import count, groupby
+from itertools import count
 from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -102,10 +102,10 @@ def _kind(block: Block) -> str:
 
 def _note_groups(notes: Sequence[Note]) -> list[tuple[str, list[Note], bool]]:
     """Notes by code in the order of their first, and whether the group is folded."""
-    order = {code: k for k, code in reversed(list(enumerate(note.code for note in notes)))}
-    groups = groupby(sorted(notes, key=lambda note: order[note.code]), lambda note: note.code)
-    listed = [(code, list(group)) for code, group in groups]
-    return [(code, group, bool(code) and len(group) > MAX_NOTES_PER_CODE) for code, group in listed]
+    groups: dict[str, list[Note]] = {}
+    for note in notes:
+        groups.setdefault(note.code, []).append(note)
+    return [(code, group, bool(code) and len(group) > MAX_NOTES_PER_CODE) for code, group in groups.items()]
 
 
 def _hover(column: Column, value: object) -> str:

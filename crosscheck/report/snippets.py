@@ -69,15 +69,7 @@ def worst_state(comparison: Comparison, result: QuantityResult) -> str | None:
     lines += ["import urdf"] if comparison.file else []
     lines += [f"from {module} import {names}" for module, names, used in _IMPORTS if used in text]
     lines += ["from urdf.document import locate"] if pinocchio and worst.route == "urdf" else []
-    lines += [
-        "",
-        *_robot(
-            _origin(comparison),
-            comparison.reading,
-            comparison.model,
-            only=".uncoupled" * coupled + ".opened" * looped,
-        ),
-    ]
+    lines += ["", *_robot(comparison, ".uncoupled" * coupled + ".opened" * looped)]
     lines += [f"reference = PinocchioModel.{_pinocchio(comparison, worst.route)}"] if pinocchio else []
     lines += _surroundings(worst, comparison.model, pinocchio)
     lines += _numbers(worst, quantity.solves, loaded, text)
@@ -101,9 +93,9 @@ def worst_call(judgment: Judgment, function: JudgedFunction) -> str:
 
     Where a RobotModel was judged, the reader must put it into `model` first.
     """
-    origin, model = _origin(judgment), judgment.model
-    lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if origin else []), ""]
-    lines += _robot(origin, judgment.reading, model, only=".uncoupled" * (UNCOUPLED in judgment.notes))
+    model = judgment.model
+    lines = ["import numpy as np", "", "import graphdyn", *(["import urdf"] if judgment.file else []), ""]
+    lines += _robot(judgment, ".uncoupled" * (UNCOUPLED in judgment.notes))
     reordered = judgment.joint_names != model.joint_names
     if reordered:
         lines += [
@@ -133,16 +125,12 @@ def _origin(record: Comparison | Judgment) -> str | None:
     return record.robot if record.file in (str(path.resolve()) for path in named) else record.file
 
 
-def _robot(
-    origin: str | None,
-    reading: Reading,
-    model: RobotModel,
-    *,
-    only: str = "",
-) -> list[str]:
+def _robot(result: Comparison | Judgment, only: str) -> list[str]:
+    """How a reader gets the robot. only: what is taken of it"""
+    origin, model = _origin(result), result.model
     if origin is None:
         return ["# model is the RobotModel that was given"]
-    options = ", ".join([repr(origin), *_reading(reading), f"gravity={model.gravity.tolist()}"])
+    options = ", ".join([repr(origin), *_reading(result.reading), f"gravity={model.gravity.tolist()}"])
     return [f"model = urdf.load({options}){only}"]
 
 
