@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from crosscheck.recordings import ColumnMapping, Recording
+from crosscheck.recordings.mapping.mapping import Channel
 from graphdyn.identification.data_quality import Change, RecordedColumns
 from graphdyn.layout import Array
 
@@ -54,9 +55,7 @@ def change_in_words(change: Change, joint_names: Sequence[str], deviation: float
 
 def recorded_columns(recording: Recording) -> RecordedColumns:
     """Conversion of the file's columns to the joints of the recording, in the order of the latter."""
-    n, mapping = recording.n_joints, recording.provenance.columns
-    if mapping is None:
-        return RecordedColumns.of_joints(n)
+    n, mapping = recording.n_joints, _mapping_of(recording)
     order = [mapping.joints.index(joint) for joint in recording.joint_names]
     position: Array = np.eye(n)
     torque: Array = np.eye(n)
@@ -71,50 +70,46 @@ def recorded_columns(recording: Recording) -> RecordedColumns:
 
 def mapping_lines(change: Change, recording: Recording) -> tuple[str, ...]:
     """The lines, table by table; unchanged joints keep their values."""
-    mapping = recording.provenance.columns
-    joints = recording.joint_names if mapping is None else mapping.joints
-    to_mapping = [recording.joint_names.index(joint) for joint in joints]
+    mapping = _mapping_of(recording)
+    to_mapping = [recording.joint_names.index(joint) for joint in mapping.joints]
     tables: dict[str, dict[str, str]] = {}
     for name, matrix in (("q", change.position), ("v", change.velocity), ("tau", change.torque)):
-        if matrix is None or (mapping is not None and name not in mapping.channels):
-            continue
-        if mapping is None and name == "v":
-            continue
-        tables[name] = _multiplied(name, matrix[np.ix_(to_mapping, to_mapping)], change, mapping)
+        if matrix is not None and name in mapping.channels:
+            tables[name] = _multiplied(name, matrix[np.ix_(to_mapping, to_mapping)], change, mapping.channels[name])
     if change.zero is not None:
-        before = np.zeros(len(joints)) if mapping is None else mapping.channels["q"].offset
-        degrees = np.rad2deg(before + change.zero[to_mapping])
+        degrees = np.rad2deg(mapping.channels["q"].offset + change.zero[to_mapping])
         whole = {"offset": _numbers(np.where(np.abs(degrees - 360) < 1e-9, 0.0, degrees)), "offset_unit": '"deg"'}
         tables["q"] = tables.get("q", {}) | whole
     if change.kind == "late torque":
-        before = np.zeros(len(joints)) if mapping is None else mapping.channels["tau"].delays
-        late = np.zeros(len(joints))
+        late = np.zeros(len(mapping.joints))
         late[[to_mapping.index(j) for j in change.joints]] = change.factor
-        tables["tau"] = {"delay": _numbers(np.round(before + late, 4))}
+        tables["tau"] = {"delay": _numbers(np.round(mapping.channels["tau"].delays + late, 4))}
     return tuple(
         line for name, table in tables.items() for line in (f"[{name}]", *(f"{key} = {table[key]}" for key in table))
     )
 
 
-def _multiplied(name: str, matrix: Array, change: Change, mapping: ColumnMapping | None) -> dict[str, str]:
+def _mapping_of(recording: Recording) -> ColumnMapping:
+    """The mapping of the recording; for one from another source, that of a file with a column per joint, in order."""
+    n = recording.n_joints
+    one, zero = np.ones(n), np.zeros(n)
+    channel = Channel(tuple(range(1, n + 1)), one, zero, (None,) * n, signs=one, delays=zero)
+    columns = recording.provenance.columns
+    return columns or ColumnMapping("", recording.joint_names, {"q": channel, "tau": channel})
+
+
+def _multiplied(name: str, matrix: Array, change: Change, channel: Channel) -> dict[str, str]:
     """Keys and values of one table for a matrix by which its columns are to be multiplied."""
     if change.kind in ("degrees", "radians"):
         unit = {"degrees": "deg", "radians": "rad"}[change.kind]
         return {"unit": f'"{unit}"' if name == "q" else f'"{unit}/s"'}
-    n = len(matrix)
-    signs = np.ones(n) if mapping is None else mapping.channels[name].signs
     if change.kind == "scaled torque":
-        factors = np.ones(n) if mapping is None else mapping.channels[name].factor
-        return {
-            "unit": '"N m"',
-            "sign": _numbers(np.sign(factors)),
-            "gain": _numbers(np.abs(factors * np.diag(matrix))),
-        }
+        gains = np.abs(channel.factor * np.diag(matrix))
+        return {"unit": '"N m"', "sign": _numbers(np.sign(channel.factor)), "gain": _numbers(gains)}
     order = np.argmax(np.abs(matrix), axis=1)
-    if np.array_equal(order, np.arange(n)):
-        return {"sign": _numbers(signs * np.diag(matrix))}
-    columns: Sequence[str | int] = range(1, n + 1) if mapping is None else mapping.channels[name].columns
-    return {"columns": "[" + ", ".join(_toml(columns[k]) for k in order) + "]"}
+    if np.array_equal(order, np.arange(len(matrix))):
+        return {"sign": _numbers(channel.signs * np.diag(matrix))}
+    return {"columns": "[" + ", ".join(_toml(channel.columns[k]) for k in order) + "]"}
 
 
 def _toml(column: str | int) -> str:

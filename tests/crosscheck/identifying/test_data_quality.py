@@ -324,7 +324,7 @@ class TestRealRecordings:
         ("name", "variant"),
         few(
             [*product(RECORDINGS, SPOILT)],
-            ("ur10", "tau4 reversed"), ("tx40", "q2, q3 exchanged"),
+            ("kr300", "tau4 reversed"), ("tx40", "q2, q3 exchanged"),
         ),
     )  # fmt: skip
     def test_spoilt(self, name, variant):
