@@ -66,3 +66,9 @@ def in_row(index: Iterable[int]) -> str:
 def counted(number: int, one: str, several: str = "") -> str:
     """The number with its noun: "1 joint", "2 joints". several: the plural if it is not one + "s"."""
     return f"{number} {one if number == 1 else several or f'{one}s'}"
+
+
+def first_of(items: Iterable[object], most: int) -> str:
+    """The first ones in a row, and how many there are besides: "3, 7 and 2 more"."""
+    said = list(map(str, items))
+    return ", ".join(said[:most]) + (f" and {len(said) - most} more" if len(said) > most else "")

@@ -236,6 +236,4 @@ def _excerpt(data: PartitionedRecording, begun: list[Recording], preparation: Pr
 
 
 def _names(data: PartitionedRecording) -> str:
-    names = [str(source.log.path) for source in data.logs]
-    more = len(names) - MAX_NAMED_LOGS
-    return ", ".join(names[:MAX_NAMED_LOGS]) + (f" and {more} more" if more > 0 else "")
+    return first_of((source.log.path for source in data.logs), MAX_NAMED_LOGS)

@@ -25,7 +25,7 @@ from crosscheck.report.report import (
     Table,
 )
 from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
-from graphdyn.errors import counted
+from graphdyn.errors import counted, first_of
 from graphdyn.layout import Array
 
 MAX_LISTED_STATES = 20
@@ -164,9 +164,7 @@ def _read(judgment: Judgment) -> tuple[Block, ...]:
 
 def _states(numbers: list[int]) -> str:
     """state 3; states 3, 7, 8"""
-    rest = len(numbers) - MAX_LISTED_STATES
-    listed = ", ".join(map(str, numbers[:MAX_LISTED_STATES])) + (f" and {rest} more" if rest > 0 else "")
-    return f"state{'s' if len(numbers) > 1 else ''} {listed}"
+    return f"state{'s' if len(numbers) > 1 else ''} {first_of(numbers, MAX_LISTED_STATES)}"
 
 
 def _largest(errors: Mapping[str, Array], reference: str) -> float | None:

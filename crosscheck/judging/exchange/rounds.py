@@ -19,7 +19,7 @@ from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import Refusal, TestedFunction
 from graphdyn import GraphDynError
-from graphdyn.errors import counted
+from graphdyn.errors import counted, first_of
 from graphdyn.layout import Array
 
 QUESTION_STAGES = 3
@@ -88,12 +88,7 @@ class Replay:
 
 def listed(ids: Sequence[int]) -> str:
     """The first ones: "id 12", "ids 12, 13"."""
-    rest = len(ids) - MAX_LISTED_IDS
-    return (
-        ("id " if len(ids) == 1 else "ids ")
-        + ", ".join(map(str, ids[:MAX_LISTED_IDS]))
-        + (f" and {rest} more" if rest > 0 else "")
-    )
+    return f"{'id' if len(ids) == 1 else 'ids'} {first_of(ids, MAX_LISTED_IDS)}"
 
 
 @dataclass(frozen=True, eq=False)

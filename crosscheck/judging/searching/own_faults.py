@@ -13,6 +13,7 @@ from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities.measures import column_space, outside_of
 from crosscheck.quantities.scales import largest
 from graphdyn import RobotModel
+from graphdyn.errors import first_of
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import PARAMETER_NAMES
 
@@ -116,10 +117,12 @@ def _of_base_regressor(answer: Array, ours: Array, states: JudgedStates, bound: 
     ranks = f"rank {column_space(answer).shape[1]}, not {column_space(ours).shape[1]}"
     said = []
     if tested:
-        said.append(f"no combination of the columns of inertial parameters gives columns {_listed(tested)}")
+        said.append(
+            f"no combination of the columns of inertial parameters gives columns {first_of(tested, MAX_LISTED_COLUMNS)}"
+        )
     if len(missing):
         names = [_parameter(states.model, int(k)) for k in missing]
-        said.append(f"no combination of its columns gives those of {_listed(names)}")
+        said.append(f"no combination of its columns gives those of {first_of(names, MAX_LISTED_COLUMNS)}")
     message = f"{'; '.join(said)} ({ranks})"
     remedy = "compare these columns; friction and drives are no inertial parameters"
     return FoundFault(FaultDescription("column_space", message, remedy), np.inf)
@@ -127,11 +130,6 @@ def _of_base_regressor(answer: Array, ours: Array, states: JudgedStates, bound: 
 
 def _parameter(model: RobotModel, k: int) -> str:
     return f"{PARAMETER_NAMES[k % BODY_PARAMETERS]} of body '{model.body_names[k // BODY_PARAMETERS]}'"
-
-
-def _listed(names: list[str]) -> str:
-    rest = len(names) - MAX_LISTED_COLUMNS
-    return ", ".join(names[:MAX_LISTED_COLUMNS]) + (f" and {rest} more" if rest > 0 else "")
 
 
 OWN_FAULTS: Mapping[str, OwnFault] = {
