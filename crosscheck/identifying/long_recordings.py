@@ -21,6 +21,7 @@ from crosscheck.identifying.results.result import Identified, identified
 from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
 from crosscheck.reference.subject import Subject
 from graphdyn import InvalidInput
+from graphdyn.errors import first_of
 from graphdyn.identification import (
     ClosedLoop,
     Estimator,
