@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
+from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.recordings.errors import BadRecordingFile
+from graphdyn.excitation import TabulatedCourse
 
 NANOSECONDS_PER_SECOND = 10**9
 
@@ -30,7 +31,7 @@ def document(motion: TimedMotion) -> bytes:
     return "\n".join([*lines, ""]).encode()
 
 
-def read(path: Path, joints: Sequence[str]) -> TimedPositions:
+def read(path: Path, joints: Sequence[str]) -> TabulatedCourse:
     """Raises BadRecordingFile where it is no such message, or lacks a joint."""
     message = _message(path)
     names = message["joint_names"]
@@ -41,11 +42,12 @@ def read(path: Path, joints: Sequence[str]) -> TimedPositions:
         stamps = [point["time_from_start"] for point in message["points"]]
         times = np.array([stamp["sec"] + stamp["nanosec"] / NANOSECONDS_PER_SECOND for stamp in stamps], dtype=float)
         positions = np.array([point["positions"] for point in message["points"]], dtype=float)
-        return TimedPositions(times, positions[:, [names.index(name) for name in joints]])
+        positions = positions[:, [names.index(name) for name in joints]]
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise BadRecordingFile(
             f"{path}: a point lacks {len(names)} positions or time_from_start {{sec, nanosec}} ({error})"
         ) from None
+    return TabulatedCourse(times, positions)
 
 
 def _message(path: Path) -> dict[str, Any]:

@@ -13,10 +13,11 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
+from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.recordings.errors import BadRecordingFile
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
+from graphdyn.excitation import TabulatedCourse
 from graphdyn.layout import Array
 
 MILLIMETERS_PER_METER = 1000.0
@@ -62,7 +63,7 @@ def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
     return "\n".join(lines).encode()
 
 
-def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> TimedPositions:
+def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> TabulatedCourse:
     """Read programs in this form. Raises BadRecordingFile for others."""
     signs, zeros = settings.of(len(prismatic))
     text = path.read_text(encoding="utf-8", errors="replace")
@@ -77,7 +78,7 @@ def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> Timed
             raise BadRecordingFile(f"{path}: point {{{point}}} lacks axis {missing[0]}")
         rows.append([float(values[name]) for name in _axis_names(prismatic)])
     units = np.where(np.asarray(prismatic), MILLIMETERS_PER_METER, np.degrees(1.0))
-    return TimedPositions(np.linspace(0.0, float(end[1]), len(rows)), signs * (np.array(rows) - zeros) / units)
+    return TabulatedCourse(np.linspace(0.0, float(end[1]), len(rows)), signs * (np.array(rows) - zeros) / units)
 
 
 def _axis_names(prismatic: Sequence[bool]) -> list[str]:

@@ -54,11 +54,11 @@ def read_motion(path: Path, model: RobotModel, settings: AxisSettings) -> Tabula
     joints = model.independent_joints
     match path.suffix.lower():
         case ".yaml" | ".yml":
-            return TabulatedCourse(*joint_trajectory.read(path, joints))
+            return joint_trajectory.read(path, joints)
         case ".script":
-            return TabulatedCourse(*urscript.read(path, joints))
+            return urscript.read(path, joints)
         case ".src":
-            return TabulatedCourse(*krl.read(path, slides(model), settings))
+            return krl.read(path, slides(model), settings)
     recording = load_recording(path, joints=joints)
     return TabulatedCourse(recording.t, recording.q)
 

@@ -3,19 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from graphdyn.excitation import FiniteMotion, sample_times
 from graphdyn.layout import Array
-
-
-class TimedPositions(NamedTuple):
-    """What every format holds: times (N,) [s], and positions (N, n) [rad or m] of the joints in the robot's order."""
-
-    times: Array
-    positions: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.exciting.motion_formats.timed_motion import TimedMotion, TimedPositions
+from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.recordings.errors import BadRecordingFile
 from graphdyn.errors import counted
+from graphdyn.excitation import TabulatedCourse
 
 LOOKAHEAD, GAIN = 0.1, 300
 """[s, -] Settings of servoj: the values of the manual's example."""
@@ -31,7 +32,7 @@ def document(motion: TimedMotion) -> bytes:
     return "\n".join([*lines, "  stopj(2.0)", "end", ""]).encode()
 
 
-def read(path: Path, joints: Sequence[str]) -> TimedPositions:
+def read(path: Path, joints: Sequence[str]) -> TabulatedCourse:
     """Read programs in this form. Raises BadRecordingFile for others."""
     text = path.read_text(encoding="utf-8", errors="replace")
     period, rows = _PERIOD.search(text), _SERVO.findall(text)
@@ -44,4 +45,4 @@ def read(path: Path, joints: Sequence[str]) -> TimedPositions:
         raise BadRecordingFile(f"{path}: a servoj holds something else than as many numbers as the others") from None
     if positions.shape[1] != len(joints):
         raise BadRecordingFile(f"{path}: servoj has {counted(positions.shape[1], 'joint')}, the robot {len(joints)}")
-    return TimedPositions(np.arange(len(positions)) * np.float64(step), positions)
+    return TabulatedCourse(np.arange(len(positions)) * np.float64(step), positions)
