@@ -32,7 +32,7 @@ def recorded_motion(model: RobotModel, recording: Recording) -> tuple[LoadedMoti
     else:
         wrenches, source = recording.joint_wrenches[rows], "loads as recorded"
     tau = None if recording.tau is None else recording.tau[rows]
-    motion = LoadedMotion(recording.t[rows], q, wrenches, _along_axes(model, wrenches), tau)
+    motion = _loaded(model, recording.t[rows], q, wrenches, tau)
     notes = [_told(recording.t, rows), *recording.provenance.steps, source]
     pieces = len(recording.block_slices)
     if pieces > 1:
@@ -46,7 +46,7 @@ def planned_motion(model: RobotModel, course: FiniteMotion) -> tuple[LoadedMotio
     times = np.linspace(0.0, course.duration, int(course.duration * rate) + 1)
     q, v, a, _ = course.motion(times)
     wrenches, source = _loads(model, q, v, a)
-    return LoadedMotion(times, q, wrenches, _along_axes(model, wrenches)), ("as planned", source)
+    return _loaded(model, times, q, wrenches), ("as planned", source)
 
 
 def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tuple[LoadedMotion, tuple[str, ...]]:
@@ -58,17 +58,16 @@ def closed_instant(model: RobotModel, position: ArrayLike | None = None) -> tupl
     """
     q = np.asarray(model.closed_pose if position is None else position)[None]
     wrenches, source = _loads(model, q, 0 * q, 0 * q)
-    motion = LoadedMotion(np.zeros(1), q, wrenches, _along_axes(model, wrenches))
-    return motion, ("the pose that closes the loops, at rest", source)
+    return _loaded(model, np.zeros(1), q, wrenches), ("the pose that closes the loops, at rest", source)
 
 
 def simulated_motion(simulation: Simulation) -> tuple[LoadedMotion, tuple[str, ...]]:
     """The motion of a simulation, and notes on how it is shown."""
     rows = shown_rows(simulation.time)
-    wrenches = simulation.reactions.joint_wrenches[rows]
-    tau = _along_axes(simulation.model, wrenches)
-    motion = LoadedMotion(simulation.time[rows], simulation.q[rows], wrenches, tau, simulation.tau[rows])
-    return motion, (_told(simulation.time, rows),)
+    time, q, wrenches, tau = (
+        values[rows] for values in (simulation.time, simulation.q, simulation.reactions.joint_wrenches, simulation.tau)
+    )
+    return _loaded(simulation.model, time, q, wrenches, tau), (_told(simulation.time, rows),)
 
 
 def shown_rows(time: Array) -> NDArray[np.intp]:
@@ -95,8 +94,9 @@ def _told(time: Array, rows: NDArray[np.intp]) -> str:
     return f"{time[-1] - time[0]:.4g} s{start}, {len(rows)} of {len(time)} instants shown"
 
 
-def _along_axes(model: RobotModel, wrenches: Array) -> Array:
-    """Torques (…, nv) of the joint wrenches (…, n, 6) in link axes, in which the joint axes stand still."""
+def _loaded(model: RobotModel, time: Array, q: Array, wrenches: Array, recorded: Array | None = None) -> LoadedMotion:
+    """With the torques of the joint wrenches, in whose link axes the joint axes stand still."""
     parts = [wrenches[..., j, LINEAR if joint.is_prismatic else ANGULAR] for j, joint in enumerate(model.joints)]
     along = [part @ joint.axis for part, joint in zip(parts, model.joints, strict=True)]
-    return np.asarray(np.stack(along, axis=-1) @ model.degrees_of_freedom.matrix)
+    tau = np.stack(along, axis=-1) @ model.degrees_of_freedom.matrix
+    return LoadedMotion(time, q, wrenches, tau, recorded)

@@ -49,7 +49,6 @@ class ComparisonOutcome:
     comparison: where the task asks for it
     """
 
-    robot: str
     record: dict[str, Any] | None = None
     failure: str | None = None
     comparison: Comparison | None = None
@@ -62,15 +61,13 @@ def examine(task: ComparisonTask) -> ComparisonOutcome:
             warnings.simplefilter("always")
             comparison = comparing.compare(task.robot, task.samples, task.seed)
     except (GraphDynError, OSError) as error:
-        return ComparisonOutcome(task.robot, failure=str(error))
+        return ComparisonOutcome(failure=str(error))
     except Exception as error:
-        return ComparisonOutcome(
-            task.robot, failure=f"the comparison failed: {type(error).__name__}: {error}; report it"
-        )
+        return ComparisonOutcome(failure=f"the comparison failed: {type(error).__name__}: {error}; report it")
     notes = [*comparison.notes, *(str(warning.message).removeprefix(f"{task.robot}: ") for warning in caught)]
     comparison = replace(comparison, notes=tuple(notes))
     wanted = task.details == "all" or (task.details == "disagreeing" and not comparison.agrees)
-    return ComparisonOutcome(task.robot, plain(robot_record(comparison)), None, comparison if wanted else None)
+    return ComparisonOutcome(plain(robot_record(comparison)), None, comparison if wanted else None)
 
 
 def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:

@@ -417,11 +417,9 @@ class TestOutput:
 class TestInstalledScript:
     def test_agreement(self, script, pendulum, tmp_path):
         record = tmp_path / "r.json"
-        done = script("crosscheck", pendulum, "--samples", 2, "--json", record)
-        assert done.code == AGREED
-        progress = re.compile(rf"{re.escape(str(pendulum))}: \d+ after \d+ s, .*")  # where the machine is slow
-        assert [line for line in done.err.splitlines() if not progress.fullmatch(line)] == []
-        assert json.loads(record.read_text(encoding="utf-8"))["command"][:2] == ["graphdyn", "crosscheck"]
+        done = script("inspect", pendulum, "--json", record)
+        assert (done.code, done.err) == (AGREED, "")
+        assert json.loads(record.read_text(encoding="utf-8"))["command"][:2] == ["graphdyn", "inspect"]
 
     @LONG
     def test_bad_file(self, script, tmp_path):

@@ -120,11 +120,9 @@ def examined(monkeypatch, some_record):
 
     def examine(task):
         if "new" in task.robot:
-            return sweeping.ComparisonOutcome(task.robot, failure="not a robot")
+            return sweeping.ComparisonOutcome(failure="not a robot")
         own = {"robot": task.robot, "file_sha256": content_sha256(task.robot)}
-        return sweeping.ComparisonOutcome(
-            task.robot, {**some_record, **own, "samples": task.samples, "seed": task.seed}
-        )
+        return sweeping.ComparisonOutcome({**some_record, **own, "samples": task.samples, "seed": task.seed})
 
     monkeypatch.setattr(sweeping, "examine", examine)
 
