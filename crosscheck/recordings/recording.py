@@ -131,7 +131,7 @@ class Recording:
         return [slice(int(a), int(b)) for a, b in zip([0, *borders], [*borders, len(self.t)], strict=True)]
 
     def recorded(self, names: Sequence[str]) -> list[str]:
-        """Those of the channels that it has."""
+        """The channels that it has."""
         return [name for name in names if getattr(self, name) is not None]
 
     def channel(self, name: str) -> Array:

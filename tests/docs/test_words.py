@@ -70,6 +70,12 @@ def tree(path):
     return ast.parse(text(path))
 
 
+@cache
+def nodes(path):
+    """All nodes of a file."""
+    return [*ast.walk(tree(path))]
+
+
 def found(pattern, paths, allowed=()):
     """Where the pattern stands, with what follows."""
     lines = []
@@ -89,7 +95,7 @@ def string(statement):
 def documented():
     """Place, name and text of every docstring, those of constants included."""
     for path in FILES:
-        for node in ast.walk(tree(path)):
+        for node in nodes(path):
             body = getattr(node, "body", None)
             if not isinstance(body, list):
                 continue
@@ -100,10 +106,10 @@ def documented():
                     yield place(path), ast.unparse(statement).split(" ")[0], said
 
 
-def constants(module):
+def constants(nodes):
     """Names in capitals that a file defines or imports."""
     names = set()
-    for node in ast.walk(module):
+    for node in nodes:
         if isinstance(node, ast.Import | ast.ImportFrom):
             names |= {alias.asname or alias.name for alias in node.names}
         elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
@@ -111,9 +117,9 @@ def constants(module):
     return {name for name in names if re.fullmatch(r"_?[A-Z][A-Z0-9_]+", name)}
 
 
-def quoted_constants(module):
+def quoted_constants(nodes):
     """Strings with the name of a constant in them, without docstrings and headings (all in capitals, as in __all__)."""
-    names, nodes = constants(module), [*ast.walk(module)]
+    names = constants(nodes)
     aside = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
     parts = {id(part) for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
     for node in nodes if names else ():
@@ -125,7 +131,7 @@ def quoted_constants(module):
 
 def test_no_message_holds_the_name_of_a_constant():
     """As a renaming of constants leaves it that replaces words in texts too."""
-    said = {place(file): [*quoted_constants(tree(file))] for file in FILES}
+    said = {place(file): [*quoted_constants(nodes(file))] for file in FILES}
     assert {file: texts for file, texts in said.items() if texts} == {}
 
 
@@ -133,7 +139,7 @@ def test_a_constant_within_a_message_is_found():
     module = ast.parse(
         "from a import FEW\nMOST = 3\n'MOST, of all'\nx = 'the MOST of it', f'{MOST} or FEW', f' FEW {MOST}', 'MOST'"
     )
-    assert [*quoted_constants(module)] == ["the MOST of it", " or FEW", " FEW "]
+    assert [*quoted_constants([*ast.walk(module)])] == ["the MOST of it", " or FEW", " FEW "]
 
 
 @pytest.mark.parametrize("word", TERMS)
@@ -148,7 +154,7 @@ def test_american_spelling(pattern):
 
 
 def test_every_class_has_a_name_of_its_own():
-    names = Counter(node.name for path in FILES for node in ast.walk(tree(path)) if isinstance(node, ast.ClassDef))
+    names = Counter(node.name for path in FILES for node in nodes(path) if isinstance(node, ast.ClassDef))
     assert [name for name, number in names.items() if number > 1] == []
 
 

@@ -1,4 +1,4 @@
-"""Where a report goes: to the terminal, and if asked for into a page, with robots in three dimensions, and a JSON file.
+"""The places of a report: the terminal, and if asked for a page, with robots in three dimensions, and a JSON file.
 
 The figures are made of what each command has found.
 """

@@ -62,7 +62,7 @@ class RobotDescription:
 
     @property
     def total_mass(self) -> float:
-        """Of the moving bodies [kg]."""
+        """Mass of the moving bodies [kg]."""
         return sum(body.mass for body in self.model.bodies)
 
 

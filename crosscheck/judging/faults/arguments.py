@@ -68,7 +68,7 @@ def arguments(model: RobotModel) -> Iterator[CodeFault]:
 
 
 def scaled_arguments(scale: Array, which: str) -> Taken:
-    """Those of q, v, a that `which` names, multiplied by factors (n,)."""
+    """The arguments among q, v, a that `which` names, multiplied by factors (n,)."""
 
     def taken(*state: Array) -> State:
         q, v, a = (scale * x if name in which else x for name, x in zip("qva", state, strict=True))

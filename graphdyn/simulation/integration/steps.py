@@ -64,7 +64,7 @@ def joints_of(y: Array) -> tuple[Array, Array]:
 
 
 def derivative(v: Array, tau: Array, rates: Rates) -> Array:
-    """Of q, v, work and loss (2n + 2,)."""
+    """The derivative of q, v, work and loss (2n + 2,)."""
     return np.concatenate([v, rates.a, [tau @ v, rates.passive @ v]])
 
 
