@@ -133,7 +133,7 @@ def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> t
             return None
         step, part = answer[: len(x)], 1.0
         # log det ends at the margin: shorter steps stay where the cost is smooth
-        while not _off_the_margin(cost.coordinates, x + part * step, margin):
+        while not np.all(cost.coordinates.smallest_eigenvalues(x + part * step) > margin):
             part /= 2
             if part < MIN_STEP_SHARE:
                 return None
@@ -141,10 +141,6 @@ def _newton(cost: Cost, x: Array, rows: Array, right: Array, margin: float) -> t
         if np.linalg.norm(step) <= NEWTON_TOLERANCE * np.linalg.norm(x):
             break
     return x, answer[len(x) :]
-
-
-def _off_the_margin(coordinates: PriorCoordinates, u: Array, margin: float) -> bool:
-    return bool(np.all(coordinates.smallest_eigenvalues(u) > margin))
 
 
 def suboptimality(cost: Cost, u: Array, rows: Array, right: Array, multipliers: Array, margin: float) -> float:

@@ -138,7 +138,9 @@ def _tried(
     for change in considered:
         if not change.moves:
             yield _trial(torque_model, change, before, change.applied(samples, columns), fit)
-    for some in _batches([change for change in considered if change.moves], -(-WORTH_COMPILING // len(samples))):
+    moving, size = [change for change in considered if change.moves], -(-WORTH_COMPILING // len(samples))
+    for start in range(0, len(moving), size):
+        some = moving[start : start + size]
         motions = [change.applied(samples, columns) for change in some]
         kept = [change.followed(fit.kept) for change in some]
         for change, motion, other in zip(some, motions, _fits(torque_model, motions, kept), strict=True):
@@ -156,11 +158,6 @@ def _fits(
         if len(motions) == 1:
             return [None]
         return [_fits(torque_model, [motion], [rows])[0] for motion, rows in zip(motions, kept, strict=True)]
-
-
-def _batches(changes: Sequence[Change], size: int) -> Iterator[Sequence[Change]]:
-    for start in range(0, len(changes), size):
-        yield changes[start : start + size]
 
 
 def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Samples, fit: BoundedFit) -> ChangeTrial:

@@ -315,11 +315,7 @@ def _blocks_of_parts(parts: Sequence[tuple[int, CompressedEquations]]) -> tuple[
     for block, part in parts:
         blocks[block].append(part)
     with one_thread():
-        return tuple(merged_in_tree(_both, blocks[block]) for block in sorted(blocks))
-
-
-def _both(first: CompressedEquations, second: CompressedEquations) -> CompressedEquations:
-    return merged([first, second])
+        return tuple(merged_in_tree(lambda one, other: merged([one, other]), blocks[block]) for block in sorted(blocks))
 
 
 def together(blocks: Sequence[CompressedEquations]) -> tuple[CompressedEquations, ...]:
