@@ -95,7 +95,7 @@ def _told(time: Array, rows: NDArray[np.intp]) -> str:
 
 
 def _loaded(model: RobotModel, time: Array, q: Array, wrenches: Array, recorded: Array | None = None) -> LoadedMotion:
-    """With the torques of the joint wrenches, in whose link axes the joint axes stand still."""
+    """A motion, and the torques of its joint wrenches, in whose link axes the joint axes stand still."""
     parts = [wrenches[..., j, LINEAR if joint.is_prismatic else ANGULAR] for j, joint in enumerate(model.joints)]
     along = [part @ joint.axis for part, joint in zip(parts, model.joints, strict=True)]
     tau = np.stack(along, axis=-1) @ model.degrees_of_freedom.matrix
