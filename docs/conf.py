@@ -28,7 +28,6 @@ default_role = "code"
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
 myst_heading_anchors = 3
 autodoc_typehints = "signature"
-autodoc_preserve_defaults = True
 autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Method", "Coordinates")}
 autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 88
