@@ -1,9 +1,15 @@
-"""Files of Python code that a user names: FILE.py:NAME."""
+"""Files of Python code that a user names: FILE.py:NAME.
+
+What is typed on the command line runs. A file that names code is data: its code runs only where the user allows it.
+"""
 
 import importlib.util
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from types import ModuleType
+
+from graphdyn import InvalidInput
 
 
 def module_of_file(path: Path) -> ModuleType:
@@ -16,3 +22,19 @@ def module_of_file(path: Path) -> ModuleType:
     sys.modules[path.stem] = module
     spec.loader.exec_module(module)
     return module
+
+
+def refuse_code(where: str, names: Sequence[str], allowed: bool) -> None:
+    """Raise InvalidInput for code that a file names and that is not to run: a module always, FILE.py:NAME if not
+    allowed.
+
+    where: the file, for the message
+    """
+    for name in names:
+        if not name.rpartition(":")[0].endswith(".py"):
+            raise InvalidInput(f"{where}: {name} is a module, which no file may run; name code beside it, FILE.py:NAME")
+    if not allowed:
+        raise InvalidInput(
+            f"{where}: names Python code, {', '.join(names)}, which can do whatever you can; read it, and if you trust "
+            "it, add --allow-code"
+        )

@@ -189,12 +189,14 @@ def run_study(
     versions: Mapping[str, str] | None = None,
     progress: Callable[[Progress], None] | None = None,
     tell: Callable[[str], None] | None = None,
+    before: Callable[[], None] | None = None,
 ) -> None:
     """Compute every task that is not done, and write the tables.
 
     folder: new or empty; with `resume` that of the same study, or new
     versions: of the libraries, which must be those the study was begun with
     progress: called after every task; tell: with a line about every process that died
+    before: called before the first task, when nothing else is wrong
 
     After any interruption, what was done is in the folder.
 
@@ -202,16 +204,22 @@ def run_study(
     of a study with another configuration; OSError; urdf's errors; what the workers raise.
     """
     plant_of(study.robot)  # which refuses what does not fit the robot
-    begin(study, folder, resume)
+    before = before or (lambda: None)
+    new = is_new(folder, resume)
+    if new:
+        before()
+        begin(study, folder)
     inputs = {"configuration": study.text, **study.own_files, **(versions or {})}
     with opened(folder / DATABASE) as database:
         _same(study, folder, database, inputs)
+        if not new:
+            before()
         _compute(study, database, workers, progress or (lambda _: None), tell or (lambda _: None))
         write_tables(study, database.outcomes(), folder)
 
 
-def begin(study: Configuration, folder: Path, resume: bool) -> None:
-    """The folder, with the configuration in it."""
+def is_new(folder: Path, resume: bool) -> bool:
+    """Whether the folder is new or empty. Raises InvalidInput where no study can begin or go on in it."""
     there = {path.name for path in folder.iterdir()} if folder.is_dir() else set[str]()
     if folder.exists() and not folder.is_dir():
         raise InvalidInput(f"{folder} is no folder; name a new one")
@@ -219,9 +227,13 @@ def begin(study: Configuration, folder: Path, resume: bool) -> None:
         raise InvalidInput(f"{folder} holds other files, such as {min(there)}; name a new folder")
     if there and not resume:
         raise InvalidInput(f"{folder} holds a study already; go on with it by --resume, or name a new folder")
-    if not there:
-        folder.mkdir(parents=True, exist_ok=True)
-        write_whole(folder / CONFIGURATION, study.text.encode())
+    return not there
+
+
+def begin(study: Configuration, folder: Path) -> None:
+    """The folder, with the configuration in it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / CONFIGURATION, study.text.encode())
 
 
 def _same(study: Configuration, folder: Path, database: Database, inputs: Mapping[str, str]) -> None:

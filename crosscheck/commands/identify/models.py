@@ -11,14 +11,15 @@ The file of --models has a table for each, with terms, known torques and methods
     expected = {IA_3 = [764, 80]}
     noise = [40, 60, 60, 10, 10, 8]
 
-Files are looked up beside the TOML file.
+Files of Python code are looked up beside the TOML file, and run with --allow-code alone, after all else in it is valid.
 """
 
 from __future__ import annotations
 
 import inspect
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -27,6 +28,7 @@ import typer
 
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.recording_options import numbers
+from crosscheck.user_code import refuse_code
 from graphdyn import InvalidInput
 
 if TYPE_CHECKING:
@@ -186,11 +188,18 @@ MODEL_FILE_KEYS = ("terms", "methods", "known_torques", "scaled_torques", "known
 
 
 def models_of(
-    file: Path, methods: Sequence[str | Estimator], load: Sequence[Term], known: Sequence[KnownTerm], known_bodies: bool
+    file: Path,
+    methods: Sequence[str | Estimator],
+    load: Sequence[Term],
+    known: Sequence[KnownTerm],
+    *,
+    known_bodies: bool,
+    allow_code: bool,
 ) -> list[CandidateModel]:
     """The torque models of a file, in its order.
 
     methods, known_bodies: for models that do not say; load, known: payload and known torques of all models
+    allow_code: run the Python code that the file names, once all else in it is valid
 
     Raises typer.BadParameter, naming file, table and entry.
     """
@@ -202,21 +211,89 @@ def models_of(
         raise typer.BadParameter(f"--models {file}: {error}") from error
     if not tables:
         raise typer.BadParameter(f"--models {file}: the file has no table; give one per torque model, such as [gears]")
-    found = []
-    for name, table in tables.items():
-        where = f"--models {file}: [{name}]"
-        _check(where, table)
-        bodies, known_links = links(_flag(f"{where} known_bodies", table.get("known_bodies", known_bodies)))
-        own, scaled = (
-            [_beside(file, text) for text in _names(where, table, key)] for key in ("known_torques", "scaled_torques")
-        )
-        drives = [_made("term", where, file, entry) for entry in _entries(where, table, "terms")]
-        chosen = [_made("method", where, file, entry) for entry in _entries(where, table, "methods")] or methods
-        subtracted = (*known_links, *known, *known_torques(own))
-        terms = (*bodies, *load, *drives, *scaled_torques(scaled))
-        expected = _expected(f"{where} expected", table.get("expected", {}))
-        found.append(CandidateModel(name, terms, subtracted, chosen, expected=expected, noise=table.get("noise")))
-    return found
+    named = list[str]()
+
+    def read(run: Callable[[Callable[[], Any]], list[Any]]) -> list[CandidateModel]:
+        found = []
+        for name, table in tables.items():
+            own = _ModelTable(f"--models {file}: [{name}]", file.parent, table, run, named)
+            bodies, known_links = links(own.flag("known_bodies", known_bodies))
+            subtracted = (*known_links, *known, *own.torques("known_torques", known_torques))
+            terms = (*bodies, *load, *own.made("term"), *own.torques("scaled_torques", scaled_torques))
+            chosen = own.made("method") or methods
+            expected = _expected(f"{own.where} expected", table.get("expected", {}))
+            found.append(CandidateModel(name, terms, subtracted, chosen, expected=expected, noise=table.get("noise")))
+        return found
+
+    found = read(lambda code: [])
+    if not named:
+        return found
+    try:
+        refuse_code(f"--models {file}", named, allow_code)
+    except InvalidInput as error:
+        raise typer.BadParameter(str(error)) from None
+    return read(lambda code: [code()])
+
+
+@dataclass(frozen=True)
+class _ModelTable:
+    """One table of the file.
+
+    where: for messages; folder: of the file
+    run: what stands in place of code: nothing, or what the code makes
+    named: collects every place of Python code
+    """
+
+    where: str
+    folder: Path
+    table: Mapping[str, Any]
+    run: Callable[[Callable[[], Any]], list[Any]]
+    named: list[str]
+
+    def __post_init__(self) -> None:
+        _check(self.where, self.table)
+
+    def flag(self, key: str, default: bool) -> bool:
+        value = self.table.get(key, default)
+        if not isinstance(value, bool):
+            raise typer.BadParameter(f"{self.where} {key} is {value!r}; give true or false")
+        return value
+
+    def entries(self, key: str) -> list[str | dict[str, Any]]:
+        entries = self.table.get(key, [])
+        if not isinstance(entries, list) or not all(isinstance(entry, str | dict) for entry in entries):
+            raise typer.BadParameter(f"{self.where} {key} is {entries!r}; give a list of names")
+        return entries
+
+    def code(self, text: str, run: Callable[[str], Any]) -> list[Any]:
+        """What `run` makes of a place of Python code, FILE.py:NAME beside the file."""
+        self.named.append(text)
+        place, colon, name = text.rpartition(":")
+        return self.run(lambda: run(f"{self.folder / place}{colon}{name}"))
+
+    def torques(self, key: str, read: Callable[[list[str]], list[Any]]) -> list[Any]:
+        entries = self.entries(key)
+        if not all(isinstance(entry, str) for entry in entries):
+            raise typer.BadParameter(f"{self.where} {key} is {entries!r}; give a list of FILE.py:NAME")
+        return [one for entry in entries for found in self.code(str(entry), lambda text: read([text])) for one in found]
+
+    def made(self, kind: Literal["term", "method"]) -> list[Any]:
+        """Terms or methods."""
+        return [one for entry in self.entries(f"{kind}s") for one in self._one(kind, entry)]
+
+    def _one(self, kind: Literal["term", "method"], entry: str | dict[str, Any]) -> list[Any]:
+        from crosscheck.identifying import method_with, term_with
+
+        if isinstance(entry, str) and ":" in entry:
+            needed = ("columns", "rows") if kind == "term" else OF_A_METHOD
+            return self.code(entry, lambda text: made("--models", text, *needed))
+        given: dict[str, Any] = {kind: entry} if isinstance(entry, str) else entry
+        if kind not in given:
+            raise typer.BadParameter(f"{self.where}: {entry} names no {kind}; write {{{kind} = NAME, …}}")
+        try:
+            return [(term_with if kind == "term" else method_with)(**given)]
+        except (InvalidInput, TypeError, ValueError) as error:
+            raise typer.BadParameter(f"{self.where} {kind} {given[kind]}: {error}") from error
 
 
 def _check(where: str, table: object) -> None:
@@ -229,12 +306,6 @@ def _check(where: str, table: object) -> None:
         raise typer.BadParameter(f"{where}: terms are missing; give a list, which may be empty")
 
 
-def _flag(where: str, value: object) -> bool:
-    if not isinstance(value, bool):
-        raise typer.BadParameter(f"{where} is {value!r}; give true or false")
-    return value
-
-
 def _expected(where: str, table: object) -> dict[str, tuple[float, float]]:
     """Value and standard deviation by symbol."""
     if not isinstance(table, dict):
@@ -244,38 +315,3 @@ def _expected(where: str, table: object) -> dict[str, tuple[float, float]]:
         if not numbers:
             raise typer.BadParameter(f"{where} {symbol} is {pair!r}; give [value, standard deviation]")
     return {symbol: (float(value), float(deviation)) for symbol, (value, deviation) in table.items()}
-
-
-def _entries(where: str, table: Mapping[str, Any], key: str) -> list[str | dict[str, Any]]:
-    entries = table.get(key, [])
-    if not isinstance(entries, list) or not all(isinstance(entry, str | dict) for entry in entries):
-        raise typer.BadParameter(f"{where} {key} is {entries!r}; give a list of names")
-    return entries
-
-
-def _names(where: str, table: Mapping[str, Any], key: str) -> list[str]:
-    entries = _entries(where, table, key)
-    if not all(isinstance(entry, str) for entry in entries):
-        raise typer.BadParameter(f"{where} {key} is {entries!r}; give a list of FILE.py:NAME")
-    return [str(entry) for entry in entries]
-
-
-def _made(kind: str, where: str, file: Path, entry: str | dict[str, Any]) -> Any:
-    """kind: term or method"""
-    from crosscheck.identifying import method_with, term_with
-
-    if isinstance(entry, str) and ":" in entry:
-        return made("--models", _beside(file, entry), *(("columns", "rows") if kind == "term" else OF_A_METHOD))
-    given = {kind: entry} if isinstance(entry, str) else entry
-    if kind not in given:
-        raise typer.BadParameter(f"{where}: {entry} names no {kind}; write {{{kind} = NAME, …}}")
-    try:
-        return (term_with if kind == "term" else method_with)(**given)
-    except (InvalidInput, TypeError, ValueError) as error:
-        raise typer.BadParameter(f"{where} {kind} {given[kind]}: {error}") from error
-
-
-def _beside(file: Path, text: str) -> str:
-    """FILE.py:NAME with the file beside the TOML file; MODULE:NAME as it is."""
-    place, colon, name = text.rpartition(":")
-    return f"{file.parent / place}{colon}{name}" if place.endswith(".py") else text

@@ -20,7 +20,7 @@ from crosscheck.commands.identify.models import (
     scaled_torques,
 )
 from crosscheck.commands.program.functions import user_function
-from crosscheck.commands.program.options import PageOptions, WorkerOptions, robot_names
+from crosscheck.commands.program.options import CodeOptions, PageOptions, WorkerOptions, robot_names
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.commands.program.recording_options import RecordingOptions, numbers
@@ -77,7 +77,7 @@ class LoopOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TorqueOptions:
+class TorqueOptions(CodeOptions):
     """What makes up the torque."""
 
     PANEL: ClassVar[str] = "Torque model"
@@ -153,7 +153,10 @@ class TorqueOptions:
         load += scaled_torques(self.scaled_torque)
         known = (*known_torques(self.known_torque), *known_load)
         if self.models is not None:
-            return models_of(self.models, methods, load, known, self.known_bodies)
+            models = self.models, methods, load, known
+            return models_of(*models, known_bodies=self.known_bodies, allow_code=self.allow_code)
+        if self.allow_code:
+            raise typer.BadParameter("--allow-code is for --models FILE; code of the command line runs without it")
         bodies, known_links = links(self.known_bodies)
         given = list(self.terms or [DEFAULT_TERMS])
         drives = drives_of(given, self.width, (self.stribeck_velocity, self.stribeck_exponent), self.term)

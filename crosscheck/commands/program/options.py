@@ -118,6 +118,20 @@ class WorkerOptions:
         return DaskWorkers(self.scheduler) if self.scheduler else LocalProcesses(self.jobs or cores())
 
 
+@dataclass(frozen=True, kw_only=True)
+class CodeOptions:
+    """--allow-code"""
+
+    PANEL: ClassVar[str] = "Python code"
+
+    allow_code: Annotated[
+        bool,
+        typer.Option(
+            "--allow-code", help="Run the code that the TOML file names as FILE.py:NAME. It can do whatever you can."
+        ),
+    ] = False
+
+
 def is_folder(robot: str) -> bool:
     """Whether an argument is a folder, and not the name of a robot of the catalog."""
     from urdf import robots

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from crosscheck.commands.program import own_process
 from crosscheck.commands.program.console import Advance, progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, Ended
-from crosscheck.commands.program.options import EXAMPLES, ReportOptions, WorkerOptions
+from crosscheck.commands.program.options import EXAMPLES, CodeOptions, ReportOptions, WorkerOptions
 from crosscheck.commands.program.output_files import OutputFile
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn study --config small --out small
 
 
 @dataclass(frozen=True, kw_only=True)
-class StudyOptions(WorkerOptions):
+class StudyOptions(CodeOptions, WorkerOptions):
     """What `graphdyn study` is asked for."""
 
     config: Annotated[
@@ -58,16 +59,20 @@ def run(options: StudyOptions) -> None:
     from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study
     from crosscheck.study.settings.configuration import read_configuration
+    from crosscheck.study.simulated.plants import plant_of
 
     config, only, resume = options.config, options.only, options.resume
     if only is not None and (options.folder is not None or options.jobs or options.scheduler or resume):
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
-    study = read_configuration(config)
-    _check_own(study)
+    study = read_configuration(config, allow_code=options.allow_code)
+    plant_of(study.robot)  # which refuses what does not fit the robot, before any code of others runs
     if only is not None:
+        _check_own(study)
         _show(study, only)
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
+    if study.own_methods:
+        own_process.enter(f"methods {', '.join(study.own_methods)}")
     workers, shown = options.workers, _Shown()
     try:
         with progress("study", study.runs * len(study.scenarios)) as advance:
@@ -80,6 +85,7 @@ def run(options: StudyOptions) -> None:
                 versions=versions(),
                 progress=shown,
                 tell=lambda line: say(line, "yellow"),
+                before=lambda: _check_own(study),
             )
     except (KeyboardInterrupt, Ended):
         say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
@@ -93,7 +99,8 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     from crosscheck.commands.study.report import study_report
 
     def repeat(scenario: str, run: int) -> list[str]:
-        return ["graphdyn", "study", "--config", config, "--only", f"{scenario}:{run}"]
+        allowed = ["--allow-code"] if study.own_methods else []
+        return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
 
     facts = [("configuration", study.file), ("robot", study.robot.name), ("seed", str(study.seed))]
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
@@ -106,9 +113,8 @@ def _check_own(study: Configuration) -> None:
     """Raises typer.BadParameter for an own method that cannot be used."""
     from crosscheck.commands.identify.models import OF_A_METHOD, made
 
-    for method in study.methods:
-        if ":" in method:
-            made(f"{study.file}: methods:", method, *OF_A_METHOD)
+    for method in study.own_methods:
+        made(f"{study.file}: methods:", method, *OF_A_METHOD)
 
 
 class _Shown:

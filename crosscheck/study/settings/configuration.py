@@ -1,6 +1,6 @@
 """The configuration of a study: a TOML file, or one of those that come with the package, by name.
 
-Methods are named as in METHODS, or FILE.py:NAME for one of one's own.
+Methods are named as in METHODS, or FILE.py:NAME for one of one's own, whose code runs only if that is allowed.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from crosscheck.study.settings.settings import (
     texts,
     whole,
 )
+from crosscheck.user_code import refuse_code
+from graphdyn import InvalidInput
 from graphdyn.identification import Estimator
 
 
@@ -102,16 +104,26 @@ class Configuration:
     scenarios: tuple[Scenario, ...]
 
     @property
+    def own_methods(self) -> tuple[str, ...]:
+        """FILE.py:NAME with the whole path."""
+        return tuple(method for method in self.methods if ":" in method)
+
+    @property
     def own_files(self) -> dict[str, str]:
         """Hash of every file that the study reads beside its configuration: own methods, and the robot's."""
-        paths = [method.rpartition(":")[0] for method in self.methods if ":" in method]
+        paths = [method.rpartition(":")[0] for method in self.own_methods]
         if Path(self.robot.name).is_file():
             paths.append(self.robot.name)
         return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in paths}
 
 
-def read_configuration(name: str) -> Configuration:
-    """One of SHIPPED_CONFIGURATIONS, or a file. Raises BadConfiguration, OSError."""
+def read_configuration(name: str, *, allow_code: bool = False) -> Configuration:
+    """One of SHIPPED_CONFIGURATIONS, or a file.
+
+    allow_code: let the methods FILE.py:NAME run, whose code can do whatever the user can
+
+    Raises BadConfiguration, OSError.
+    """
     path = Path(name)
     if name in SHIPPED_CONFIGURATIONS:
         content = (resources.files("crosscheck.study") / "configurations" / f"{name}.toml").read_bytes()
@@ -121,11 +133,14 @@ def read_configuration(name: str) -> Configuration:
         )
     else:
         content = path.read_bytes()
-    return configuration_of(content, name, path.resolve().parent)
+    return configuration_of(content, name, path.resolve().parent, allow_code=allow_code)
 
 
-def configuration_of(content: bytes, file: str, folder: Path) -> Configuration:
-    """file: for messages; folder: in which paths of the configuration begin. Raises BadConfiguration."""
+def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: bool = False) -> Configuration:
+    """file: for messages; folder: in which paths of the configuration begin; allow_code: as in read_configuration
+
+    What it answers has no code but what is allowed. Raises BadConfiguration.
+    """
     try:
         text = content.decode()
         document = tomllib.loads(text)
@@ -161,6 +176,11 @@ def configuration_of(content: bytes, file: str, folder: Path) -> Configuration:
     )
     study.refuse_others()
     _check(found, study, robot)
+    if found.own_methods:
+        try:
+            refuse_code(f"{file}: methods in [study]", found.own_methods, allow_code)
+        except InvalidInput as refused:
+            raise BadConfiguration(str(refused)) from None
     return found
 
 

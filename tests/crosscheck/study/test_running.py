@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import warnings
@@ -367,9 +368,40 @@ def test_an_own_method_that_is_none(program, words, tmp_path, monkeypatch):
     monkeypatch.setattr(own_process, "tell", lambda what: None)  # this one is
     (tmp_path / "mine.py").write_text("class Empty: pass\n")
     (tmp_path / "study.toml").write_text("[study]\nmethods = ['mine.py:Empty']\n[robot]\nname = 'ur5'\n")
-    found = program("study", "--config", tmp_path / "study.toml")
+    monkeypatch.chdir(tmp_path)
+    found = program("study", "--config", tmp_path / "study.toml", "--allow-code", "--out", tmp_path / "out")
     assert found.code == BAD_INPUT
+    assert not (tmp_path / "out").exists()
     assert "mine.py:Empty: what it makes has no name, reference, assumptions, needs, estimate" in words(found.err)
+
+
+RUNS = """
+from pathlib import Path
+Path(__file__).with_suffix(".ran").touch()
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "study", "robot", "said"),
+    [
+        ((), "", "'ur5'", "names Python code, .*evil.py:M, which can do whatever you can; .* add --allow-code"),
+        (("--only", "a:1"), "", "'ur5'", "add --allow-code"),
+        (("--allow-code",), "runz = 1\n", "'ur5'", "did you mean runs"),
+        (("--allow-code",), "", "'none'", "none"),
+        (("--allow-code",), "", "'ur5'\nviscous = [1, 2]", "viscous in .robot. has 2"),
+        (("--allow-code", "--out", "."), "", "'ur5'", "holds a study already"),
+        (("--allow-code", "--only", "a:1"), "", "'ur5'\nviscous = [1, 2]", "viscous in .robot. has 2"),
+    ],
+)
+def test_code_of_a_refused_study_does_not_run(program, words, tmp_path, monkeypatch, options, study, robot, said):
+    monkeypatch.setattr(own_process, "tell", lambda what: None)  # this one is
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "evil.py").write_text(RUNS)
+    (tmp_path / "study.toml").write_text(f"[study]\nmethods = ['evil.py:M']\n{study}[robot]\nname = {robot}\n")
+    found = program("study", "--config", "study.toml", *options)
+    assert found.code == BAD_INPUT
+    assert re.search(said, words(found.err))
+    assert not (tmp_path / "evil.ran").exists()
 
 
 def test_unknown_file():

@@ -51,8 +51,8 @@ motion = "steps"
 
 
 def study_of(folder, *parts):
-    """The study of these tables; its robot is small.urdf in the folder."""
-    return configuration_of("".join(parts).encode(), "study.toml", Path(folder))
+    """The study of these tables; its robot is small.urdf in the folder, and code in it may run."""
+    return configuration_of("".join(parts).encode(), "study.toml", Path(folder), allow_code=True)
 
 
 def small_study(folder, *further, study=STUDY):

@@ -216,7 +216,7 @@ class TestModels:
         more = ("--validate", arm / "pos_two.csv", "--validate", arm / "cur_two.csv")
         code, said = program(
             *two_files, "--cutoff", 10, "--models", arm / "models.toml", "--methods", "wls", "--folds", 3, *more,
-            "--json", tmp_path / "x.json", *QUICK,
+            "--allow-code", "--json", tmp_path / "x.json", *QUICK,
         )  # fmt: skip
         assert code == 0, said
         written = json.loads((tmp_path / "x.json").read_text(encoding="utf-8"))
@@ -289,6 +289,29 @@ class TestModels:
         code, said = program(*two_files, "--models", "models.toml")
         assert code == 2
         assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", said).split())
+
+    @pytest.mark.parametrize(
+        ("options", "text", "message"),
+        [
+            ((), "terms = ['evil.py:T']", "names Python code, evil.py:T, which can do whatever you can; read it"),
+            ((), "terms = []\nmethods = ['evil.py:T']", "add --allow-code"),
+            ((), "terms = []\nknown_torques = ['evil.py:T']", "add --allow-code"),
+            ((), "terms = []\nscaled_torques = ['evil.py:T']", "add --allow-code"),
+            (("--allow-code",), "terms = ['os:abort']", "os:abort is a module, which no file may run"),
+            (("--allow-code",), "terms = ['evil.py:T', 'os:abort']", "os:abort is a module"),
+            (("--allow-code",), "terms = []\nscaled_torques = ['os:abort']", "os:abort is a module"),
+            (("--allow-code",), "terms = ['evil.py:T']\n[b]", "[b]: terms are missing"),
+            (("--allow-code",), "terms = ['evil.py:T']\nexpected = 3", "[a] expected is 3"),
+        ],
+    )
+    def test_code_that_a_file_names(self, program, two_files, tmp_path, monkeypatch, options, text, message):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "evil.py").write_text("open('evil.ran', 'w')", encoding="utf-8")
+        (tmp_path / "models.toml").write_text(f"[a]\n{text}", encoding="utf-8")
+        code, said = program(*two_files, "--models", "models.toml", *options)
+        assert code == 2
+        assert message in " ".join(re.sub("[│╭╰─╮╯]", " ", said).split())
+        assert not (tmp_path / "evil.ran").exists()
 
     def test_options_that_the_file_has_a_place_for(self, program, two_files):
         code, said = program(*two_files, "--models", "models.toml", "--width", "0.1")
