@@ -68,7 +68,9 @@ def run(options: ExciteOptions) -> None:
     if options.motion is None:
         made, failures = _searched(problem, known, options)
     else:
-        made = [planned(problem, read_motion(options.motion, model, settings), known)]
+        with warnings_shown():
+            examined = read_motion(options.motion, model, settings)
+        made = [planned(problem, examined, known)]
     total = problem
     for one in made:
         total = replace(total, known=total.total_information(one.course))
@@ -132,13 +134,14 @@ def _recordings(options: ExciteOptions, option: str, logs: list[Path] | None, mo
 
 def _write(found: Excited, model: RobotModel, out: OutputFile, rate: float, settings: AxisSettings) -> tuple[str, ...]:
     """One file for each motion; their names."""
-    from crosscheck.exciting.motion_formats.motion_file import document, slides
+    from crosscheck.exciting.motion_formats.motion_file import document, slides, written_rate
     from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 
     names = []
     for number, one in enumerate(found.motions, start=1):
         name = out.path if len(found.motions) == 1 else out.path.with_stem(f"{out.path.stem}-{number}")
-        timed = TimedMotion.of(one.course, model.independent_joints, slides(model), rate)
+        of_rows = written_rate(one.course, name, rate)
+        timed = TimedMotion.of(one.course, model.independent_joints, slides(model), of_rows)
         OutputFile(str(name)).write(document(timed, name, settings))
         names.append(str(name))
     return tuple(names)

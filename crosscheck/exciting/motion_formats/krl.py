@@ -6,26 +6,27 @@ joints are external axes E1, … in millimeters.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
-from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.exciting.motion_formats.program_lines import LineForm, ProgramLines
+from crosscheck.exciting.motion_formats.timed_motion import GivenMotion, TimedMotion
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
-from graphdyn.excitation import TabulatedCourse
 from graphdyn.layout import Array
 
 MILLIMETERS_PER_METER = 1000.0
 KRL_DECIMALS = 6
 """Decimals of a degree or millimeter."""
 
-_POINT = re.compile(r"^\s*S?PTP\s*\{([^}]*)\}", re.MULTILINE)
-_END = re.compile(r"^\s*TIME_BLOCK\s+END\s*=\s*([-+.\deE]+)", re.MULTILINE)
+_HEAD = (LineForm.of("DEF NAME()"), LineForm.of("BAS(#INITMOV,0)"))
+_START = (LineForm.of("PTP_SPLINE"), LineForm.of("TIME_BLOCK START"))
+_PART = LineForm.of("TIME_BLOCK PART = 1")
+_END = LineForm.of("TIME_BLOCK END = …", 1)
+_TAIL = (LineForm.of("ENDSPLINE"), LineForm.of("END"))
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class AxisSettings:
 
 
 def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
+    """Raises InvalidInput for steps of time that are not all equal."""
     signs, zeros = settings.of(len(motion.joint_names))
     units = np.where(motion.prismatic, MILLIMETERS_PER_METER, np.degrees(1.0))
     axes = np.round(signs * units * motion.q + zeros, KRL_DECIMALS) + 0.0
@@ -59,26 +61,28 @@ def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
     lines.append(f"SPTP {points[1]}")
     for point in points[2:]:
         lines += ["TIME_BLOCK PART = 1", f"SPTP {point}"]
-    lines += [f"TIME_BLOCK END = {motion.time[-1]:.6f}", "ENDSPLINE", "END", ""]
+    lines += [f"TIME_BLOCK END = {motion.period * (len(points) - 1):.6f}", "ENDSPLINE", "END", ""]
     return "\n".join(lines).encode()
 
 
-def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> TabulatedCourse:
-    """Read programs in this form. Raises BadRecordingFile for others."""
+def read(path: Path, prismatic: Sequence[bool], settings: AxisSettings) -> GivenMotion:
+    """Read a program in this form. Raises BadRecordingFile for others, and InvalidInput."""
     signs, zeros = settings.of(len(prismatic))
-    text = path.read_text(encoding="utf-8", errors="replace")
-    end, points = _END.search(text), _POINT.findall(text)
-    if end is None or len(points) < 2:
-        raise BadRecordingFile(f"{path}: has no points 'PTP {{A1 …}}', 'SPTP {{A1 …}}' and 'TIME_BLOCK END = …'")
-    rows = []
-    for point in points:
-        values = dict(re.findall(r"([AE]\d)\s+([-+.\deE]+)", point))
-        missing = [name for name in _axis_names(prismatic) if name not in values]
-        if missing:
-            raise BadRecordingFile(f"{path}: point {{{point}}} lacks axis {missing[0]}")
-        rows.append([float(values[name]) for name in _axis_names(prismatic)])
+    axes = "{" + ",".join(f"{name} …" for name in _axis_names(prismatic)) + "}"
+    point, way_point = (LineForm.of(f"{word} {axes}", len(prismatic)) for word in ("PTP", "SPTP"))
+    lines = ProgramLines(path)
+    lines.take_all(_HEAD)
+    rows = [lines.take(point)]
+    lines.take_all(_START)
+    rows.append(lines.take(way_point))
+    while lines.follows(_PART):
+        lines.take(_PART)
+        rows.append(lines.take(way_point))
+    (duration,) = lines.take(_END)
+    lines.take_all(_TAIL)
+    lines.end()
     units = np.where(np.asarray(prismatic), MILLIMETERS_PER_METER, np.degrees(1.0))
-    return TabulatedCourse(np.linspace(0.0, float(end[1]), len(rows)), signs * (np.array(rows) - zeros) / units)
+    return GivenMotion(np.linspace(0.0, duration, len(rows)), signs * (np.array(rows) - zeros) / units)
 
 
 def _axis_names(prismatic: Sequence[bool]) -> list[str]:

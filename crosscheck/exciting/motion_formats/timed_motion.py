@@ -1,11 +1,14 @@
-"""A planned motion at equal steps of time, as it is written to a file."""
+"""A planned motion at equal steps of time, as it is written to a file, and what a file gives back."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from graphdyn import InvalidInput
 from graphdyn.excitation import FiniteMotion, sample_times
 from graphdyn.layout import Array
 
@@ -30,3 +33,28 @@ class TimedMotion:
         if course.duration - times[-1] > 1e-9 * course.duration:
             times = np.append(times, course.duration)
         return cls(joint_names, prismatic, times, *course.motion(times)[:3])
+
+    @property
+    def period(self) -> float:
+        """Time from each row to the next [s]. Raises InvalidInput where it is not the same for all."""
+        steps = np.diff(self.time)
+        if np.ptp(steps) > 1e-6 * steps[0]:
+            raise InvalidInput(
+                f"the last step of {steps[-1]:g} s is none of {steps[0]:g} s, but programs have steps that are all "
+                "equal; choose a rate that divides the duration"
+            )
+        return float(self.time[-1] / len(steps))
+
+
+class GivenMotion(NamedTuple):
+    """What a file states: times (N,) [s]; positions, velocities, accelerations (N, n), None where it has none"""
+
+    times: Array
+    positions: Array
+    velocities: Array | None = None
+    accelerations: Array | None = None
+
+
+def dividing_rate(duration: float, rate: float) -> float:
+    """The lowest rate not below this one whose period divides the duration [Hz]."""
+    return max(math.ceil(duration * rate * (1 - 1e-9)), 1) / duration

@@ -92,13 +92,11 @@ def test_program_for_kuka(tmp_path):
         (
             "a.yaml",
             "{joint_names: [joint1, joint2, joint3], points: [{positions: [1]}]}",
-            r"a\.yaml: a point lacks 3 positions or time_from_start",
+            r"a\.yaml: line 1: a point lacks time_from_start",
         ),
-        ("a.script", "servoj([1])", r"a\.script: has no line 'global period = …'"),
-        ("a.script", "global period = 0.1\nservoj([x, 1])", r"a\.script: a servoj holds something else"),
-        ("a.script", "global period = 0.1\nservoj([1])", r"a\.script: servoj has 1 joint, the robot 3"),
-        ("a.src", "PTP {A1 1}", r"a\.src: has no points"),
-        ("a.src", "PTP {A1 1}\nSPTP {A1 1}\nTIME_BLOCK END = 1", r"a\.src: point \{A1 1\} lacks axis E1"),
+        ("a.script", "servoj([1])", r"a\.script: line 1: 'servoj\(\[1\]\)' where 'def NAME\(\):' is needed"),
+        ("a.src", "PTP {A1 1}", r"a\.src: line 1: 'PTP \{A1 1\}' where 'DEF NAME\(\)' is needed"),
+        ("a.src", "DEF a()", r"a\.src: ends where 'BAS\(#INITMOV,0\)' is needed"),
     ],
 )
 def test_faulty_files(name, content, message, tmp_path):
