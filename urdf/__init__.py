@@ -36,6 +36,7 @@ from urdf.errors import (
     URDFWarning,
     XacroNotInstalled,
     XacroWarning,
+    ZeroMassWarning,
 )
 from urdf.geometry.shape import MissingShape, Shape, Shapes
 from urdf.inspection import Finding, Inspection, inspect
@@ -87,6 +88,7 @@ __all__ = [
     "Xacro",
     "XacroNotInstalled",
     "XacroWarning",
+    "ZeroMassWarning",
     "fused_links",
     "inspect",
     "load",

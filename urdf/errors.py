@@ -167,6 +167,10 @@ class MissingInertialWarning(URDFWarning):
     """Moving bodies without any <inertial>: mass zero, forward dynamics not determined."""
 
 
+class ZeroMassWarning(URDFWarning):
+    """Moving bodies whose <inertial>s state a mass of zero."""
+
+
 class AxisNotNormalizedWarning(URDFWarning):
     """Joint axes that are not of unit length; they are normalized."""
 

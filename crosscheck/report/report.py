@@ -288,12 +288,17 @@ class Section:
 
 @dataclass(frozen=True)
 class Report:
-    """record: makes the typed record of the JSON file; None where the command writes its file as it goes"""
+    """What a command found.
+
+    record: makes the typed record of the JSON file; None where the command writes its file as it goes
+    warnings: above all else on the page; terminals have them beside the result
+    """
 
     title: str
     verdict: Verdict | None
     sections: tuple[Section, ...]
     record: Recorder | None = field(default=None, repr=False)
+    warnings: tuple[str, ...] = ()
 
     @property
     def ordered(self) -> Sequence[Section]:

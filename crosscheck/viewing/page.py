@@ -30,10 +30,10 @@ PLAYER_SCRIPTS = tuple(
 STYLE_SHEETS = (VENDOR / "uPlot.min.css", PLAYER / "player.css")
 
 
-def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
+def page(title: str, figures: Sequence[Figure], *, live: bool = False, warnings: Sequence[str] = ()) -> str:
     """The page of these figures. The same figures give the same characters.
 
-    live: whether a server of crosscheck.viewing.server shows it
+    live: whether a server of crosscheck.viewing.server shows it; warnings: shown above all else
     """
     store = NumberStore()
     shown = scene(title, figures, store) | {"live": live}
@@ -45,6 +45,7 @@ def page(title: str, figures: Sequence[Figure], *, live: bool = False) -> str:
         .render(
             title=title,
             live=live,
+            warnings=warnings,
             scripts=scripts,
             styles=styles,
             libraries=_compressed_libraries(),

@@ -14,6 +14,7 @@ from typing import Any, Literal
 import numpy as np
 
 from crosscheck.viewing.figures import BodyShape, Figure, LoadedMotion, ShownRobot, inertia_ellipsoid
+from crosscheck.viewing.robots import reach
 from graphdyn import Body, Chord, Joint, Placement, RobotModel
 
 Kind = Literal["f4", "f8", "u2", "u4"]
@@ -48,6 +49,9 @@ def compressed(content: bytes) -> str:
     return b64encode(gzip.compress(content, 9, mtime=0)).decode()
 
 
+STANDARD_GRAVITY = 9.80665
+"""[m/s²]"""
+
 VERTEX_STEPS = 65535
 """Number of steps of the position of a vertex along each edge of the box of its shape."""
 
@@ -78,6 +82,7 @@ def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
     return {
         "base": {"name": model.base_name, **_placement(model.base)},
         "gravity": model.gravity.tolist(),
+        "usual": usual_loads(model),
         "joints": [_joint(joint) for joint in model.joints],
         "bodies": [_body(body) for body in model.bodies],
         "chords": [_chord(chord) for chord in model.chords],
@@ -86,6 +91,22 @@ def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
         "offset": degrees_of_freedom.offset.tolist(),
         "shapes": [_shape(shape, store) for shape in robot.shapes],
     }
+
+
+def usual_loads(model: RobotModel) -> dict[str, float]:
+    """What the robot lets one expect: its weight [N], and that times its reach [N m]; the largest efforts without mass.
+
+    Weight is that on Earth where there is no gravity. Zero where nothing is known.
+    """
+    gravity = float(np.linalg.norm(model.gravity)) or STANDARD_GRAVITY
+    weight = gravity * sum(body.mass for body in model.bodies)
+    if weight > 0:
+        return {"force": weight, "torque": weight * reach(model)}
+    efforts = {
+        slides: [joint.limits.effort or 0.0 for joint in model.joints if joint.is_prismatic == slides]
+        for slides in (True, False)
+    }
+    return {"force": max(efforts[True], default=0.0), "torque": max(efforts[False], default=0.0)}
 
 
 def _placement(placement: Placement) -> dict[str, Any]:

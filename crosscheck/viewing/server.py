@@ -47,16 +47,16 @@ HEADERS = {
 class PageServer(ThreadingHTTPServer):
     """Serves the page of these figures at `address`.
 
-    port: 0 for one that is free
+    port: 0 for one that is free; warnings: shown above all else
 
     Raises OSError where the port is taken.
     """
 
     daemon_threads = True
 
-    def __init__(self, title: str, figures: Sequence[Figure], port: int = 0) -> None:
+    def __init__(self, title: str, figures: Sequence[Figure], port: int = 0, warnings: Sequence[str] = ()) -> None:
         self.figures = tuple(figures)
-        self.content = page(title, figures, live=True).encode()
+        self.content = page(title, figures, live=True, warnings=warnings).encode()
         self.path = f"/{secrets.token_urlsafe(16)}/"
         super().__init__((ADDRESS, port), _Answers)
 

@@ -62,6 +62,7 @@ class Assembly:
     """The bodies, joints and frames of a model.
 
     massless: per body without any <inertial>, the names of its links
+    weightless: per body whose <inertial>s have mass zero, the names of their links
     locations: per link, its body and its placement in the link frame of that body
     fused: per fixed link with an <inertial>: number of the body that carries it, and what it adds to that body's
         inertial parameters (10,)
@@ -71,6 +72,7 @@ class Assembly:
     joints: list[Joint] = field(default_factory=list)
     frames: list[Frame] = field(default_factory=list)
     massless: list[list[str]] = field(default_factory=list)
+    weightless: list[list[str]] = field(default_factory=list)
     fused: dict[str, tuple[int, Array]] = field(default_factory=dict)
     locations: dict[str, tuple[int, Placement]] = field(default_factory=dict)
 
@@ -113,6 +115,8 @@ def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked
         }
         if not parts:
             assembly.massless.append(names)
+        elif whole.mass == 0:
+            assembly.weightless.append(list(parts))
     moving = {joint.name for joint in assembly.joints}
     assembly.frames = [
         Frame(joint.child, *location[joint.child], aliases=() if joint.name in links else (joint.name,))

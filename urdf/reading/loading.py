@@ -48,8 +48,8 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     UnsupportedJoint, UnsupportedConstraint, InvalidLoop, NotATree, InvalidChain, InvalidLock, InvalidMimic,
     InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that
     would have to be guessed, and InvalidModel for a gravity that is not three finite numbers.
-    Warns MissingInertialWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning, ChainWarning,
-    RepairWarning, XacroWarning.
+    Warns MissingInertialWarning, ZeroMassWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning,
+    ChainWarning, RepairWarning, XacroWarning.
     """
     how = Reading.of(load, reading)
     document, _, parsed = parsed_source(source, how)

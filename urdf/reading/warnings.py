@@ -21,6 +21,7 @@ from urdf.errors import (
     UnreadWarning,
     URDFWarning,
     XacroWarning,
+    ZeroMassWarning,
     one_line,
 )
 from urdf.reading.cutting import Cut
@@ -66,6 +67,8 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     massless = [f"'{name}'" for names in assembly.massless for name in names]
     after = "; their mass is zero and forward dynamics are not determined"
     _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)
+    weightless = [f"'{name}'" for names in assembly.weightless for name in names]
+    _tell(ZeroMassWarning, parsed, "moving links of mass zero: ", weightless, "; they have no weight")
 
 
 def _at(unread: Unread) -> str:

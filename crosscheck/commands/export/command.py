@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from crosscheck.commands.program.console import warn, warnings_shown
+from crosscheck.commands.program.delivery import json_content
 from crosscheck.commands.program.options import EXAMPLES, RobotArgument
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import MimicOption, ReadingOptions
@@ -58,7 +59,6 @@ def run(options: ExportOptions) -> None:
     import urdf
     from crosscheck.commands.export.languages import c_text, matlab_text
     from crosscheck.commands.export.record import ExportedModel, record
-    from crosscheck.report.records.record import as_bytes, plain
 
     with warnings_shown():
         model = urdf.load(robot, reading=reading)
@@ -67,7 +67,7 @@ def run(options: ExportOptions) -> None:
         warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
     exported = ExportedModel(model, robot, reading.locked)
     if ending == ".json":
-        to.write(as_bytes(plain(record(exported))))
+        to.write(json_content(record(exported)))
     elif ending == ".m":
         to.write(matlab_text(exported, to.path.stem).encode())
     else:

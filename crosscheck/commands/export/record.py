@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, attribute, written
+from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, Warnings, attribute, written
 from graphdyn import Body, Frame, Joint, RobotModel
 
 
@@ -90,6 +90,7 @@ class ExportRecord(Record, of=ExportedModel, only=("robot", "locked"), format="g
     """
 
     versions: Versions
+    warnings: Warnings
     n: Index = attribute("model.n_bodies")
     gravity = attribute("model.gravity")
     base_rotation = attribute("model.base.rotation")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import glob
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -17,12 +17,12 @@ from crosscheck.commands.program.console import out, progress, say, warnings_sho
 from crosscheck.commands.program.delivery import deliver, recorded
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
+from crosscheck.commands.program.recording_options import show_findings
 from crosscheck.report.plain_text import printable
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from crosscheck.identifying import CandidateModel, Identified, Preparation
-    from crosscheck.recordings.errors import RecordingFinding
     from graphdyn.identification import ClosedLoop, MethodResult
 
 DEFAULT_ROBOT = "ur5"
@@ -71,12 +71,6 @@ def run(options: IdentifyOptions) -> None:
     if options.urdf_file is not None and not written(found, shown, robot, options.urdf_file.path, options):
         raise typer.Exit(DISAGREED)
     raise typer.Exit(AGREED if found.usable else DISAGREED)
-
-
-def show_findings(findings: Iterable[RecordingFinding]) -> None:
-    """What is odd in the files, one line each."""
-    for finding in findings:
-        say(f"{finding.severity}: {finding.text}", "yellow" if finding.severity != "note" else None)
 
 
 class Asked(NamedTuple):

@@ -80,9 +80,15 @@ def trace(error: BaseException, context: typer.Context) -> None:
         err.print(Text(printable("".join(traceback.format_exception(error)), keep="\n")), end="", soft_wrap=True)
 
 
-def warn(message: Warning | str, *_: object) -> None:
-    """Print a warning as one line, without the source line that raised it."""
-    say(f"warning: {message}", "yellow")
+warned: list[str] = []
+"""The warnings of the command so far, each once: its page and its JSON file tell them too."""
+
+
+def warn(message: Warning | str, *_: object, severity: str = "warning") -> None:
+    """Print a warning as one line, without the source line that raised it, and keep it for pages and files."""
+    say(f"{severity}: {message}", "yellow")
+    if str(message) not in warned:
+        warned.append(str(message))
 
 
 @contextmanager

@@ -6,10 +6,11 @@ The figures are made of what each command has found.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from crosscheck.commands.program.console import out
+from crosscheck.commands.program.console import out, warned
 from crosscheck.commands.program.options import FACES, JsonOptions, PageOptions, ReportOptions, command_line
 from crosscheck.report.report import Report, with_stage
 
@@ -29,6 +30,8 @@ def deliver(
 
     figures: what --3d shows on the page
 
+    Warnings of the command, which the terminal has already, are told on the page and in the JSON file.
+
     Raises OSError.
     """
     from crosscheck.report.text import renderables
@@ -47,11 +50,18 @@ def _write(report: Report, options: JsonOptions | None) -> None:
         from crosscheck.report.html import page
         from crosscheck.report.records.record import versions
 
-        options.html_file.write(page(report, command_line(), versions()).encode())
+        told = replace(report, warnings=tuple(warned))
+        options.html_file.write(page(told, command_line(), versions()).encode())
     if options is not None and options.json_file is not None and report.record is not None:
-        from crosscheck.report.records.record import as_bytes, plain
+        options.json_file.write(json_content(report.record(command_line())))
 
-        options.json_file.write(as_bytes(plain(report.record(command_line()))))
+
+def json_content(record: object) -> bytes:
+    """A record as the text of its JSON file, with the warnings of the command where it has a place for them."""
+    from crosscheck.report.records.record import as_bytes, plain
+
+    data = plain(record)
+    return as_bytes(data | {"warnings": list(warned)} if "warnings" in data else data)
 
 
 def figure_at_rest(robot: str, model: RobotModel, reading: Reading, q: Array | None = None) -> Figure:

@@ -17,7 +17,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from crosscheck.commands.program.console import complain, out, say, trace, warn
+from crosscheck.commands.program.console import complain, out, say, trace, warn, warned
 from crosscheck.commands.program.functions import place_in_user_code
 from crosscheck.commands.program.judged_functions import FUNCTION_LIST, function_list
 from crosscheck.commands.program.output_files import OutputFile, refuse_harm
@@ -69,6 +69,7 @@ class CommandGroup(TyperGroup):
             raise _printable(error) from None
 
     def invoke(self, ctx: Any) -> Any:
+        warned.clear()
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = warn  # type: ignore[assignment]

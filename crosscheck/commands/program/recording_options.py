@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
-from crosscheck.commands.program.console import Advance
+from crosscheck.commands.program.console import Advance, say, warn
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from crosscheck.recordings import ColumnMapping, Recording
+    from crosscheck.recordings.errors import RecordingFinding
     from crosscheck.recordings.preparation.derivatives import Cutoff
 
 
@@ -94,6 +96,15 @@ class RecordingOptions(ColumnOptions):
     rate: Annotated[
         float | None, typer.Option(metavar="HZ", help="Samples per second, for files without a column of time.")
     ] = None
+
+
+def show_findings(findings: Iterable[RecordingFinding]) -> None:
+    """What is odd in the files, one line each; all but notes is a warning."""
+    for finding in findings:
+        if finding.severity == "note":
+            say(f"note: {finding.text}")
+        else:
+            warn(finding.text, severity=finding.severity)
 
 
 def files_per_recording(mapping: ColumnMapping | None) -> int:

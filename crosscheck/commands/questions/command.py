@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from crosscheck.commands.program.console import out, warnings_shown
+from crosscheck.commands.program.delivery import json_content
 from crosscheck.commands.program.judged_functions import JointsOption, SettingOptions, names
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
@@ -80,8 +81,7 @@ def content(ending: str, robot: str, joint_names: Sequence[str], frame: str | No
     """Questions in the form of an ending."""
     from crosscheck.commands.questions.record import record
     from crosscheck.judging.exchange.questions import QUESTION_WRITERS
-    from crosscheck.report.records.record import as_bytes, plain
 
     if ending == ".json":
-        return as_bytes(plain(record(robot, joint_names, frame, asked)))
+        return json_content(record(robot, joint_names, frame, asked))
     return QUESTION_WRITERS[ending](asked)

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from crosscheck.judging.exchange.questions import Question
 from crosscheck.quantities import FUNCTIONS
-from crosscheck.report.records.record import Keywords, Record, Versions, written
+from crosscheck.report.records.record import Keywords, Record, Versions, Warnings, written
 
 Numbers = Sequence[float] | Sequence[Sequence[float]]
 
@@ -32,6 +32,7 @@ class QuestionsRecord(Record, format="graphdyn questions 2"):
     """
 
     versions: Versions
+    warnings: Warnings
     robot: str
     joint_names: Sequence[str]
     frame: str | None

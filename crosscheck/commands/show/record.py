@@ -10,7 +10,7 @@ import numpy as np
 from crosscheck.commands.show.description import RobotDescription, SystemDescription
 from crosscheck.commands.show.loops import LoopsDescription
 from crosscheck.commands.show.state import rpy_in_degrees
-from crosscheck.report.records.record import Index, Keywords, Record, Versions, attribute, written
+from crosscheck.report.records.record import Index, Keywords, Record, Versions, Warnings, attribute, written
 from graphdyn import Body, Chord, Frame, Joint, RobotModel
 
 Vector = Annotated[Sequence[float], Keywords(minItems=3, maxItems=3)]
@@ -162,6 +162,7 @@ class ShowRecord(Record, of=RobotDescription, leave_out=("model",), format="grap
     """
 
     versions: Versions
+    warnings: Warnings
     base = attribute("model.base_name")
     base_xyz = attribute("model.base.translation")
     base_rpy: Vector

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from crosscheck.commands.program.console import out, progress, warnings_shown
+from crosscheck.commands.program.delivery import json_content
 from crosscheck.commands.program.judged_functions import ConventionOptions, SettingOptions, names
 from crosscheck.commands.program.options import EXAMPLES, SamplesOption, command_line
 from crosscheck.commands.program.output_files import refuse_folder, write_folder
@@ -55,7 +56,6 @@ def run(options: VectorsOptions) -> None:
     from crosscheck.commands.vectors import record as vectors
     from crosscheck.judging.exchange.vectors import confirmed_functions, vector_tables
     from crosscheck.reference.subject import subject
-    from crosscheck.report.records.record import as_bytes, plain
 
     setting = replace(options.setting, conventions=options.conventions, precision=options.precision)
     chosen = names(options.functions) or confirmed_functions(frame)
@@ -65,8 +65,8 @@ def run(options: VectorsOptions) -> None:
         for table in vector_tables(setting, chosen):
             tables[f"{table.known.name}.csv"] = table, table.csv()
             advance(table.known.name, 1)
-    exported = as_bytes(plain(export.record(export.ExportedModel(model, robot, setting.reading.locked))))
+    exported = json_content(export.record(export.ExportedModel(model, robot, setting.reading.locked)))
     listed = vectors.record(robot, model, frame, options.seed, setting.bound, (MODEL, exported), tables, command_line())
     files = {name: content for name, (_, content) in tables.items()}
-    write_folder(folder, {**files, MODEL: exported, TABLE: as_bytes(plain(listed))})
+    write_folder(folder, {**files, MODEL: exported, TABLE: json_content(listed)})
     out.print(f"{counted(len(tables), 'function')} at {listed['states']} states in {folder}, sha256 {listed['sha256']}")

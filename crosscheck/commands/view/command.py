@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from crosscheck.commands.program.console import out, progress, say, warnings_shown
+from crosscheck.commands.program.console import out, progress, say, warned, warnings_shown
 from crosscheck.commands.program.options import EXAMPLES, FACES, robot_names
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions
-from crosscheck.commands.program.recording_options import RecordingOptions
+from crosscheck.commands.program.recording_options import RecordingOptions, show_findings
+from crosscheck.report.plain_text import printable
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def run(options: ViewOptions) -> None:
     low_pass = options.low_pass
     import urdf
     from crosscheck.recordings import differentiated, load_recording
+    from crosscheck.recordings.errors import RecordingFinding
     from crosscheck.viewing.figures import Figure
     from crosscheck.viewing.motions import closed_instant, recorded_motion
     from crosscheck.viewing.robots import shown_robot
@@ -100,11 +102,12 @@ def run(options: ViewOptions) -> None:
             return Figure(Path(name).name, robot, *(closed_instant(robot.model) if robot.model.chords else ()))
         joints = robot.model.independent_joints
         recording = load_recording(path, options.mapping, joints=joints, rate=options.rate, drop=options.drop or ())
+        findings.extend(recording.findings)
         if recording.v is None or recording.a is None:
             recording = differentiated(recording, low_pass)
         return Figure(f"{Path(name).name}: {path.name}", robot, *recorded_motion(robot.model, recording))
 
-    shown = {}
+    shown, findings = {}, list[RecordingFinding]()
     with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
         for name in robots:
             model = urdf.load(name, reading=reading)
@@ -118,27 +121,29 @@ def run(options: ViewOptions) -> None:
             figures.append(figure(name, path))
             if path is not None:
                 advance(str(path), 1)
+    show_findings(findings)
     for each in figures:
         notes = (*each.notes, *each.robot.notes)
         for note in notes[:MAX_PRINTED_NOTES]:
             say(f"{each.name}: {note}")
         if len(notes) > MAX_PRINTED_NOTES:
             say(f"{each.name}: {len(notes) - MAX_PRINTED_NOTES} further notes, on the page")
+    warnings = list(map(printable, warned))
     title = ", ".join(dict.fromkeys(each.name for each in figures))
     if options.html_file is not None:
         from crosscheck.viewing.page import page
 
-        options.html_file.write(page(title, figures).encode())
+        options.html_file.write(page(title, figures, warnings=warnings).encode())
     else:
-        _serve(title, figures, options.port, options.no_browser)
+        _serve(title, figures, warnings, options.port, options.no_browser)
 
 
-def _serve(title: str, figures: Sequence[Figure], port: int, no_browser: bool) -> None:
+def _serve(title: str, figures: Sequence[Figure], warnings: Sequence[str], port: int, no_browser: bool) -> None:
     """Serve until Ctrl-C."""
     from crosscheck.viewing.server import PageServer
 
     try:
-        server = PageServer(title, figures, port)
+        server = PageServer(title, figures, port, warnings)
     except OSError as error:
         raise typer.BadParameter(f"--port {port}: {error.strerror}; name another, or 0 for a free one") from None
     with server:

@@ -74,6 +74,11 @@ Versions = Annotated[
     ),
 ]
 
+Warnings = Annotated[
+    Sequence[str],
+    Keywords(description="What the command warned of; of a folder's robots, in their notes."),
+]
+
 Command = Annotated[Sequence[str], Keywords(description="The arguments as given.")]
 
 
@@ -124,20 +129,23 @@ class Record:
 
 
 def written(record: type[Record], result: object = None, **said: Any) -> dict[str, Any]:
-    """The fields of a record: those that are said, versions, and the others from a result."""
+    """The fields of a record: those that are said, versions, no warnings yet, and the others from a result."""
     inside = _records_inside(record)  # type: ignore[arg-type]  # mypy takes the class for an instance
     if "versions" in record.paths:
         said["versions"] = versions()
+    if "warnings" in record.paths:
+        said.setdefault("warnings", [])
     values = {name: said[name] if name in said else _found(result, path) for name, path in record.paths.items()}
     head = {"format": record.format} if record.format else {}
     return head | {name: _as_typed(value, *inside.get(name, (None, False))) for name, value in values.items()}
 
 
 class CommandRecord(Record):
-    """The base of outermost records that say how their command was called."""
+    """The base of outermost records that say how their command was called, and of what it warned."""
 
     versions: Versions
     command: Command
+    warnings: Warnings
 
 
 def _found(result: object, path: str) -> Any:

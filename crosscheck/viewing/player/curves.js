@@ -3,7 +3,7 @@
 
 const CURVE_COLORS = 8;
 const CURVE_HEIGHT = 210;
-const ROUNDING = 1e-9;  // part of the largest load below which a curve is level
+const ROUNDING = 1e-9;  // part of the largest or usual load below which a curve is level
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 // What can be drawn of a figure: title, unit, and a function that gives its curves, {name: numbers}.
@@ -42,7 +42,7 @@ class Curves {
     this.index = index;
     this.plot?.destroy();
     const [, unit, curves] = quantities(figure)[index], named = Object.entries(curves());
-    const least = ROUNDING * Math.max(...figure.motion.wrenches.map(Math.abs));
+    const least = ROUNDING * Math.max(figure.robot.usual.torque, ...figure.motion.wrenches.map(Math.abs));
     const reach = (_, low, high) => (high - low > least ? uPlot.rangeNum(low, high, 0.1, true) : [low - 1, high + 1]);
     const ink = css("--ink"), line = css("--line"), font = "11px system-ui, sans-serif";
     const axis = { stroke: ink, grid: { stroke: line, width: 1 }, ticks: { stroke: line, width: 1, size: 4 }, font, labelFont: font, labelSize: 16 };

@@ -9,6 +9,8 @@ async function numberStore(text) {
   return ([kind, first, length]) => new KINDS[kind](buffer, first, length);
 }
 
+const LEAST = 1e-4;  // part of the load that a robot lets one expect, or that it has, below which there is nothing but noise
+
 // The next 1, 2 or 5 times a power of ten that is not below x > 0.
 function roundedUp(x) {
   const power = 10 ** Math.floor(Math.log10(x));

@@ -35,7 +35,8 @@ class JointRows {
   constructor(element, figure, live, move) {
     this.figure = figure;
     const { robot } = figure, loads = figure.loads();
-    this.scale = Math.max(...(robot.joints.every(({ kind }) => kind === "prismatic") ? loads.force : loads.torque));
+    const kind = robot.joints.every((joint) => joint.kind === "prismatic") ? "force" : "torque";
+    this.scale = Math.max(LEAST * robot.usual[kind], ...loads[kind]) || 1;
     this.rows = robot.joints.map((joint, j) => {
       const k = robot.independent.indexOf(j), slides = joint.kind === "prismatic";
       const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 || (robot.chords.length > 0 && !(live && figure.duration === 0)) });

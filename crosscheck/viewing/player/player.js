@@ -214,14 +214,18 @@ async function main() {
   document.body.dataset.ready = "yes";
 }
 
-// Meters per newton and newton meter, so that a usual load is a part of the size; the torque of a full arc.
+// Meters per newton and newton meter, so that a usual load is a part of the size; the torque of a full arc. What is less
+// than LEAST of the robot's weight, with its reach as lever, or a torque that is less than LEAST of the moments, is noise.
 function firstScales(figures, size) {
   const loads = figures.map((figure) => figure.loads());
-  const usual = (kind) => {
+  const usual = (kind, least) => {
     const ofFigures = loads.map((load) => load[kind].sort((a, b) => a - b));
-    return Math.max(...ofFigures.map((sorted) => sorted[Math.floor(USUAL * (sorted.length - 1))])) || 1;
+    return Math.max(least, ...ofFigures.map((sorted) => sorted[Math.floor(USUAL * (sorted.length - 1))] ?? 0));
   };
-  return { force: (ARROW * size) / usual("force"), moment: (ARROW * size) / usual("moment"), torque: roundedUp(usual("torque")) };
+  const least = (kind) => LEAST * Math.max(...figures.map(({ robot }) => robot.usual[kind]));
+  const force = usual("force", least("force")), moment = usual("moment", least("torque"));
+  const torque = usual("torque", Math.max(least("torque"), LEAST * moment));
+  return { force: (ARROW * size) / (force || 1), moment: (ARROW * size) / (moment || 1), torque: roundedUp(torque || 1) };
 }
 
 main().catch((error) => { trouble(`This page cannot be shown: ${error.message}`); console.error(error); });

@@ -261,3 +261,30 @@ def test_nothing_is_asked_for(shown):
 
 def test_the_same_figures_give_the_same_page(figures):
     assert page("one", figures[1]) == page("one", figures[1])
+
+
+def test_noise_is_drawn_as_nothing(shown):
+    """A full arc is at least 1e-4 of weight times reach; 5e-14 N m beside 50 N is no arc, and the panel says 0."""
+    loads = "{ force: [30], moment: [2e-13], torque: [5e-14] }"
+    figure = f"{{ robot: {{ usual: {{ force: 50, torque: 40 }} }}, loads: () => ({loads}) }}"
+    found = shown.value(f"firstScales([{figure}], 2)")
+    assert found == pytest.approx({"force": 1 / 30, "moment": 1 / 4e-3, "torque": 5e-3})
+    assert shown.value("besideScale(5e-14, 40 * LEAST)") == "0.000000"
+    usual = "[player.figures[0].robot.usual, player.figures[0].loads()]"
+    expected, loads = shown.value(usual)
+    assert max(loads["torque"]) > 1e-3 * expected["torque"]
+
+
+@pytest.mark.parametrize(
+    ("loads", "usual", "torque"),
+    [
+        ("moment: [300], torque: [6e-6]", "torque: 40", 5e-2),  # 32-bit numbers: 6e-8 of the moment
+        ("moment: [300], torque: [0.3]", "torque: 40", 0.5),
+        ("moment: [0], torque: [0]", "torque: 200", 2e-2),  # no mass: the largest effort
+        ("moment: [0], torque: [0]", "torque: 0", 1),
+        ("moment: [], torque: []", "torque: 0", 1),
+    ],
+)
+def test_the_scale_of_arcs(shown, loads, usual, torque):
+    figure = f"{{ robot: {{ usual: {{ force: 0, {usual} }} }}, loads: () => ({{ force: [0], {loads} }}) }}"
+    assert shown.value(f"firstScales([{figure}], 1).torque") == pytest.approx(torque)

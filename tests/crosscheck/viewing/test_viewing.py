@@ -24,6 +24,7 @@ from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position
 from crosscheck.viewing.motions import MAX_INSTANTS, closed_instant, recorded_motion, shown_rows
 from crosscheck.viewing.robots import stand_ins
+from crosscheck.viewing.scene import usual_loads
 from crosscheck.viewing.server import MAX_QUESTION_BYTES, SIMULATION_STEP, PageServer
 from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
 
@@ -80,6 +81,21 @@ class TestFigures:
         radius = np.linalg.norm(shapes[0].vertices[:, :2], axis=1).max()
         assert 0.98 < volume / (np.pi * radius**2 * 0.8) < 1.0
         assert abs(2.0 * radius**2 / 2 - 0.001) < ROUNDING  # m r² / 2 = J_zz
+
+    def test_usual_loads(self):
+        """2.5 kg at 0.8 m and 0.1 m; without gravity on Earth; without mass the efforts, apart."""
+        model = pendulum()
+        weight = 2.5 * np.linalg.norm(model.gravity)
+        assert usual_loads(model) == pytest.approx({"force": weight, "torque": 0.9 * weight}, rel=ROUNDING)
+        free = usual_loads(model.with_gravity(np.zeros(3)))
+        assert free == pytest.approx({"force": 2.5 * 9.80665, "torque": 0.9 * 2.5 * 9.80665}, rel=ROUNDING)
+        bodies = [dataclasses.replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in model.bodies]
+        joints = [
+            dataclasses.replace(joint, limits=JointLimits(effort=effort))
+            for joint, effort in zip(model.joints, (30.0, 400.0), strict=True)
+        ]
+        assert usual_loads(dataclasses.replace(model, bodies=bodies, joints=joints)) == {"force": 400.0, "torque": 30.0}
+        assert usual_loads(dataclasses.replace(model, bodies=bodies)) == {"force": 0.0, "torque": 0.0}
 
 
 class TestMotions:

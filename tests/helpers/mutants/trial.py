@@ -85,6 +85,9 @@ def _trial(path: Path) -> Trial:
     for warning, codes in WARNINGS.items():
         if (warning in said) != any(code in report.codes for code in codes):
             raise Unexpected(f"load warns of {sorted(kind.__name__ for kind in said)}, inspect finds {report.codes}")
+    doubtful = {finding.code for finding in report.findings if finding.severity == "warning"}
+    if (urdf.ZeroMassWarning in said) != ("zero-mass" in doubtful):
+        raise Unexpected(f"load warns of {sorted(kind.__name__ for kind in said)}, inspect doubts {doubtful}")
     return _compared(path, model, report)
 
 

@@ -346,6 +346,7 @@ PUBLISHED = {
 """Bodies, chords, rows, motors."""
 
 
+@pytest.mark.filterwarnings("ignore::urdf.ZeroMassWarning")  # of links that join two hinges
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_published_mechanisms(name, tmp_path):
     path = existing(DATA / "loops" / f"{name}.urdf")

@@ -110,7 +110,8 @@ def test_massless_inertials_fuse(robot):
         link("base"), link("a", mass=0, xyz="1 0 0"), link("b", mass=0, xyz="0 1 0"), joint("turn", "base", "a"),
         joint("glue", "a", "b", "fixed"),
     )  # fmt: skip
-    body = urdf.load(path).bodies[0]
+    with pytest.warns(urdf.ZeroMassWarning, match="moving links of mass zero: 'a', 'b'; they have no weight"):
+        body = urdf.load(path).bodies[0]
     assert body.mass == 0
     assert_array_equal(body.center_of_mass, np.zeros(3))
     assert_allclose(body.inertia, 0.2 * np.eye(3), rtol=1e-15)

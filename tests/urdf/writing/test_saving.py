@@ -90,7 +90,8 @@ def test_body_without_mass_comes_back_with_the_warning(tmp_path):
 def test_body_without_mass_keeps_its_tensor(tmp_path):
     joint = Joint("joint", "revolute", 0, Placement(), E3)
     heavy_to_turn = Body("b", 0.0, np.zeros(3), np.diag([0.1, 0.2, 0.25]))
-    (body,) = reload(RobotModel("r", (heavy_to_turn,), (joint,)), tmp_path).bodies
+    with pytest.warns(urdf.ZeroMassWarning, match="'b'"):
+        (body,) = reload(RobotModel("r", (heavy_to_turn,), (joint,)), tmp_path).bodies
     assert body.mass == 0
     assert_array_equal(body.inertia, np.diag([0.1, 0.2, 0.25]))
 
