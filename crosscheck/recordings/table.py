@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from crosscheck.recordings.errors import BadMapping, RecordingFinding, quoted
 from graphdyn.errors import counted
 from graphdyn.layout import Array
+from urdf.document import NUMBER
 
-NUMBER_PATTERN = r"^-?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"
-LONG_INTEGER_PATTERN = r"^-?\d{16,}$"
+LONG_INTEGER_PATTERN = r"^-?[0-9]{16,}$"
 """An integer with more digits than doubles hold."""
 
 MAX_EXACT_INTEGER = 2**53
@@ -79,7 +79,7 @@ def cells_of_column(column: Any) -> Cells | str:
     if compute.all(compute.match_substring_regex(text, DURATION_PATTERN)).as_py():
         text = compute.replace_substring(text, " sec", "")
         return Cells(np.array(text.cast(pa.float64()), dtype=float), seconds=1.0)
-    text = compute.if_else(compute.match_substring_regex(text, NUMBER_PATTERN), text, nothing)
+    text = compute.if_else(compute.match_substring_regex(text, f"^{NUMBER}$"), text, nothing)
     if compute.any(compute.match_substring_regex(text, LONG_INTEGER_PATTERN)).as_py():
         for integer in (pa.int64(), pa.uint64()):
             try:

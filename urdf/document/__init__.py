@@ -3,12 +3,14 @@
 from urdf.document.catalog import locate
 from urdf.document.document import UNNAMED_SOURCES
 from urdf.document.files import write_whole
-from urdf.document.numbers import rpy_from_rotation
+from urdf.document.numbers import NUMBER, finite_number, rpy_from_rotation
 from urdf.document.opening import content_of, path_of
 
 __all__ = [
+    "NUMBER",
     "UNNAMED_SOURCES",
     "content_of",
+    "finite_number",
     "locate",
     "path_of",
     "rpy_from_rotation",

@@ -21,7 +21,10 @@ from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 from urdf.errors import shortened
 
-_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+"""Pattern of a number in every text that is read: Python's float takes more, such as 1_0 and the digits of Arabic."""
+
+_NUMBER = re.compile(NUMBER)
 
 _BLANKS = re.compile(r"[ \t\r\n]+")
 """White space of XML; str.split splits at many more characters, which no other reader of URDF accepts."""
@@ -58,6 +61,12 @@ class BadNumber:
     code: str
     problem: str
     remedy: str
+
+
+def finite_number(text: str) -> float | None:
+    """The number of a text, such as -1.5e-3; None for anything else, and for one beyond the largest double."""
+    number = float(text) if _NUMBER.fullmatch(text) else math.nan
+    return number if math.isfinite(number) else None
 
 
 def numbers(text: str, count: int, said: str) -> list[float] | BadNumber:

@@ -6,15 +6,16 @@ This includes joint states as `ros2 topic echo --csv` prints them, without a hea
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
+from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted, quoted
 from crosscheck.recordings.formats.csv_layout import HEAD_BYTES, Layout, cells_of_line, layout_of
+from crosscheck.recordings.formats.decimal_signs import ColumnSigns, DecimalSigns, refused, with_points
 from crosscheck.recordings.formats.format import Format, content_of
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import (
@@ -31,12 +32,15 @@ from graphdyn.errors import counted
 
 def read_text(path: Path, mapping: ColumnMapping | None, _joints: tuple[str, ...] | None) -> RecordedTable:
     """The table of a text file; lines of `ros2 topic echo --csv` get names. Raises BadRecordingFile, OSError."""
-    table = read_csv(path, mapping.delimiter if mapping else None)
+    table = read_csv(path, mapping.delimiter if mapping else None, mapping.decimal if mapping else None)
     return table if table.has_names or mapping else named(table)
 
 
-def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
-    """Read delimited text. Raises BadRecordingFile if it is not a table of numbers, and OSError."""
+def read_csv(path: Path, delimiter: str | None = None, decimal: str | None = None) -> RecordedTable:
+    """Read delimited text. delimiter, decimal: those of a mapping, None for what the file shows.
+
+    Raises BadRecordingFile if it is not a table of numbers, and OSError.
+    """
     content = content_of(path)
     head = content[:HEAD_BYTES].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)
@@ -46,7 +50,10 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     if not body:
         raise BadRecordingFile(f"{path}: no line below the header; record at least one row")
     n, lines = len(layout.names), layout.above + 1
-    table, wrong = _parsed(path, body, layout)
+    signs = DecimalSigns(path, layout, body)
+    sign = decimal or signs.sign()
+    parse = _parser(path, body, layout, sign)
+    table, wrong = parse(())
     if table.num_rows + len(wrong) != count:
         raise BadRecordingFile(
             f"{path}: {counted(table.num_rows + len(wrong), 'row')} in {counted(count, 'line')}, so a quotation mark "
@@ -58,11 +65,13 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
             f"{path}: {len(wrong)} of {count} lines do not have {counted(n, 'cell')} like the first one "
             f"(line {row + lines} has {cells}); name the delimiter in a mapping, or repair the file"
         )
+    if decimal is None:
+        _check_signs(signs, table, parse, sign)
     good = np.delete(np.arange(count), list(wrong))
     columns: list[Cells] = []
     texts: dict[int, dict[int, str]] = {}
     for k, column in enumerate(table.columns):
-        read = _cells(column, layout.decimal_comma)
+        read = _cells(column, sign, decimal is not None)
         unread = np.flatnonzero(np.isnan(read.values)).tolist()
         texts[k] = {int(good[row]): str(column[row].as_py() or "") for row in unread}
         values = np.full(count, np.nan)
@@ -82,13 +91,19 @@ def read_csv(path: Path, delimiter: str | None = None) -> RecordedTable:
     if not any(layout.names):
         message = "the first line holds numbers, so the columns have no names"
         findings.append(noted(file, "no-header", message, "they can be mapped by number only"))
-    if layout.decimal_comma:
+    if sign == ",":
         findings.append(noted(file, "decimal-comma", "the numbers have decimal commas", "they are read with them"))
     return RecordedTable.of(path, layout.names, columns, texts=texts, lines=lines, findings=tuple(findings))
 
 
-def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, dict[int, int]]:
-    """The Arrow table of the lines with n cells; for the other lines, by row, their number of cells."""
+Parser = Callable[[Collection[int]], tuple[Any, dict[int, int]]]
+
+
+def _parser(path: Path, body: memoryview | bytes, layout: Layout, sign: str) -> Parser:
+    """Reader of some columns as texts, and of all with the types that they seem to have if none is given.
+
+    It returns the Arrow table of the lines with n cells; for the other lines, by row, their number of cells.
+    """
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 
@@ -101,7 +116,7 @@ def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, 
         wrong[row.number - 1] = 0 if row.text.strip() == "" else row.actual_columns
         return "skip"
 
-    def read(types: dict[str, Any] | None) -> Any:
+    def read(types: dict[str, Any] | None, wanted: list[str] | None = None) -> Any:
         wrong.clear()
         return arrow_csv.read_csv(
             pa.BufferReader(body),
@@ -111,7 +126,8 @@ def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, 
             ),
             convert_options=arrow_csv.ConvertOptions(
                 column_types=types,
-                decimal_point="," if layout.decimal_comma else ".",
+                include_columns=wanted,
+                decimal_point=sign,
                 null_values=[""],
                 strings_can_be_null=True,
                 true_values=[],  # words, not numbers
@@ -119,15 +135,33 @@ def _parsed(path: Path, body: memoryview | bytes, layout: Layout) -> tuple[Any, 
             ),
         )
 
-    try:
+    def parsed(texts: Collection[int]) -> tuple[Any, dict[int, int]]:
         try:
-            table = read(None)
-            large = [name for name in names if _beyond_doubles(table.column(name))]
-            return read(dict.fromkeys(large, pa.string())) if large else table, wrong
-        except pa.ArrowInvalid:  # types are inferred from the first block only
-            return read(dict.fromkeys(names, pa.string())), wrong
-    except pa.ArrowInvalid as error:
-        raise BadRecordingFile(f"{path}, from line {layout.above + 1} on: {error}; repair the file") from error
+            try:
+                if texts:
+                    return read(dict.fromkeys(map(str, texts), pa.string()), [str(k) for k in texts]), wrong
+                table = read(None)
+                large = [name for name in names if _beyond_doubles(table.column(name))]
+                return read(dict.fromkeys(large, pa.string())) if large else table, wrong
+            except pa.ArrowInvalid:  # types are inferred from the first block only
+                return read(dict.fromkeys(names, pa.string())), wrong
+        except pa.ArrowInvalid as error:
+            raise BadRecordingFile(f"{path}, from line {layout.above + 1} on: {error}; repair the file") from error
+
+    return parsed
+
+
+def _check_signs(signs: DecimalSigns, table: Any, parse: Parser, sign: str) -> None:
+    """Raise BadRecordingFile for a column of numbers whose signs may separate thousands."""
+    import pyarrow as pa
+
+    columns = {k: table.column(k) for k in signs.undecided(sign)}
+    numbers = [k for k, column in columns.items() if pa.types.is_floating(column.type)]
+    texts = {k: column for k, column in columns.items() if pa.types.is_string(column.type)}
+    if numbers:
+        texts |= dict(zip(numbers, parse(numbers)[0].columns, strict=True))
+    for k, column in texts.items():
+        signs.check_column(k, column, sign)
 
 
 def _beyond_doubles(column: Any) -> bool:
@@ -141,13 +175,15 @@ def _beyond_doubles(column: Any) -> bool:
     return any(value is not None and abs(value) > MAX_EXACT_INTEGER for value in extremes)
 
 
-def _cells(column: Any, comma: bool) -> Cells:
-    """A column of numbers, texts or times, as inferred from a text file."""
-    import pyarrow as pa
-    from pyarrow import compute
+def _cells(column: Any, sign: str, grouped: bool) -> Cells:
+    """A column of numbers, texts or times, as inferred from a text file.
 
-    if comma and pa.types.is_string(column.type):
-        column = compute.replace_substring(column, ",", ".")
+    sign: the decimal one; grouped: whether the other one separates thousands
+    """
+    import pyarrow as pa
+
+    if pa.types.is_string(column.type):
+        column = with_points(column, sign, grouped)
     cells = cells_of_column(column)
     assert isinstance(cells, Cells)  # Arrow finds nothing else in text
     return cells
@@ -181,7 +217,7 @@ BATCH_BYTES = 1 << 20
 """Size of the part of a CSV file that is parsed at once [bytes]."""
 
 
-def batches_of_csv(path: Path, delimiter: str | None, _rows: int) -> tuple[tuple[str, ...], Any]:
+def batches_of_csv(path: Path, mapping: ColumnMapping | None, _rows: int) -> tuple[tuple[str, ...], Iterable[Any]]:
     """The names of the columns, and batches of some thousand rows. Raises BadRecordingFile."""
     import pyarrow as pa
     from pyarrow import csv
@@ -192,22 +228,53 @@ def batches_of_csv(path: Path, delimiter: str | None, _rows: int) -> tuple[tuple
     with opened() as file:
         head = file.read(HEAD_BYTES).decode("utf-8-sig", errors="ignore")
     head = head.replace("\r\n", "\n").replace("\r", "\n")
-    layout = layout_of(path, head, delimiter)
+    layout = layout_of(path, head, mapping.delimiter if mapping else None)
     if layout.delimiter == " ":
         raise BadRecordingFile(f"{path}: columns between spaces are not streamed; separate them by commas")
-    names = [str(k) for k in range(len(layout.names))]
+    given = mapping.decimal if mapping else None
+    signs = DecimalSigns(path, layout, head[layout.length :].encode())
+    sign = given or signs.sign()
+    types = _types(layout, head)
+    texts = range(len(layout.names)) if given else signs.undecided(sign)
+    texts = [k for k in texts if types.get(str(k)) == "float64"]
     reader = csv.open_csv(
         opened(),
-        read_options=csv.ReadOptions(column_names=names, skip_rows=layout.above, block_size=BATCH_BYTES),
+        read_options=csv.ReadOptions(
+            column_names=[str(k) for k in range(len(layout.names))], skip_rows=layout.above, block_size=BATCH_BYTES
+        ),
         parse_options=csv.ParseOptions(delimiter=layout.delimiter),
         convert_options=csv.ConvertOptions(
-            column_types=_types(layout, head),
-            decimal_point="," if layout.decimal_comma else ".",
+            column_types=types | {str(k): "string" for k in texts},
+            decimal_point=sign,
             true_values=[],
             false_values=[],
         ),
     )
-    return layout.names, reader
+    return layout.names, _with_points(reader, signs, texts, sign, given)
+
+
+def _with_points(
+    batches: Iterable[Any], signs: DecimalSigns, texts: Sequence[int], sign: str, given: str | None
+) -> Iterator[Any]:
+    """The batches, with numbers for texts in the columns (texts) whose signs are not certain before they are read.
+
+    Raises BadRecordingFile for a column of numbers whose signs may separate thousands, if no sign is given.
+    """
+    import pyarrow as pa
+    from pyarrow import compute
+
+    columns = {k: ColumnSigns(sign) for k in texts}
+    for batch in batches:
+        arrays = batch.columns
+        for k, column in columns.items():
+            column.add(arrays[k])
+            if column.problem and given is None:
+                name = signs.layout.names[k]
+                place = f"{signs.path}, row {column.row}, column {quoted(name) if name else k + 1}"
+                raise refused(place, column.doubtful, column.problem)
+            numbers = compute.utf8_trim_whitespace(with_points(arrays[k], sign, given is not None))
+            arrays[k] = numbers.cast(pa.float64())
+        yield pa.record_batch(arrays, names=batch.schema.names)
 
 
 def _types(layout: Layout, head: str) -> dict[str, str]:
@@ -217,7 +284,7 @@ def _types(layout: Layout, head: str) -> dict[str, str]:
     for k, cell in enumerate(first):
         if re.match(LONG_INTEGER_PATTERN, cell):
             types[str(k)] = "int64" if int(cell) < 2**63 else "uint64"
-        elif re.fullmatch(r"[-+.,\deE]*", cell):
+        elif re.fullmatch(r"[-+.,0-9eE]*", cell):
             types[str(k)] = "float64"
     return types
 

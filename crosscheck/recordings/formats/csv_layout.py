@@ -1,4 +1,4 @@
-"""Layout of a table in a text file, found from its beginning: delimiter, decimal sign, comments above, header."""
+"""Layout of a table in a text file, found from its beginning: delimiter, comments above, header."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from crosscheck.recordings.errors import BadRecordingFile
+from urdf.document import NUMBER
 
 DELIMITERS = (";", "\t", ",", " ")
 """Delimiters, in the order in which they are tried: a comma may be the decimal sign of a file with another one."""
@@ -20,6 +21,9 @@ HEAD_BYTES, SAMPLED_LINES = 1 << 20, 50
 MAX_FIRST_LINE = HEAD_BYTES // 4
 """Number of characters from which a first line without end is no line of a table."""
 
+NO_VALUE = ("", "nan", "inf", "infinity")
+"""Words in place of a number, in lower case and without a sign."""
+
 COMMENT = re.compile(r"\s*[#%]+\s*")
 
 
@@ -27,7 +31,6 @@ class Layout(NamedTuple):
     """Layout of a table. names: "" if there are none; above: lines before the first row, length characters long."""
 
     delimiter: str
-    decimal_comma: bool
     names: tuple[str, ...]
     above: int
     length: int
@@ -46,12 +49,11 @@ def layout_of(path: Path, text: str, delimiter: str | None) -> Layout:
     sample = [line for line in head[n_above:-1] if line.strip()][:SAMPLED_LINES]
     sample = sample or head[n_above : n_above + 1]  # the last line may be cut off, so it is used only if alone
     delimiter = delimiter or _delimiter(path, sample)
-    comma = delimiter != "," and _has_decimal_comma(sample, delimiter)
     first = _cells(sample[0], delimiter)
-    header = not all(_is_number(cell, comma) for cell in first) and not _repeats(sample, first, delimiter, comma)
+    header = not all(_is_number(cell) for cell in first) and not _repeats(sample, first, delimiter)
     names = first if header else _commented_names(head[:n_above], delimiter, len(first))
     above = n_above + header
-    return Layout(delimiter, comma, tuple(names), above, sum(len(line) + 1 for line in head[:above]))
+    return Layout(delimiter, tuple(names), above, sum(len(line) + 1 for line in head[:above]))
 
 
 def _delimiter(path: Path, sample: list[str]) -> str:
@@ -87,29 +89,24 @@ def _cells(line: str, delimiter: str) -> list[str]:
         return [line]
 
 
-def _is_number(cell: str, comma: bool = False) -> bool:
+def _is_number(cell: str) -> bool:
     """Whether the cell is a number, a calendar time, or empty; a cell of a header is none of these."""
-    for reads in (float, datetime.fromisoformat):
-        try:
-            reads(cell.replace(",", ".") if comma else cell)
-            return True
-        except ValueError:
-            pass
-    return cell == ""
+    if cell.lower().lstrip("+-") in NO_VALUE or re.fullmatch(NUMBER, cell.replace(",", ".")):
+        return True
+    try:
+        datetime.fromisoformat(cell)
+    except ValueError:
+        return False
+    return True
 
 
-def _repeats(sample: list[str], first: list[str], delimiter: str, comma: bool) -> bool:
+def _repeats(sample: list[str], first: list[str], delimiter: str) -> bool:
     """Whether the first line is a row like the second one: numbers, and words that are the same in both."""
     second = _cells(sample[1], delimiter) if len(sample) > 1 else []
-    numbers = [_is_number(cell, comma) for cell in first]
+    numbers = [_is_number(cell) for cell in first]
     return any(numbers) and [cell for cell, number in zip(first, numbers, strict=True) if not number] == [
         cell for cell, number in zip(second, numbers, strict=False) if not number
     ]
-
-
-def _has_decimal_comma(sample: list[str], delimiter: str) -> bool:
-    cells = [cell for line in sample[-10:] for cell in _cells(line, delimiter)]
-    return any(re.fullmatch(r"[-+]?\d+,\d+([eE][-+]?\d+)?", cell) for cell in cells)
 
 
 def _commented_names(comments: list[str], delimiter: str, count: int) -> list[str]:

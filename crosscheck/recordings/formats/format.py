@@ -37,14 +37,14 @@ class Format:
 
     suffixes: endings of its files in lower case; a motion is written with the first
     read: the table of a file, given the mapping and the joints wanted, if they are known
-    batches: column names and Arrow batches of at most this number of rows, given the delimiter of a mapping; None
-        for a format that is only read as a whole
+    batches: column names and Arrow batches of at most this number of rows, given the mapping; None for a format that
+        is only read as a whole
     write: the content of a file with this motion and metadata; None for a format that is only read
     """
 
     suffixes: tuple[str, ...]
     read: Callable[[Path, ColumnMapping | None, tuple[str, ...] | None], RecordedTable]
-    batches: Callable[[Path, str | None, int], tuple[Sequence[str], Iterable[Any]]] | None = None
+    batches: Callable[[Path, ColumnMapping | None, int], tuple[Sequence[str], Iterable[Any]]] | None = None
     write: Callable[[RecordedMotion, Path, Mapping[str, str]], bytes] | None = None
 
 
@@ -234,7 +234,7 @@ def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...
     return formats()[suffix].read(path, mapping, joints)
 
 
-def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTable]:
+def tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[RecordedTable]:
     """The file as tables of at most this number of rows. Raises BadRecordingFile, OSError."""
     import pyarrow as pa
 
@@ -246,7 +246,7 @@ def tables(path: Path, delimiter: str | None, rows: int) -> Iterator[RecordedTab
         streamed = ", ".join(suffix for suffix, each in formats().items() if each.batches)
         raise BadRecordingFile(f"{path}: only {streamed} files are streamed; convert it to one")
     try:
-        names, batches = found.batches(path, delimiter, rows)
+        names, batches = found.batches(path, mapping, rows)
         for batch in batches:
             columns = pa.table(batch.columns, names=[str(k) for k in range(len(names))]).columns
             yield table_of_columns(path, names, columns)

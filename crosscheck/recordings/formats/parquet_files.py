@@ -9,6 +9,7 @@ from typing import Any
 
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.format import Format, check_expanded, refusing_damage, table_of_columns
+from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable
 from crosscheck.recordings.virtual import virtual_recording_document
 
@@ -31,7 +32,7 @@ def read_parquet(path: Path) -> RecordedTable:
     return table_of_columns(path, names, table.columns)
 
 
-def batches_of_parquet(path: Path, _delimiter: str | None, rows: int) -> tuple[Sequence[str], Iterable[Any]]:
+def batches_of_parquet(path: Path, _mapping: ColumnMapping | None, rows: int) -> tuple[Sequence[str], Iterable[Any]]:
     """The names of the columns, and batches of at most this number of rows."""
     from pyarrow import parquet
 

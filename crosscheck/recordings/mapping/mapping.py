@@ -78,7 +78,7 @@ def toml_column(table: Mapping[str, Any], key: str, where: str) -> str | int:
 
 MAPPED_QUANTITIES = ("q", "v", "a", "tau", "temperature")
 SI_UNITS = {"q": "rad", "v": "rad/s", "a": "rad/s^2", "tau": "N m", "temperature": "degC"}
-_TOP = ("joints", "rate", "prismatic", "delimiter", "topic", "time", *MAPPED_QUANTITIES, "transmission")
+_TOP = ("joints", "rate", "prismatic", "delimiter", "decimal", "topic", "time", *MAPPED_QUANTITIES, "transmission")
 _MOVING = ("side", "sign")
 _CHANNEL = ("columns", "unit", "file")
 _ONLY_IN = {
@@ -141,7 +141,10 @@ class Transmission:
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """A whole mapping; source: its file, or "by name"; rate [Hz], None if a column holds the time."""
+    """A whole mapping; source: its file, or "by name"; rate [Hz], None if a column holds the time.
+
+    delimiter, decimal: signs between two cells and in numbers of a text file; None: as its content shows
+    """
 
     source: str
     joints: tuple[str, ...]
@@ -151,6 +154,7 @@ class ColumnMapping:
     transmission: Transmission | None = None
     prismatic: tuple[bool, ...] | None = None
     delimiter: str | None = None
+    decimal: str | None = None
     topic: str | None = None
 
 
@@ -211,6 +215,9 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
     delimiter = toml_text(document, "delimiter", source)
     if delimiter is not None and (len(delimiter) != 1 or delimiter in '\r\n"'):
         raise BadMapping(f"{source}: delimiter is {shown(delimiter)}; give the one character between two cells")
+    decimal = toml_text(document, "decimal", source)
+    if decimal not in (None, ".", ","):
+        raise BadMapping(f'{source}: decimal is {shown(decimal)}; give the decimal sign of the file, "." or ","')
     return ColumnMapping(
         source,
         tuple(joints),
@@ -220,6 +227,7 @@ def mapping_of(document: Mapping[str, Any], source: str) -> ColumnMapping:
         transmission=transmission,
         prismatic=None if prismatic is None else tuple(prismatic),
         delimiter=delimiter,
+        decimal=decimal,
         topic=toml_text(document, "topic", source),
     )
 

@@ -153,7 +153,7 @@ class StreamedRecording:
         path, count = Path(self.path), 0
         mapping = given_mapping(self.mapping, self.rate)
         origin: Origin | None = None
-        for table in tables(path, mapping.delimiter if mapping else None, self.window):
+        for table in tables(path, mapping, self.window):
             if mapping is None:
                 mapping = mapping_by_name(table, self.joints, self.rate)[0]
             refuse_delays(mapping)
