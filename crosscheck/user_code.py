@@ -3,9 +3,10 @@
 What is typed on the command line runs. A file that names code is data: its code runs only where the user allows it.
 """
 
+import ast
 import importlib.util
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from types import ModuleType
 
@@ -22,6 +23,47 @@ def module_of_file(path: Path) -> ModuleType:
     sys.modules[path.stem] = module
     spec.loader.exec_module(module)
     return module
+
+
+OUR_PACKAGES = ("graphdyn", "urdf", "crosscheck")
+
+
+def imported_files(path: Path) -> tuple[Path, ...]:
+    """A file and all files of its folder that it imports, directly or through others, without running any."""
+    folder = path.parent
+    found = dict.fromkeys([path])
+    waiting = [path]
+    while waiting:
+        file = waiting.pop()
+        for name in _imports(file, folder):
+            place = folder
+            for part in [] if name.split(".")[0] in OUR_PACKAGES else name.split("."):
+                place /= part
+                for module in (place.with_name(f"{place.name}.py"), place / "__init__.py"):
+                    if module not in found and module.is_file():
+                        found[module] = None
+                        waiting.append(module)
+    return tuple(found)
+
+
+def _imports(file: Path, folder: Path) -> Iterator[str]:
+    """Names of modules, seen from the folder. A file that is no Python is refused when it is imported."""
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return
+    package = file.parent.relative_to(folder).parts
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (one.name for one in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            base = [*above, *([node.module] if node.module else [])]
+            yield from (".".join([*base, one.name]) for one in node.names)
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            if called in ("import_module", "__import__") and isinstance(node.args[0].value, str):
+                yield node.args[0].value.lstrip(".")
 
 
 def refuse_code(where: str, names: Sequence[str], allowed: bool) -> None:

@@ -2,6 +2,6 @@
 
 from crosscheck.distributing.dask_workers import DaskWorkers
 from crosscheck.distributing.processes import LocalProcesses
-from crosscheck.distributing.workers import Lost, NoWorkers, Workers
+from crosscheck.distributing.workers import MISSING, Lost, NoWorkers, Workers, differences, versions
 
-__all__ = ["DaskWorkers", "LocalProcesses", "Lost", "NoWorkers", "Workers"]
+__all__ = ["MISSING", "DaskWorkers", "LocalProcesses", "Lost", "NoWorkers", "Workers", "differences", "versions"]

@@ -34,8 +34,10 @@ INSTALL_COMMAND = "pip install 'graphdyn[distributed]'"
 class Cluster:
     """A scheduler whose workers have one thread each and the versions of this process. Raises NoWorkers."""
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, libraries: Sequence[str] = ()) -> None:
+        """libraries: further ones whose versions have to be those of this process"""
         self.address = address
+        self._libraries = tuple(libraries)
         self._client = _connected(address)
         self._known = set[str]()
         try:
@@ -55,11 +57,11 @@ class Cluster:
         try:
             threads: dict[str, int] = self._client.nthreads()
             new = sorted(set(threads) - self._known)
-            found = self._client.run(versions, workers=new, on_error="return") if new else {}
+            found = self._client.run(versions, self._libraries, workers=new, on_error="return") if new else {}
         except OSError as error:
             raise self.gone() from error
         for worker, its in found.items():
-            examine(worker, threads[worker], its)
+            examine(worker, threads[worker], its, self._libraries)
         self._known.update(new)
         return len(threads)
 
@@ -90,16 +92,24 @@ def _connected(address: str) -> Client:
             ) from None
 
 
-def examine(worker: str, threads: int, found: dict[str, str] | Exception) -> None:
-    """Raise NoWorkers for a worker that cannot be used. found: its versions, or what asking for them raised."""
-    here = versions()
+def examine(worker: str, threads: int, found: dict[str, str] | Exception, libraries: Sequence[str] = ()) -> None:
+    """Raise NoWorkers for a worker that cannot be used.
+
+    found: its versions, or what asking for them raised; libraries: further ones that it reports
+    """
+    here = versions(libraries)
     if isinstance(found, ImportError):
         raise NoWorkers(
             f"the worker {worker} does not have graphdyn ({found}); install version {here['graphdyn']} there: "
             f"{INSTALL_COMMAND}"
         )
-    if isinstance(found, Exception):
+    if isinstance(found, OSError | TimeoutError):
         return  # it has gone in the meantime
+    if isinstance(found, Exception):
+        raise NoWorkers(
+            f"the worker {worker} cannot say which versions it has ({type(found).__name__}: {found}); install graphdyn "
+            f"{here['graphdyn']} there: {INSTALL_COMMAND}"
+        )
     different = differences(here, found)
     if different:
         raise NoWorkers(
@@ -128,12 +138,14 @@ class DaskWorkers:
     """The workers of a Dask scheduler.
 
     address: of the scheduler, such as tcp://10.0.0.1:8786
+    libraries: further ones whose versions have to be those of this process
 
     Every worker has one thread, and the versions of this process; files are found under the same paths as here. A
     scheduler or workers that cannot be used raise NoWorkers when the work begins.
     """
 
     address: str
+    libraries: tuple[str, ...] = ()
 
     def each(
         self, function: Callable[[Task], Answer], tasks: Sequence[Task]
@@ -145,7 +157,7 @@ class DaskWorkers:
         waiting, suspected = deque(range(len(tasks))), deque[int]()
         running: dict[str, tuple[Future, int]] = {}
         ended: SimpleQueue[str] = SimpleQueue()
-        with closing(Cluster(self.address)) as cluster:
+        with closing(Cluster(self.address, self.libraries)) as cluster:
 
             def start(k: int) -> None:
                 future = cluster.submit(work, tasks[k])
@@ -200,7 +212,7 @@ def _answer(future: Future, cluster: Cluster) -> Any:
         )
     if future.status == "error":
         error = future.exception()
-        return Lost(f"{type(error).__name__}: {error}")
+        return Lost(f"{type(error).__name__}: {error}", died=False)
     try:
         return future.result()
     except CancelledError as error:  # it was done, but could not be fetched

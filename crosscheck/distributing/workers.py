@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from typing import Protocol, TypeVar
 
 from graphdyn import GraphDynError
@@ -15,13 +15,24 @@ class NoWorkers(GraphDynError):
     """A scheduler or workers that cannot be used; the message says why and what to do."""
 
 
-SHARED_LIBRARIES = ("graphdyn", "numpy", "scipy")
+SHARED_LIBRARIES = ("graphdyn", "numpy", "scipy", "llvmlite")
+
+MISSING = "missing"
+"""In place of the version of a library that is not installed."""
 
 
-def versions() -> dict[str, str]:
-    """Versions of this process."""
+def versions(further: Iterable[str] = ()) -> dict[str, str]:
+    """Versions of this process. further: libraries beside SHARED_LIBRARIES, which may be missing"""
     python = ".".join(platform.python_version_tuple()[:2])
-    return {"python": python, **{name: version(name) for name in SHARED_LIBRARIES}}
+    shared = {name: version(name) for name in SHARED_LIBRARIES}
+    return {"python": python, **shared, **{name: _version(name) for name in further}}
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return MISSING
 
 
 def differences(here: Mapping[str, str], there: Mapping[str, str]) -> str:
@@ -37,9 +48,14 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True)
 class Lost:
-    """The stand-in for an answer where none was given. reason: in words."""
+    """The stand-in for an answer where none was given.
+
+    reason: in words
+    died: the process did; otherwise it could not do the task at all
+    """
 
     reason: str
+    died: bool = True
 
 
 class Workers(Protocol):

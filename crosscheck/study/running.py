@@ -13,20 +13,32 @@ import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, get_type_hints
 
 import pyarrow as pa
 import pyarrow.parquet as parquet
 
-from crosscheck.distributing import Lost, Workers
+from crosscheck.distributing import MISSING, DaskWorkers, Lost, NoWorkers, Workers
+from crosscheck.identifying import ESTIMATORS
 from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
-from crosscheck.study.tasks import Result, StudyOutcome, StudyTask, compute, failed, taking_part
+from crosscheck.study.tasks import (
+    LIBRARIES,
+    Result,
+    StudyOutcome,
+    StudyTask,
+    Surroundings,
+    Unfit,
+    computed,
+    failed,
+    taking_part,
+)
 from graphdyn import InvalidInput
 from graphdyn.identification import structure
 from urdf.document import write_whole
@@ -201,9 +213,12 @@ def run_study(
     After any interruption, what was done is in the folder.
 
     Raises BadConfiguration for settings that do not fit the robot; InvalidInput for a folder that is something else, or
-    of a study with another configuration; OSError; urdf's errors; what the workers raise.
+    of a study with another configuration; NoWorkers for processes that lack what it needs; OSError; urdf's errors.
     """
     plant_of(study.robot)  # which refuses what does not fit the robot
+    refuse_missing_packages(study)
+    if isinstance(workers, DaskWorkers):
+        workers = replace(workers, libraries=LIBRARIES)
     before = before or (lambda: None)
     new = is_new(folder, resume)
     if new:
@@ -216,6 +231,18 @@ def run_study(
             before()
         _compute(study, database, workers, progress or (lambda _: None), tell or (lambda _: None))
         write_tables(study, database.outcomes(), folder)
+
+
+def refuse_missing_packages(study: Configuration) -> None:
+    """Raise InvalidInput for a method without a package that it always needs."""
+    for method in study.methods:
+        needed = getattr(ESTIMATORS[method](), "packages", ()) if method in ESTIMATORS else ()
+        missing = [package for package in needed if find_spec(package) is None]
+        if missing:
+            raise InvalidInput(
+                f"{study.file}: {method} in methods needs {', '.join(missing)}, which is not installed; leave it out, "
+                "or: pip install 'graphdyn[identify]'"
+            )
 
 
 def is_new(folder: Path, resume: bool) -> bool:
@@ -245,6 +272,8 @@ def _same(study: Configuration, folder: Path, database: Database, inputs: Mappin
     changes = _changes(tomllib.loads(before["configuration"]), tomllib.loads(study.text), "")
     names = sorted({*before, *inputs} - {"configuration"})
     for name in names:
+        if before.get(name) == MISSING and name in LIBRARIES:
+            continue  # no result has needed it
         if before.get(name) != inputs.get(name):
             what = "has changed" if Path(name).is_absolute() else f"was {before.get(name)}, is {inputs.get(name)}"
             changes.append(f"{name} {what}")
@@ -286,9 +315,11 @@ def _compute(
     left = Remaining(tasks)
     progress(Progress(len(done), len(everything)))
     lost = list[StudyTask]()
-    with closing(workers.each(partial(compute, study), tasks)) as answers:
-        for k, outcome in answers:
+    work = partial(computed, study, Surroundings.here(study))
+    with closing(workers.each(work, tasks)) as answers:
+        for k, answer in answers:
             task = tasks[k]
+            outcome = usable(task, answer)
             if isinstance(outcome, Lost):
                 tell(f"{_name(task)}: {outcome.reason}; its methods are tried one by one")
                 lost.append(task)
@@ -297,17 +328,27 @@ def _compute(
             left.count(task, outcome.total)
             progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
     for task in lost:
-        database.write((task.scenario.name, task.run), _one_by_one(study, task, workers, tell))
+        database.write((task.scenario.name, task.run), _one_by_one(work, task, workers, tell))
         left.count(task, None)
         progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
 
 
-def _one_by_one(study: Configuration, task: StudyTask, workers: Workers, tell: Callable[[str], None]) -> StudyOutcome:
+def usable(task: StudyTask, answer: StudyOutcome | Unfit | Lost) -> StudyOutcome | Lost:
+    """The answer. Raises NoWorkers for that of a process that cannot do the task, which says nothing of the methods."""
+    if isinstance(answer, Unfit) or (isinstance(answer, Lost) and not answer.died):
+        raise NoWorkers(f"{_name(task)}: {answer.reason}; nothing of it is kept: mend this, and go on with --resume")
+    return answer
+
+
+def _one_by_one(
+    work: Callable[[StudyTask], StudyOutcome | Unfit], task: StudyTask, workers: Workers, tell: Callable[[str], None]
+) -> StudyOutcome:
     """A task during which a process died, each method by itself, so that only the one that is to blame fails."""
     alone = [StudyTask(task.scenario, task.run, (method,)) for method in task.methods]
     found: dict[int, StudyOutcome] = {}
-    with closing(workers.each(partial(compute, study), alone)) as answers:
-        for k, outcome in answers:
+    with closing(workers.each(work, alone)) as answers:
+        for k, answer in answers:
+            outcome = usable(alone[k], answer)
             if isinstance(outcome, Lost):
                 tell(f"{_name(task)}, {task.methods[k]}: {outcome.reason}")
                 outcome = failed(alone[k], PROCESS_DIED)

@@ -7,6 +7,7 @@ for all scenarios, without noise.
 
 from __future__ import annotations
 
+import platform
 import time
 import warnings
 from collections.abc import Sequence
@@ -18,15 +19,16 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.distributing import differences, versions
 from crosscheck.identifying import method_named
 from crosscheck.identifying.methods.loop_methods import in_loop
-from crosscheck.study.settings.configuration import Configuration, shown_name, takes_wrenches
+from crosscheck.study.settings.configuration import Configuration, hash_of, shown_name, takes_wrenches
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.settings.settings import RobotSettings
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of
 from crosscheck.study.simulated.runs import RecordedProblem, known_model, reference, simulated, start_of
 from crosscheck.user_code import module_of_file
-from graphdyn import EstimationFailed, Friction, InvalidInput, rollout
+from graphdyn import EstimationFailed, Friction, GraphDynError, InvalidInput, rollout
 from graphdyn.identification import (
     BaseParameters,
     Estimate,
@@ -243,8 +245,65 @@ def failed(task: StudyTask, reason: str) -> StudyOutcome:
     return StudyOutcome(results, (None,) * len(results), 0.0)
 
 
+class CannotCompute(GraphDynError):
+    """This process lacks what a task needs, so that its failures would say nothing of the methods."""
+
+
+@dataclass(frozen=True)
+class Unfit:
+    """The answer of a process that lacks what a task needs. reason: in words."""
+
+    reason: str
+
+
+LIBRARIES = ("cvxpy", "clarabel")
+"""What computes beside the libraries that every process has."""
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What the results depend on beside the configuration: the same in every process of a study.
+
+    files: path and hash of each; libraries: name and version of each
+    """
+
+    files: tuple[tuple[str, str], ...]
+    libraries: tuple[tuple[str, str], ...]
+
+    @classmethod
+    def here(cls, study: Configuration) -> Surroundings:
+        return cls(tuple(study.own_files.items()), tuple(versions(LIBRARIES).items()))
+
+
+@cache
+def unlike(given: Surroundings) -> str:
+    """How this process differs, in words; empty where it does not."""
+    found = differences(dict(given.libraries), versions(LIBRARIES))
+    different = [found] if found else []
+    for path, content in given.files:
+        if not Path(path).is_file():
+            different.append(f"there is no file {path}")
+        elif hash_of(Path(path)) != content:
+            different.append(f"{path} is another file")
+    return ", ".join(different)
+
+
+def computed(study: Configuration, given: Surroundings, task: StudyTask) -> StudyOutcome | Unfit:
+    """The outcome where this process is like the one that gives the tasks."""
+    different = unlike(given)
+    if different:
+        return Unfit(f"on the machine {platform.node()}: {different}")
+    try:
+        return compute(study, task)
+    except CannotCompute as error:
+        return Unfit(f"on the machine {platform.node()}: {error}")
+
+
 def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
-    """Simulate and identify. Raises nothing: whatever goes wrong is the reason of failures."""
+    """Simulate and identify. Whatever goes wrong is the reason of failures, but for what is missing here.
+
+    Raises CannotCompute.
+    """
     begin = time.process_time()
     with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
         try:
@@ -253,6 +312,7 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
                 raise InvalidInput("it shows no parameter: the robot stands still")
             measure = validation_metric(study.robot, study.seed, known_model(study, task.scenario))
         except Exception as failure:
+            _refuse_missing(failure)
             return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
         found = [_identified(method, record, task.scenario, measure) for method in task.methods]
     results, seconds = zip(*found, strict=True)
@@ -262,8 +322,11 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
 def _identified(
     method: str, record: RecordedProblem, scenario: Scenario, measure: ValidationMetric
 ) -> tuple[Result, float | None]:
-    """What a method finds, or why it does not."""
-    estimator = estimator_of(method)
+    """What a method finds, or why it does not. Raises CannotCompute."""
+    try:
+        estimator = estimator_of(method)
+    except Exception as error:  # it could be made where the study began
+        raise CannotCompute(f"{method} cannot be made: {type(error).__name__}: {error}") from error
     blank = Result(shown_name(method), measures(estimator), rank=record.problem.base.rank)
     begin = time.process_time()
     seconds = None
@@ -272,10 +335,21 @@ def _identified(
         seconds = time.process_time() - begin
         result = _judged(blank, estimate, record, measure)
     except EstimationFailed as failure:
+        _refuse_missing(failure)
         result = replace(blank, reason=str(failure))
     except Exception as failure:  # whatever a method written elsewhere raises or answers, the others go on
+        _refuse_missing(failure)
         result = replace(blank, reason=f"{type(failure).__name__}: {failure}")
     return result, time.process_time() - begin if seconds is None else seconds
+
+
+def _refuse_missing(failure: BaseException) -> None:
+    """Raise CannotCompute where a package that is missing has led to the failure."""
+    cause: BaseException | None = failure
+    while cause is not None:
+        if isinstance(cause, ImportError):
+            raise CannotCompute(str(failure)) from failure
+        cause = cause.__cause__ or cause.__context__
 
 
 def _judged(blank: Result, estimate: Estimate, record: RecordedProblem, measure: ValidationMetric) -> Result:

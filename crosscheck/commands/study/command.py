@@ -56,10 +56,12 @@ def run(options: StudyOptions) -> None:
 
     Exit code 0: done; 2: bad input.
     """
+    from crosscheck.distributing import versions as computing_versions
     from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study
     from crosscheck.study.settings.configuration import read_configuration
     from crosscheck.study.simulated.plants import plant_of
+    from crosscheck.study.tasks import LIBRARIES
 
     config, only, resume = options.config, options.only, options.resume
     if only is not None and (options.folder is not None or options.jobs or options.scheduler or resume):
@@ -82,7 +84,7 @@ def run(options: StudyOptions) -> None:
                 folder,
                 workers,
                 resume=resume,
-                versions=versions(),
+                versions={**versions(), **computing_versions(LIBRARIES)},
                 progress=shown,
                 tell=lambda line: say(line, "yellow"),
                 before=lambda: _check_own(study),

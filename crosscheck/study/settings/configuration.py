@@ -27,7 +27,7 @@ from crosscheck.study.settings.settings import (
     texts,
     whole,
 )
-from crosscheck.user_code import refuse_code
+from crosscheck.user_code import imported_files, refuse_code
 from graphdyn import InvalidInput
 from graphdyn.identification import Estimator
 
@@ -110,11 +110,18 @@ class Configuration:
 
     @property
     def own_files(self) -> dict[str, str]:
-        """Hash of every file that the study reads beside its configuration: own methods, and the robot's."""
-        paths = [method.rpartition(":")[0] for method in self.own_methods]
+        """Hash of every file that the study reads beside its configuration: own methods, the modules of their folder
+        that they import, and the robot's.
+        """
+        own = dict.fromkeys(method.rpartition(":")[0] for method in self.own_methods)
+        paths = list(dict.fromkeys(str(file) for path in own for file in imported_files(Path(path))))
         if Path(self.robot.name).is_file():
             paths.append(self.robot.name)
-        return {path: hashlib.sha256(Path(path).read_bytes()).hexdigest() for path in paths}
+        return {path: hash_of(Path(path)) for path in paths}
+
+
+def hash_of(file: Path) -> str:
+    return hashlib.sha256(file.read_bytes()).hexdigest()
 
 
 def read_configuration(name: str, *, allow_code: bool = False) -> Configuration:

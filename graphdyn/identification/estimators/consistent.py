@@ -128,6 +128,10 @@ class _Program:
         return choice.best, choice.remarks
 
 
+CONE_SOLVER = ("cvxpy", "clarabel")
+"""Packages without which a convex program has no answer."""
+
+
 @dataclass(frozen=True, eq=False)
 class ConsistentLeastSquares:
     """Weighted least squares over physically consistent bodies, by linear matrix inequalities.
@@ -145,6 +149,7 @@ class ConsistentLeastSquares:
     reference: str = "Sousa and Cortesão 2014; Wensing, Kim and Slotine 2018"
     assumptions: str = "as WLS; every body is a real one with at least a small part of the prior's inertia"
     needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+    packages: ClassVar[tuple[str, ...]] = CONE_SOLVER
     takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:
@@ -178,6 +183,7 @@ class ConsistentWithPrior:
     reference: str = "Lee, Wensing and Park 2020"
     assumptions: str = "as WLS; every body is a real one, and about as likely to be lighter as heavier than the prior"
     needs: str = "q, v, a and actuator torques; a prior (CAD); cvxpy and Clarabel"
+    packages: ClassVar[tuple[str, ...]] = CONE_SOLVER
     takes_expected: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -226,6 +232,7 @@ class RobustConsistent:
     reference: str = "Huber 1964; Wensing, Kim and Slotine 2018; Lee, Wensing and Park 2020"
     assumptions: str = "most noise white, of its own size per joint, the rest outliers; every body is a real one"
     needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+    packages: ClassVar[tuple[str, ...]] = CONE_SOLVER
 
     @property
     def name(self) -> str:

@@ -74,7 +74,7 @@ class Future:
 class FakeCluster:
     """Of one worker."""
 
-    def __init__(self, address):
+    def __init__(self, address, libraries):
         self.address, self.given = address, 0
 
     def close(self):
@@ -102,7 +102,7 @@ class TestScheduler:
         assert answers == {0: "innocent", 1: lost, 2: "ok"}
 
     def test_what_a_worker_cannot_import(self):
-        assert dict(DaskWorkers("a").each(deadly, ["broken"])) == {0: Lost("ImportError: no module")}
+        assert dict(DaskWorkers("a").each(deadly, ["broken"])) == {0: Lost("ImportError: no module", died=False)}
 
     @pytest.mark.parametrize("when", ["gone", "vanished"])
     def test_the_scheduler_ends(self, when):
@@ -167,12 +167,20 @@ class TestRefusals:
             (1, {**versions(), "python": "3.9"}, r"worker W has python 3.9 in place of"),
             (
                 8,
-                versions(),
+                versions(("cvxpy", "nowhere")),
                 r"worker W does 8 tasks at once in one process; start it with --nthreads 1, and with --nwo",
             ),
+            (1, {**versions(), "llvmlite": "0.1"}, r"worker W has llvmlite 0.1 in place of"),
+            (1, {**versions(), "cvxpy": "missing"}, r"worker W has cvxpy missing in place of \d"),
+            (1, {**versions(("cvxpy",)), "nowhere": "1"}, r"worker W has nowhere 1 in place of missing"),
+            (1, TypeError("versions() takes no argument"), r"W cannot say which versions it has .*install graphdyn \d"),
             (1, ModuleNotFoundError("No module named 'crosscheck'"), r"W does not have graphdyn .*install version "),
         ],
     )
     def test_workers(self, threads, found, message):
         with self.refused(message):
-            dask_workers.examine("W", threads, found)
+            dask_workers.examine("W", threads, found, ("cvxpy", "nowhere"))
+
+    def test_one_that_is_like_this_process_or_has_gone(self):
+        for found in (versions(("nowhere",)), OSError("gone"), TimeoutError()):
+            dask_workers.examine("W", 1, found, ("nowhere",))

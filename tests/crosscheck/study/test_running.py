@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import signal
+import sys
 import warnings
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from long_check import few
 
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
-from crosscheck.distributing import LocalProcesses
+from crosscheck.distributing import LocalProcesses, Lost, NoWorkers
 from crosscheck.study import running
 from crosscheck.study import tasks as computing
 from crosscheck.study.running import (
@@ -236,6 +237,86 @@ def test_another_configuration_is_not_resumed(folder, begun, change, what):
     said = rf"holds a study with another configuration than study\.toml: .*{what}.*give the one that it was begun with"
     with pytest.raises(InvalidInput, match=said):
         run_study(study, begun, InThisProcess(), resume=True, versions=change.get("versions"))
+
+
+def test_modules_that_an_own_method_imports(folder, tmp_path):
+    """All files of its folder that take part are known by their content, whatever imports them."""
+    shutil.copy(folder / "small.urdf", tmp_path)
+    files = {
+        "own.py": "import direct, numpy, pack.deep as d\nfrom pack import side\nclass M: pass\n",
+        "direct.py": "def f():\n    import importlib\n    importlib.import_module('lazy')\n",
+        "lazy.py": "__import__('last')\n",
+        "last.py": "import graphdyn\n",
+        "pack/__init__.py": "",
+        "pack/deep.py": "from . import near\nfrom .. import direct\n",
+        "pack/near.py": "def broken(:\n",
+        "pack/side.py": "",
+        "other.py": "",
+        "graphdyn.py": "",
+    }
+    (tmp_path / "pack").mkdir()
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    study = study_of(tmp_path, "[study]\nruns = 1\nmethods = ['own.py:M']\n", small.ROBOT)
+    known = {str(Path(path).relative_to(tmp_path)) for path in study.own_files}
+    assert known == {*files, "small.urdf"} - {"other.py", "graphdyn.py"}
+    before = study.own_files
+    (tmp_path / "last.py").write_text("x = 1\n")
+    assert [path for path in before if study.own_files[path] != before[path]] == [str(tmp_path / "last.py")]
+
+
+LACKS = """
+from graphdyn.identification import OrdinaryLeastSquares
+class Lacks(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        try:
+            import package_of_nobody
+        except ImportError:
+            raise ValueError("nobody knows")
+"""
+
+
+class TestMissing:
+    """What fails for want of a package or a file is no result."""
+
+    def test_a_package_that_a_method_always_needs(self, folder, tmp_path, monkeypatch):
+        monkeypatch.setattr(running, "find_spec", lambda name: None if name == "cvxpy" else name)
+        study = study_of(folder, "[study]\nmethods = ['ols', 'consistent']\n", small.ROBOT)
+        with pytest.raises(InvalidInput, match=r"consistent in methods needs cvxpy, which is not installed; .*pip"):
+            run_study(study, tmp_path / "out", InThisProcess())
+        assert not (tmp_path / "out").exists()
+
+    @pytest.mark.parametrize("method", ["consistent", "lacks.py:Lacks"])
+    def test_a_package_during_a_task(self, method, folder, tmp_path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "clarabel", None)
+        monkeypatch.setattr(running, "find_spec", lambda name: name)
+        (folder / "lacks.py").write_text(LACKS)
+        study = small_study(folder, study=f"[study]\nruns = 1\nmethods = ['{method}']\n")
+        with pytest.raises(NoWorkers, match=r"run 0: on the machine .*; nothing of it is kept: mend this, and go on"):
+            run_study(study, tmp_path / "out", InThisProcess())
+        with opened(tmp_path / "out" / DATABASE) as database:
+            assert not database.done()
+        assert not (tmp_path / "out" / RESULTS).exists()
+
+    @pytest.mark.parametrize(
+        ("files", "libraries", "said"),
+        [
+            ((("/none/own.py", "0"),), (), "there is no file /none/own.py"),
+            (((__file__, "0"),), (), "test_running.py is another file"),
+            ((), (("clarabel", "0.1"), ("nobody", "1")), r"clarabel .* in place of 0\.1, nobody None in place of 1"),
+        ],
+    )
+    def test_a_process_unlike_the_first(self, files, libraries, said, folder):
+        answer = computing.computed(small_study(folder), computing.Surroundings(files, libraries), None)
+        assert re.search(said, answer.reason)
+
+    def test_a_worker_that_can_do_nothing(self, folder, tmp_path):
+        class Broken:
+            def each(self, function, tasks):
+                yield 0, Lost("ImportError: no module", died=False)
+
+        with pytest.raises(NoWorkers, match="ImportError: no module; nothing of it is kept"):
+            run_study(small_study(folder), tmp_path / "out", Broken())
 
 
 def test_another_robot_in_the_same_file_is_not_resumed(folder, begun, tmp_path):
