@@ -170,12 +170,12 @@ def resolve(
         if unknown and name in stated:
             return locked[name]
         if unknown:
-            raise relation.place.error(
-                InvalidMimic,
-                f"it mimics joint '{shortened(unknown[0])}', which the robot lacks or the chain leaves out",
-                "correct the name, take a longer chain, lock it, or load with mimic='independent' (--mimic "
-                "independent)",
-            )
+            if unknown[0]:
+                problem = f"it mimics joint '{shortened(unknown[0])}', which the robot lacks or the chain leaves out"
+                remedy = f"correct the name, take a longer chain, lock it, or {relation.instead}"
+            else:
+                problem, remedy = "its <mimic> names no joint", f"state joint=, lock it, or {relation.instead}"
+            raise relation.place.error(InvalidMimic, problem, remedy)
         terms = [(ratio, value(other, (*on_the_way, name))) for other, ratio in relation.ratios.items()]
         if any(at is None and ratio != 0 for ratio, at in terms):
             return None
@@ -211,9 +211,10 @@ def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Re
             offset = float(joint.mimic.offset or 0.0)
             element = elements[joint.name]
             place = SourceLocation(source.path, line_of(element), describe(element))
-            cause = f"it mimics joint '{shortened(joint.mimic.joint)}'"
+            driver = joint.mimic.joint or ""
+            cause = f"it mimics joint '{shortened(driver)}'"
             instead = "load with mimic='independent' (--mimic independent)"
-            found[joint.name] = Relation(joint.name, {joint.mimic.joint: ratio}, offset, cause, instead, place)
+            found[joint.name] = Relation(joint.name, {driver: ratio}, offset, cause, instead, place)
     return found
 
 

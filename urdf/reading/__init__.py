@@ -2,7 +2,7 @@
 
 from urdf.loops.mimics import Mimic
 from urdf.reading.cutting import Chain
-from urdf.reading.loading import Misreadings
+from urdf.reading.loading import Misreadings, held_positions
 from urdf.reading.reading import AS_IT_STANDS
 
-__all__ = ["AS_IT_STANDS", "Chain", "Mimic", "Misreadings"]
+__all__ = ["AS_IT_STANDS", "Chain", "Mimic", "Misreadings", "held_positions"]

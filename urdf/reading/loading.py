@@ -68,6 +68,12 @@ def fused_links(source: Given, **reading: Unpack[ReadingKeywords]) -> dict[str, 
     return parsed_source(source, Reading.of(fused_links, reading))[2].assembly.fused
 
 
+def held_positions(source: Given, reading: Reading) -> Mapping[str, float]:
+    """Position [rad or m] of each movable joint that stands still: locked ones, those beside a chain, and those that
+    only such joints drive. Raises load's errors."""
+    return parsed_source(source, reading)[2].locked
+
+
 def shapes(
     source: Given,
     *,

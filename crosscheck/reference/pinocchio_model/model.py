@@ -24,7 +24,7 @@ from crosscheck.reference.subject import tip
 from graphdyn import Placement, RobotModel
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from urdf import Reading
-from urdf.reading import AS_IT_STANDS
+from urdf.reading import AS_IT_STANDS, held_positions
 
 
 class PinocchioModel:
@@ -58,7 +58,9 @@ class PinocchioModel:
 
     @classmethod
     def from_urdf(cls, path: Path, model: RobotModel, reading: Reading = AS_IT_STANDS) -> PinocchioModel:
-        """Pinocchio's own reading of the file, with joints locked as in urdf.load. Raises PinocchioRefuses.
+        """Pinocchio's own reading of the file. Raises PinocchioRefuses.
+
+        Joints that stand still in urdf.load do so here: locked ones, and those that only such joints drive.
 
         The reader's output on standard error is not shown but kept in said.
 
@@ -70,9 +72,10 @@ class PinocchioModel:
         with kept_standard_error() as written:
             try:
                 native = read(path, reading.xacro)
-                alone = cut or reading.mimic == "locked"
-                others = set(native.names[1:]) - set(model.joint_names) if alone else set()
-                native = held(native, dict.fromkeys(others, 0.0) | reading.locked)
+                others = set(native.names[1:]) - set(model.joint_names)
+                still = held_positions(path, reading) if others else {}
+                at = {name: still.get(name, 0.0) for name in others if cut or name in still}
+                native = held(native, at)
             except Exception as error:  # Pinocchio raises bare C++ exceptions of several types
                 problem = error
         said = tuple(" ".join(line.split()) for line in written if line.startswith("Error"))

@@ -10,6 +10,8 @@ from witnesses import relative_error
 
 import graphdyn
 import urdf
+from crosscheck.reference.pinocchio_model import PinocchioModel
+from urdf import Reading
 from urdf.document.catalog import locate
 
 ROUNDING = 1e-13
@@ -48,6 +50,35 @@ def test_pinocchio_with_mimic(name):
         mass[k] = (upper + np.triu(upper, 1).T)[np.ix_(columns, columns)]
     assert relative_error(graphdyn.joint_torques(model, q, v, a), tau) < ROUNDING
     assert relative_error(graphdyn.mass_matrix(model, q), mass) < ROUNDING
+
+
+@pytest.mark.parametrize(
+    ("driver", "mimic", "reading"),
+    [
+        ("fixed", '<mimic joint="j1" offset="0.3"/>', Reading()),
+        ("revolute", '<mimic joint="j1" multiplier="0" offset="0.3"/>', Reading()),
+        ("revolute", '<mimic joint="j1" multiplier="2" offset="-0.5"/>', Reading(lock={"j1": 0.4})),
+    ],
+)
+def test_what_stands_still_with_what_it_mimics_stands_still_in_pinocchio(driver, mimic, reading, tmp_path):
+    """Pinocchio takes a mimic joint for a free one; here it is held where the joint that it mimics holds it."""
+    path = tmp_path / "held.urdf"
+    limit = '<limit effort="1" velocity="1" lower="-1" upper="1"/>'
+    joints = "".join(
+        f'<joint name="j{k}" type="{kind}"><parent link="l{k - 1}"/><child link="l{k}"/><origin xyz="0.1 0.2 0.3"/>'
+        f'<axis xyz="0 {k % 2} {1 - k % 2}"/>{limit}{text}</joint>'
+        for k, kind, text in ((1, driver, ""), (2, "revolute", mimic), (3, "revolute", ""), (4, "revolute", ""))
+    )
+    inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="2.5"/>'
+    body = f'<inertial><origin xyz="0.1 0 0.2"/><mass value="1"/>{inertia}</inertial>'
+    links = "".join(f'<link name="l{k}">{body if k else ""}</link>' for k in range(5))
+    path.write_text(f'<robot name="held">{links}{joints}</robot>')
+    model = urdf.load(path, reading=reading)
+    assert "j2" not in model.joint_names
+    pinocchio = PinocchioModel.from_urdf(path, model, reading)
+    rng = np.random.default_rng(0)
+    q, v, a = rng.normal(size=(3, 4, model.nv))
+    assert relative_error(pinocchio.rnea(q, v, a), graphdyn.joint_torques(model, q, v, a)) < ROUNDING
 
 
 def test_loop_size4():

@@ -74,6 +74,21 @@ def test_what_mimics_a_fixed_joint_or_nothing_of_it_stands_still():
     assert_allclose(model.frame("j2").placement.rotation[0, 2], np.sin(0.2))
 
 
+@pytest.mark.parametrize("element", ["<mimic/>", '<mimic multiplier="2"/>', '<mimic joint=""/>'])
+def test_a_mimic_that_names_no_joint(element):
+    robot = chain_of("", element, "", "")
+    with pytest.raises(urdf.InvalidMimic, match=r"joint 'j2': its <mimic> names no joint; state joint=, lock it, or"):
+        urdf.load(robot)
+    report = urdf.inspect(robot)
+    assert report.verdict == "refused"
+    assert not any("dynamics do not need it" in finding.text for finding in report.findings)
+    assert urdf.load(robot, lock=["j2"]).joint_names == ("j1", "j3", "j4")
+    assert urdf.load(robot, mimic="locked").joint_names == ("j1", "j3", "j4")
+    with pytest.warns(urdf.MimicJointWarning):
+        assert urdf.load(robot, mimic="independent").n_bodies == 4
+    assert urdf.load(chain_of("", element, "", "", kinds="rfrr")).joint_names == ("j1", "j3", "j4")
+
+
 def test_beside_a_chain():
     """A follower beside the chain moves with the joint that it mimics, or is held with it."""
     links = ['<link name="l0"/>', *(LINK.format(k) + "</inertial></link>" for k in (1, 2, 3, 4))]

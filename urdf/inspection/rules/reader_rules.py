@@ -146,7 +146,9 @@ def _incomplete_parts(joint: etree._Element) -> Iterator[Finding]:
         if tag == "dynamics" and part.get("damping") is None and part.get("friction") is None:
             lacking = ["damping or friction"]
         if lacking and (tag in unread or tag != "limit"):  # the other limits have a finding of their own
-            yield about("incomplete-joint-part", part, f"without {', '.join(lacking)}; dynamics do not need it")
+            needed = tag == "mimic" and tag not in unread
+            problem = f"without {', '.join(lacking)}" + ("" if needed else "; dynamics do not need it")
+            yield about("incomplete-joint-part", part, problem)
         for name in NUMBERS[tag] if tag in unread else ():
             text = part.get(name)
             found = None if text is None else numbers(text, 1, f'{name}="{shortened(text)}"')
