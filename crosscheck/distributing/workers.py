@@ -18,7 +18,7 @@ class NoWorkers(GraphDynError):
 SHARED_LIBRARIES = ("graphdyn", "numpy", "scipy", "llvmlite")
 
 MISSING = "missing"
-"""In place of the version of a library that is not installed."""
+"""What stands in place of the version of a library that is not installed."""
 
 
 def versions(further: Iterable[str] = ()) -> dict[str, str]:

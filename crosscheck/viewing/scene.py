@@ -49,7 +49,7 @@ def compressed(content: bytes) -> str:
     return b64encode(gzip.compress(content, 9, mtime=0)).decode()
 
 
-STANDARD_GRAVITY = 9.80665
+EARTH_GRAVITY = 9.80665
 """[m/s²]"""
 
 VERTEX_STEPS = 65535
@@ -98,7 +98,7 @@ def usual_loads(model: RobotModel) -> dict[str, float]:
 
     Weight is that on Earth where there is no gravity. Zero where nothing is known.
     """
-    gravity = float(np.linalg.norm(model.gravity)) or STANDARD_GRAVITY
+    gravity = float(np.linalg.norm(model.gravity)) or EARTH_GRAVITY
     weight = gravity * sum(body.mass for body in model.bodies)
     if weight > 0:
         return {"force": weight, "torque": weight * reach(model)}

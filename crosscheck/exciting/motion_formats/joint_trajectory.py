@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from crosscheck.exciting.motion_formats.plain_yaml import YamlNode, fault, read_yaml
-from crosscheck.exciting.motion_formats.program_lines import NUMBER
 from crosscheck.exciting.motion_formats.timed_motion import GivenMotion, TimedMotion
 from crosscheck.recordings.errors import BadRecordingFile, quoted
 from graphdyn.errors import counted
 from graphdyn.layout import Array
+from urdf.document import NUMBER
 
 NANOSECONDS_PER_SECOND = 10**9
 

@@ -9,9 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from crosscheck.recordings.errors import BadRecordingFile, quoted
-
-NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
-"""Pattern of a number; what is none: nan, inf, 1_0, 1.2.3."""
+from urdf.document import NUMBER
 
 NAME = r"[A-Za-z_][A-Za-z0-9_]*"
 """Pattern of the name of a program."""

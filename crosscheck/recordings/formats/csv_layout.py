@@ -21,7 +21,7 @@ HEAD_BYTES, SAMPLED_LINES = 1 << 20, 50
 MAX_FIRST_LINE = HEAD_BYTES // 4
 """Number of characters from which a first line without end is no line of a table."""
 
-NO_VALUE = ("", "nan", "inf", "infinity")
+WITHOUT_VALUE = ("", "nan", "inf", "infinity")
 """Words in place of a number, in lower case and without a sign."""
 
 COMMENT = re.compile(r"\s*[#%]+\s*")
@@ -91,7 +91,7 @@ def _cells(line: str, delimiter: str) -> list[str]:
 
 def _is_number(cell: str) -> bool:
     """Whether the cell is a number, a calendar time, or empty; a cell of a header is none of these."""
-    if cell.lower().lstrip("+-") in NO_VALUE or re.fullmatch(NUMBER, cell.replace(",", ".")):
+    if cell.lower().lstrip("+-") in WITHOUT_VALUE or re.fullmatch(NUMBER, cell.replace(",", ".")):
         return True
     try:
         datetime.fromisoformat(cell)
