@@ -82,6 +82,11 @@ PENDULUM = robot_text(
 )
 
 
+@pytest.fixture(scope="session")
+def small_arm_text():
+    return SMALL_ARM
+
+
 @pytest.fixture
 def small_arm(tmp_path):
     path = tmp_path / "small.urdf"

@@ -1,8 +1,12 @@
 """Pages of a comparison and of a judgment, and what a test reads in them."""
 
 import html
+import json
+import math
 import re
+from base64 import b64decode
 
+import numpy as np
 from lxml import etree
 
 from crosscheck.commands.crosscheck.report import crosscheck_report
@@ -81,3 +85,32 @@ def balanced(text):
         elif tag not in VOID and not empty:
             stack.append(tag)
     return not stack
+
+
+def facts(text):
+    """What is said of each name in the lists of a page, that on how the page was made left out."""
+    found = parsed(text)
+    lists = found.xpath('//main//dl[@class="facts"]')
+    return {
+        " ".join(name.itertext()): "".join(said.itertext())
+        for one in lists
+        for name, said in zip(one.findall("dt"), one.findall("dd"), strict=True)
+    }
+
+
+def plots(text):
+    """The plots of a page in their order: x (N,), and the curves (N,) by title of their panel and name."""
+    found = []
+    for script in parsed(text).xpath('//script[@type="application/json"]'):
+        data = json.loads(script.text)
+        curves = {
+            panel["title"]: {one["name"]: np.frombuffer(b64decode(one["y"]), "<f4") for one in panel["series"]}
+            for panel in data["panels"]
+        }
+        found.append((np.frombuffer(b64decode(data["x"]), "<f8"), curves))
+    return found
+
+
+def numbers(cells):
+    """Cells as floats, NaN where there is no value."""
+    return [math.nan if cell == "–" else float(cell.replace("−", "-")) for cell in cells]
