@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.compiler.stepping.layout import HOLDING_SHARE
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import BODY_DOF, Array
@@ -70,7 +71,8 @@ class Equations:
         return Rates(a, passive + held, held)
 
     def contact(self, t: float, q: Array, v: Array, tau: Array, passes: int = 1, loose: int | None = None) -> Contact:
-        """Which joints slide. A joint at rest is held, and begins to slide where that takes more than F_c.
+        """Which joints slide. A joint at rest is held, and begins to slide where that takes more than F_c,
+        beyond rounding.
 
         passes: how often what slides is decided again, given what the other joints do
         loose: a joint that has just reached F_c, and slides whatever the rounding of its torque
@@ -84,7 +86,7 @@ class Equations:
         decided = np.arange(len(q)) == loose
         for _ in range(passes if resting.any() else 0):
             rates = self.rates(t, q, v, tau, Contact(sign, free))
-            slips = resting & ~free & ((np.abs(rates.held) > dry) | decided)
+            slips = resting & ~free & ((np.abs(rates.held) > HOLDING_SHARE * dry) | decided)
             driven_back = resting & free & (rates.a * sign < 0) & ~decided
             if not slips.any() and not driven_back.any():
                 break

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, VectorCode
-from graphdyn.compiler.stepping.layout import Columns, StepCode
+from graphdyn.compiler.stepping.layout import HOLDING_SHARE, Columns, StepCode
 from graphdyn.layout import Array
 
 
@@ -234,7 +234,8 @@ def _decide(code: VectorCode, what: StepCode) -> None:
         # a trial with the resting joints locked: held is the torque that keeps them so; beyond F_c they begin to slide
         held, dry = memory.load("held", j), constants.load("coulomb", j)
         size = code.call("fabs", held)
-        slips = code.let(f"fcmp ogt {code.vector} {size}, {dry}")
+        most = code.arithmetic("fmul", dry, code.splat(HOLDING_SHARE))
+        slips = code.let(f"fcmp ogt {code.vector} {size}, {most}")
         begins = code.let(f"and <{code.lanes} x i1> {resting[j]}, {slips}")
         # friction points as held did, so that the joint moves the other way
         away = code.select("ogt", held, zero, code.splat(-1.0), one)

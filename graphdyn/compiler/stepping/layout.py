@@ -9,6 +9,9 @@ from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program
 
+HOLDING_SHARE = 1 + 1e-9
+"""Dry friction holds a joint up to so much of F_c: at F_c itself it rests, whatever the rounding of its torque."""
+
 JOINT_CONSTANTS = ("viscous", "coulomb", "offset", "least_torque", "largest_torque")
 STOP_CONSTANTS = ("lower", "upper", "stiffness", "damping")
 
