@@ -203,6 +203,18 @@ class LoopEquations(Equations):
         inverse, _ = self._spaces(jacobian)
         return q, v - inverse @ (jacobian @ v)
 
+    def nearly_closed(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """The same of states (…, n) between steps; those that Newton steps do not close are left as they are."""
+        states = zip(q.reshape(-1, q.shape[-1]), v.reshape(-1, v.shape[-1]), strict=True)
+        found = np.array([self._closed_or_not(*state) for state in states])
+        return found[:, 0].reshape(q.shape), found[:, 1].reshape(v.shape)
+
+    def _closed_or_not(self, q: Array, v: Array) -> tuple[Array, Array]:
+        try:
+            return self.closed(q, v)
+        except IntegrationFailed:
+            return q, v
+
     def _spaces(self, jacobian: Array) -> tuple[Array, Array]:
         """J⁺ (n, m) of the usual rank, and the motions that keep the loops closed (n, n - rank)."""
         left, values, right = np.linalg.svd(jacobian)

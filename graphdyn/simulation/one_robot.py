@@ -18,7 +18,7 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.equations import LoopEquations, refuse_dry_friction
 from graphdyn.simulation.integration.adaptive import adaptive
-from graphdyn.simulation.integration.events import Event, InitialValueProblem, SimulatedCourse, limit_events
+from graphdyn.simulation.integration.events import Event, InitialValueProblem, SimulatedCourse
 from graphdyn.simulation.integration.fixed import fixed
 from graphdyn.simulation.integration.loop_adaptive import loop_adaptive
 from graphdyn.simulation.integration.maximal import Stabilization, maximal
@@ -125,9 +125,8 @@ def simulate(
         _refuse_in_maximal(plant, method, limits, checked)
     elif coordinates != "joint":
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'joint' or 'maximal'")
-    looked_for = (*checked, *(limit_events(plant) if limits == "stop" else ()))
     source, report = torques(torque, model, duration), progress or (lambda time: None)
-    problem = InitialValueProblem(plant, start, duration, source, times, looked_for, report)
+    problem = InitialValueProblem(plant, start, duration, source, times, checked, limits == "stop", report)
     if method == "dop853":
         for name, value in (("rtol", rtol), ("atol", atol)):
             if not value > 0:

@@ -7,90 +7,209 @@ controller, and at events of the caller.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from graphdyn.compiler.stepping.layout import HOLDING_SHARE
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
-from graphdyn.simulation.equations import Contact, Equations
-from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, SimulatedCourse
+from graphdyn.simulation.equations import Contact, Equations, Rates
+from graphdyn.simulation.integration.crossings import Pieces, Watch, crossings
+from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
 from graphdyn.simulation.integration.steps import Torque, derivative, joints_of, recorded
 
 MAX_SLIDING_PASSES = 20
 """How often it is decided again which joints slide: more than ever needed, since each joint changes once or twice."""
 
-MAX_STUCK_STRETCHES = 1000
-"""Stretches without progress that mean the same events follow each other without end."""
+MAX_CHANGES = 1000
+"""So many joints that start or stop within a CHANGES_SHARE of the duration start and stop without end."""
+
+CHANGES_SHARE = 1e-5
 
 EVALUATIONS_PER_REPORT = 500
 """Evaluations after which progress is reported, a tenth of a second at most."""
 
+HOLDING_DEGREE = 3
+"""Of the polynomials that the torques of joints at rest are compared with: each value is an inverse dynamics."""
+
 
 def adaptive(problem: InitialValueProblem, rtol: float, atol: float) -> SimulatedCourse:
     """q and v from the start on. Raises IntegrationFailed."""
-    equations, at, duration = Equations(problem.plant), problem.at, problem.duration
-    y, n = problem.state, len(problem.start[0])
-    t, tick, idle, ended = 0.0, 0, 0, ""
-    parts: list[SimulatedCourse] = []
-    occurrences: list[Occurrence] = []
-    loose: int | None = None
-    tau_at, end = _torque_from(problem, tick, equations, y)
-    while True:
-        q, v = joints_of(y)
+    run = _AdaptiveRun(problem, rtol, atol)
+    while not run.is_finished:
+        run.stretch()
+    return SimulatedCourse.of_rows(run.times, run.rows, run.occurrences, run.ended)
+
+
+class _AdaptiveRun:
+    """One integration; t and y = (q, v, work, loss) are where it has come to."""
+
+    def __init__(self, problem: InitialValueProblem, rtol: float, atol: float) -> None:
+        self._problem, self._equations, self._tolerances = problem, Equations(problem.plant), (rtol, atol)
+        self._watches = watches(problem)
+        self._changes = deque[float](maxlen=MAX_CHANGES)
+        self._loose: int | None = None
+        self._tick, self._t, self._y = 0, 0.0, problem.state
+        self._hold()
+        self.times, self.rows, self.occurrences, self.ended = list[float](), list[Rows](), list[Occurrence](), ""
+
+    @property
+    def is_finished(self) -> bool:
+        return bool(self.ended) or self._t >= self._problem.duration
+
+    def stretch(self) -> None:
+        """As far as the equations are smooth."""
+        t, (q, v) = self._t, joints_of(self._y)
         # which joints slide is decided here, and holds until an event ends the stretch
-        contact = equations.contact(t, q, v, tau_at(t, q, v), MAX_SLIDING_PASSES, loose)
-        stretch = _Stretch(equations, tau_at, contact, problem.progress)
-        checked = stretch.checks() + [
-            _EventCheck(_of_state(event.function), event.name, event.direction, event.stop) for event in problem.events
-        ]
-        solution = _solve(stretch, (t, end), y, rtol, atol, checked, dense=at is not None)
-        reached = float(solution.t[-1])
-        finished = reached >= duration
-        part = stretch.rows(solution, at, t, last=finished)
-        if (reached > t or finished) and part.time.size:
-            parts.append(part)
-        y, loose = solution.y[:, -1].copy(), None
-        for check, times, states in zip(checked, solution.t_events, solution.y_events, strict=True):
-            for time, state in zip(times, states, strict=True):
-                if check.rests is not None:
-                    y[n + check.rests] = 0.0
-                elif check.breaks_loose is not None:
-                    loose = check.breaks_loose
-                else:
-                    occurrences.append(Occurrence(check.name, float(time), *joints_of(state)))
-                    ended = check.name if check.stop else ended
-        problem.progress(reached)
-        if ended or finished:
-            break
-        # an event at the very beginning of a stretch is no progress
-        idle = idle + 1 if reached <= t else 0
-        if idle > MAX_STUCK_STRETCHES:
-            raise IntegrationFailed(
-                f"at {t:g} s joints start and stop without end; give friction that is less stiff, or fixed steps"
+        contact = self._equations.contact(t, q, v, self._tau_at(t, q, v), MAX_SLIDING_PASSES, self._loose)
+        self._loose = None
+        stretch = _Stretch(self._equations, self._tau_at, contact, self._problem.progress)
+        solver, changing = self._solver(stretch), stretch.changes()
+        change: _Change | None = None
+        while solver.status == "running" and change is None and not self.ended:
+            with np.errstate(over="ignore", invalid="ignore"):
+                message = solver.step()
+            if solver.status == "failed" or not np.all(np.isfinite(solver.y)):
+                raise IntegrationFailed(
+                    f"the integration failed at {solver.t:g} s ({(message or 'the numbers are not finite').strip()}); "
+                    "the torques may be too stiff or too large"
+                )
+            step = self._step(solver, bool(changing))
+            if changing:
+                found = crossings([each.watch for each in changing], step.pieces(np.array([step.begin, step.end])))
+                if found:
+                    change = next(each for each in changing if each.watch is found[0].watch)
+                    step = step.until(found[0].time)
+            if self._watches and step.end > step.begin:
+                step = self._searched(step)
+            self._record(stretch, step)
+            self._t, self._y = step.end, step.state(step.end)
+        self._problem.progress(self._t)
+        if self.ended:
+            self._append(stretch, self._t, self._y)
+        elif change is not None:
+            self._apply(change)
+        if self._t >= self._end and not self.is_finished:
+            self._tick += 1
+            self._hold()
+
+    def _solver(self, stretch: _Stretch) -> Any:
+        from scipy.integrate import DOP853
+
+        rtol, atol = self._tolerances
+        absolute = np.full(len(self._y), atol)
+        absolute[-2:] = np.inf  # the work follows from the motion, and does not control the steps
+        with np.errstate(over="ignore", invalid="ignore"):
+            return DOP853(stretch.derivative, self._t, self._y, self._end, rtol=rtol, atol=absolute)
+
+    def _step(self, solver: Any, changing: bool) -> _Step:
+        needed = changing or bool(self._watches) or self._problem.at is not None
+        begin, end = float(solver.t_old), float(solver.t)
+        return _Step(begin, end, self._y, (end, solver.y.copy()), solver.dense_output() if needed else None)
+
+    def _searched(self, step: _Step) -> _Step:
+        """The step as far as the first event that stops."""
+        for crossing in crossings(self._watches, step.pieces(self._problem.divided(step.begin, step.end))):
+            self.occurrences.append(
+                Occurrence(crossing.watch.name, crossing.time, *joints_of(step.state(crossing.time)))
             )
-        t = reached
-        if reached >= end:
-            tick += 1
-            tau_at, end = _torque_from(problem, tick, equations, y)
-    if ended and (at is None or not parts or parts[-1].time[-1] < reached):
-        parts.append(stretch.row_at(reached, y))
-    return SimulatedCourse.joined(parts, occurrences, ended)
+            if crossing.watch.stop:
+                self.ended = crossing.watch.name
+                return step.until(crossing.time)
+        return step
+
+    def _record(self, stretch: _Stretch, step: _Step) -> None:
+        """The rows of a step without its end, which begins the next, unless it is the last."""
+        at, finished = self._problem.at, step.end >= self._problem.duration and not self.ended
+        if at is None:
+            times = [step.begin] if step.end > step.begin else []
+            times += [step.end] if finished else []
+        else:
+            times = at[(at >= step.begin) & ((at <= step.end) if finished else (at < step.end))].tolist()
+        for time in times:
+            self._append(stretch, time, step.state(time))
+
+    def _append(self, stretch: _Stretch, t: float, y: Array) -> None:
+        self.times.append(t)
+        self.rows.append(stretch.row(t, y))
+
+    def _apply(self, change: _Change) -> None:
+        """Raises IntegrationFailed where joints start and stop without end."""
+        self._y = self._y.copy()
+        if change.rests:
+            self._y[len(self._problem.start[0]) + change.joint] = 0.0
+        else:
+            self._loose = change.joint
+        self._changes.append(self._t)
+        full = len(self._changes) == MAX_CHANGES
+        if full and self._t - self._changes[0] < CHANGES_SHARE * self._problem.duration:
+            names = self._problem.plant.model.independent_joints
+            raise IntegrationFailed(
+                f"at {self._t:g} s joint '{names[change.joint]}' starts and stops without end, as under a torque that "
+                "jumps with the state; make it continuous, give a controller with a period, or fixed steps"
+            )
+
+    def _hold(self) -> None:
+        """The torque of this tick, and until when it is one smooth function."""
+        source, period, equations = self._problem.source, self._problem.source.period, self._equations
+        if period is None:
+            self._tau_at: Torque = lambda t, q, v: equations.clamped(source.tau_at(t, q, v))
+            self._end = self._problem.duration
+        else:
+            held = equations.clamped(source.tau_from(self._tick * period, *joints_of(self._y)))
+            self._tau_at = lambda t, q, v: held
+            self._end = min((self._tick + 1) * period, self._problem.duration)
 
 
 @dataclass(frozen=True, eq=False)
-class _EventCheck:
-    """function: (t, y) → a number; rests, breaks_loose: the joint that does so where it vanishes."""
+class _Step:
+    """A step, or the first part of one.
 
-    function: Callable[[float, Array], float]
-    name: str = ""
-    direction: int = 0
-    stop: bool = True
-    rests: int | None = None
-    breaks_loose: int | None = None
+    first: the state at its beginning; last: time and state at the end of the whole step
+    dense: the states of the whole step, as a function of time
+    """
+
+    begin: float
+    end: float
+    first: Array
+    last: tuple[float, Array]
+    dense: Callable[[float | Array], Array] | None
+
+    def until(self, time: float) -> _Step:
+        return replace(self, end=time)
+
+    def state(self, time: float) -> Array:
+        """(2n + 2,)."""
+        if time == self.begin:
+            return self.first
+        if time == self.last[0]:
+            return self.last[1]
+        assert self.dense is not None
+        return np.asarray(self.dense(time))
+
+    def pieces(self, edges: Array) -> Pieces:
+        return Pieces(edges, self._joints, self._joints)
+
+    def _joints(self, numbers: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
+        assert self.dense is not None
+        states = np.moveaxis(self.dense(times.ravel()), 0, -1).reshape(*times.shape, -1)
+        states[times == self.begin], states[times == self.last[0]] = self.first, self.last[1]
+        n = (states.shape[-1] - 2) // 2
+        return states[..., :n], states[..., n : 2 * n]
+
+
+@dataclass(frozen=True, eq=False)
+class _Change:
+    """Where a joint comes to rest, or breaks loose."""
+
+    watch: Watch
+    joint: int
+    rests: bool
 
 
 class _Stretch:
@@ -109,106 +228,41 @@ class _Stretch:
             self._progress(t)
         q, v = joints_of(y)
         tau = self._tau_at(t, q, v)
-        return derivative(v, tau, self._equations.rates(t, q, v, tau, self._contact))
+        return derivative(v, tau, self._rates(t, q, v, tau))
 
-    def checks(self) -> list[_EventCheck]:
-        """Event checks: of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
+    def changes(self) -> list[_Change]:
+        """Of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
         plant = self._equations.plant
         if not plant.sticks:
             return []
-        n, dry = len(self._contact.sign), plant.constants["coulomb"]
-        checks = []
+        dry = plant.constants["coulomb"]
+        found = []
         for j in np.flatnonzero(dry > 0).tolist():
             if self._contact.free[j]:
-                against = -int(self._contact.sign[j])
-                checks.append(_EventCheck(partial(_entry, n + j), direction=against, rests=j))
+                watch = Watch(self._sliding(j), direction=-1, inside=True)
             else:
-                checks.append(_EventCheck(partial(self._excess, j, dry[j]), direction=1, breaks_loose=j))
-        return checks
+                watch = Watch(self._excess(j, dry[j]), direction=1, inside=True, degree=HOLDING_DEGREE)
+            found.append(_Change(watch, j, bool(self._contact.free[j])))
+        return found
 
-    def _excess(self, j: int, dry: float, t: float, y: Array) -> float:
-        """The excess: by how much more than dry friction a joint at rest would need to be held."""
+    def row(self, t: float, y: Array) -> Rows:
         q, v = joints_of(y)
-        held = self._equations.rates(t, q, v, self._tau_at(t, q, v), self._contact).held
-        return float(abs(held[j]) - dry)
+        tau = self._tau_at(t, q, v)
+        return recorded(y, tau, self._rates(t, q, v, tau))
 
-    def rows(self, solution: Any, at: Array | None, start: float, last: bool) -> SimulatedCourse:
-        """The rows of this stretch: those of the steps without the last, which begins the next, or those asked for."""
-        if at is None:
-            times, states = solution.t, solution.y.T
-            chosen = slice(None) if last else slice(0, -1)
-            return self._course(times[chosen], states[chosen])
-        end = solution.t[-1]
-        times = at[(at >= start) & ((at <= end) if last else (at < end))]
-        states = solution.sol(times).T if times.size else np.empty((0, len(solution.y)))
-        for exact, row in ((start, 0), (end, -1)):
-            if times.size and times[row] == exact:
-                states[row] = solution.y[:, row]
-        return self._course(times, states)
+    def _sliding(self, j: int) -> Callable[[Array, Array, Array], Array]:
+        sign = self._contact.sign[j]
+        return lambda times, q, v: sign * v[:, j]
 
-    def row_at(self, t: float, y: Array) -> SimulatedCourse:
-        return self._course(np.array([t]), y[None])
+    def _excess(self, j: int, dry: float) -> Callable[[Array, Array, Array], Array]:
+        """By how much more than dry friction a joint at rest would need to be held."""
 
-    def _course(self, times: Array, states: Array) -> SimulatedCourse:
-        rows = []
-        for t, y in zip(times.tolist(), states, strict=True):
-            q, v = joints_of(y)
-            tau = self._tau_at(t, q, v)
-            rows.append(recorded(y, tau, self._equations.rates(t, q, v, tau, self._contact)))
-        return SimulatedCourse.of_rows(times, rows, (), "")
+        def values(times: Array, q: Array, v: Array) -> Array:
+            states = zip(times.tolist(), q, v, strict=True)
+            held = [self._rates(t, x, rate, self._tau_at(t, x, rate)).held[j] for t, x, rate in states]
+            return np.abs(held) - HOLDING_SHARE * dry
 
+        return values
 
-def _torque_from(problem: InitialValueProblem, tick: int, equations: Equations, y: Array) -> tuple[Torque, float]:
-    """The torque from this tick on, and until when it is one smooth function."""
-    source, period = problem.source, problem.source.period
-    if period is None:
-        return lambda t, q, v: equations.clamped(source.tau_at(t, q, v)), problem.duration
-    held = equations.clamped(source.tau_from(tick * period, *joints_of(y)))
-    return lambda t, q, v: held, min((tick + 1) * period, problem.duration)
-
-
-def _entry(k: int, t: float, y: Array) -> float:
-    return float(y[k])
-
-
-def _of_state(function: Callable[[float, Array, Array], float]) -> Callable[[float, Array], float]:
-    return lambda t, y: float(function(t, *joints_of(y)))
-
-
-def _solve(
-    stretch: _Stretch,
-    span: tuple[float, float],
-    y: Array,
-    rtol: float,
-    atol: float,
-    checked: Sequence[_EventCheck],
-    dense: bool,
-) -> Any:
-    from scipy.integrate import solve_ivp
-
-    def scipy_event(check: _EventCheck) -> Callable[[float, Array], float]:
-        function = partial(check.function)
-        function.terminal, function.direction = check.stop, check.direction  # type: ignore[attr-defined]
-        return function
-
-    absolute = np.full(len(y), atol)
-    absolute[-2:] = np.inf  # the work follows from the motion, and does not control the steps
-    with np.errstate(over="ignore", invalid="ignore"):
-        solution = solve_ivp(
-            stretch.derivative,
-            span,
-            y,
-            method="DOP853",
-            rtol=rtol,
-            atol=absolute,
-            events=[scipy_event(check) for check in checked] or None,
-            dense_output=dense,
-        )
-    if solution.status < 0 or not np.all(np.isfinite(solution.y)):
-        raise IntegrationFailed(
-            f"the integration failed at {solution.t[-1]:g} s ({solution.message.strip()}); "
-            "the torques may be too stiff or too large"
-        )
-    if not checked:
-        solution.t_events, solution.y_events = [], []
-    return solution
+    def _rates(self, t: float, q: Array, v: Array, tau: Array) -> Rates:
+        return self._equations.rates(t, q, v, tau, self._contact)

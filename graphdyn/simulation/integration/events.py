@@ -1,7 +1,6 @@
 """What is integrated, events between steps, and what an integration hands over: rows of numbers, and why it ended.
 
-An event is found where a function changes its sign from one step to the next. Between two steps q and v are cubic, from
-the values and rates at both (Hermite).
+Between two steps of fixed width q and v are cubic, from the values and rates at both (Hermite).
 """
 
 from __future__ import annotations
@@ -13,22 +12,35 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.simulation.equations import LoopEquations, equations_of
+from graphdyn.simulation.integration.crossings import LARGEST_VALUE, Pieces, Watch, crossings
 from graphdyn.simulation.plant import PlantConstants, position_limits
 from graphdyn.simulation.torques import Torques
 
 Rows = dict[str, Array]
+
+PIECES_OF_DURATION = 100
+"""Pieces in which events of the caller are looked for are no longer than the duration divided by this."""
 
 COURSE_COLUMNS = ("q", "v", "work", "loss", "tau", "a", "passive")
 
 
 @dataclass(frozen=True)
 class Event:
-    """A function of t, q and v whose change of sign is looked for.
+    """A function of t, q and v whose change of sign is looked for, by the same rule with every method.
 
-    function: (t, q, v) → a number
+    It happens when the function reaches or passes zero: from below (a rise) or from above (a fall). A function that is
+    zero at the start has neither side yet: it happens when it leaves zero, upward a rise, downward a fall; while it
+    rests there, nothing happens. It happens again once the function has been on the other side.
+
+    Between steps the function is looked at along the dense output, in pieces no longer than a step and a hundredth of
+    the duration: a function that resembles a polynomial of degree seven in each piece is found twice in a step too.
+    One that goes there and back more quickly may be missed.
+
+    function: (t, q, v) → a number; NaN and truth values are errors, which name the event and the time
     name: in the result
     stop: whether the simulation ends there
     direction: 1 for a rise through zero, -1 for a fall, 0 for both
@@ -79,7 +91,7 @@ class SimulatedCourse:
         columns = {name: np.concatenate([part.columns[name] for part in parts]) for name in COURSE_COLUMNS}
         return SimulatedCourse(np.concatenate([part.time for part in parts]), columns, tuple(occurrences), ended)
 
-    def rows(self, chosen: NDArray[np.int64] | slice) -> SimulatedCourse:
+    def rows(self, chosen: NDArray[np.int64] | NDArray[np.bool_] | slice) -> SimulatedCourse:
         """Some of the rows."""
         columns = {name: column[chosen] for name, column in self.columns.items()}
         return SimulatedCourse(self.time[chosen], columns, self.occurrences, self.ended)
@@ -91,7 +103,8 @@ class InitialValueProblem:
 
     start: q and v at time zero                             (n,) each
     at: times of the rows, increasing; None for those of all steps   (N,)  [s]
-    events: what is looked for, with the position limits that end the simulation
+    events: what is looked for
+    stops_at_limits: whether the position limits of the joints end it
     progress: called with the time reached [s]
     """
 
@@ -101,7 +114,21 @@ class InitialValueProblem:
     source: Torques
     at: Array | None
     events: tuple[Event, ...]
+    stops_at_limits: bool
     progress: Callable[[float], None]
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether anything is looked for between the steps."""
+        return bool(self.events) or self.stops_at_limits
+
+    def parts_of(self, width: float) -> int:
+        """The pieces of a step in which events are looked for; limits need one alone."""
+        return max(1, int(np.ceil(width * PIECES_OF_DURATION / self.duration))) if self.events else 1
+
+    def divided(self, begin: float, end: float) -> Array:
+        """Edges of the pieces of a step."""
+        return np.linspace(begin, end, self.parts_of(end - begin) + 1)
 
     @property
     def state(self) -> Array:
@@ -116,7 +143,8 @@ class Scan:
     """
 
     def __init__(self, problem: InitialValueProblem) -> None:
-        self._plant, self._source, self._events = problem.plant, problem.source, problem.events
+        self._problem, self._source = problem, problem.source
+        self._equations, self._watches = equations_of(problem.plant), watches(problem)
         self._before: SimulatedCourse | None = None
         self.occurrences: list[Occurrence] = []
         self.ended = ""
@@ -124,29 +152,44 @@ class Scan:
     def searched(self, course: SimulatedCourse) -> SimulatedCourse:
         """The rows up to the first event that stops, whose own row is the last."""
         rows = course if self._before is None else SimulatedCourse.joined([self._before, course], [], "")
-        found = [
-            (_crossing(rows, k, event), k, event)
-            for event in self._events
-            for k in changes(_values(event, rows), event.direction)
-        ]
         overlap = 0 if self._before is None else 1
         self._before = rows.rows(slice(-1, None))
-        for time, k, event in sorted(found, key=lambda item: item[0]):
-            state = _between(rows, k, time)
-            self.occurrences.append(Occurrence(event.name, time, state["q"], state["v"]))
-            if event.stop:
-                self.ended = event.name
-                return SimulatedCourse.joined(
-                    [rows.rows(slice(overlap, k + 1)), self._row(rows, k, time, state)], [], ""
-                )
+        if len(rows.time) == 1:
+            return course
+        parts = self._problem.parts_of(float(rows.time[1] - rows.time[0]))
+        for crossing in crossings(self._watches, self._pieces(rows, parts)):
+            k, time = crossing.piece // parts, crossing.time
+            state = {name: value[0] for name, value in self._between(rows, np.array([k]), np.array([time])).items()}
+            self.occurrences.append(Occurrence(crossing.watch.name, time, state["q"], state["v"]))
+            if crossing.watch.stop:
+                self.ended = crossing.watch.name
+                kept = rows.rows(slice(overlap, k + 1))
+                if k < overlap and time == rows.time[k]:  # whose row is that of the chunk before
+                    return kept
+                return SimulatedCourse.joined([kept.rows(kept.time < time), self._row(rows, k, time, state)], [], "")
         return course
+
+    def _pieces(self, rows: SimulatedCourse, parts: int) -> Pieces:
+        """All steps, each divided into parts."""
+        shares = np.arange(parts) / parts
+        edges = (rows.time[:-1, None] + shares * np.diff(rows.time)[:, None]).ravel()
+
+        def joints(pieces: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
+            state = self._between(rows, pieces // parts, times)
+            return state["q"], state["v"]
+
+        return Pieces(np.append(edges, rows.time[-1]), joints, joints)
+
+    def _between(self, rows: SimulatedCourse, steps: NDArray[np.int64], times: Array) -> Rows:
+        """q, v, work and loss at times after the rows of these numbers, with closed loops."""
+        state = _between(rows, steps, times, self._source.is_continuous)
+        if isinstance(self._equations, LoopEquations):
+            state["q"], state["v"] = self._equations.nearly_closed(state["q"], state["v"])
+        return state
 
     def _row(self, rows: SimulatedCourse, k: int, time: float, state: Rows) -> SimulatedCourse:
         """The row of an event between rows k and k + 1."""
-        equations, q, v = equations_of(self._plant), state["q"], state["v"]
-        if isinstance(equations, LoopEquations):
-            q, v = equations.closed(q, v)
-            state = {**state, "q": q, "v": v}
+        equations, q, v = self._equations, state["q"], state["v"]
         held = self._source.function is None
         tau = rows.columns["tau"][k] if held else equations.clamped(self._source.tau_at(time, q, v))
         found = equations.rates(time, q, v, tau, equations.contact(time, q, v, tau))
@@ -154,59 +197,82 @@ class Scan:
         return SimulatedCourse(np.array([time]), {name: values[name][None] for name in COURSE_COLUMNS})
 
 
-def limit_events(plant: PlantConstants) -> list[Event]:
+def watches(problem: InitialValueProblem) -> list[Watch]:
+    """The events of a problem, and the position limits of its joints if they end it."""
+    found = [event_watch(event) for event in problem.events]
+    return found + limit_watches(problem.plant.model) if problem.stops_at_limits else found
+
+
+def event_watch(event: Event) -> Watch:
+    """Raises InvalidInput, when it is asked, where the function of the event answers anything but a number."""
+
+    def values(times: Array, q: Array, v: Array) -> Array:
+        found, q, v = np.full(len(times), np.nan), q.copy(), v.copy()
+        for k, time in enumerate(times.tolist()):
+            answer = event.function(time, q[k], v[k])
+            reason = "" if isinstance(answer, float) and answer == answer else _no_number(answer)
+            if reason:
+                if watch.failure is None or time < watch.failure[0]:
+                    message = (
+                        f"event '{event.name}' answers {reason} at {time:g} s; a number is needed that changes sign"
+                    )
+                    watch.failure = time, InvalidInput(message)
+                break
+            found[k] = np.asarray(answer).item()
+        return np.clip(found, -LARGEST_VALUE, LARGEST_VALUE)
+
+    watch = Watch(values, event.name, event.direction, event.stop)
+    return watch
+
+
+def _no_number(answer: object) -> str:
+    """Why this is no number, "" where it is one."""
+    array = np.asarray(answer)
+    if array.dtype.kind == "b":
+        return f"{answer}, true or false,"
+    if array.dtype.kind not in "iuf":
+        return f"{answer!r}"
+    if array.size != 1:
+        return f"an array of shape {array.shape}"
+    return "NaN" if np.isnan(array.item()) else ""
+
+
+def limit_watches(model: RobotModel) -> list[Watch]:
     """The position limits of all joints, each of which ends a simulation."""
-    events = []
-    lower, upper = position_limits(plant.model)
-    sides: tuple[tuple[str, Array, Literal[-1, 1]], ...] = (("lower", lower, -1), ("upper", upper, 1))
-    for side, limits, direction in sides:
+    found = []
+    lower, upper = position_limits(model)
+    for side, limits, direction in (("lower", lower, -1), ("upper", upper, 1)):
         for j in np.flatnonzero(np.isfinite(limits)).tolist():
-            name = f"{side} limit of joint '{plant.model.joint_names[j]}'"
-            events.append(Event(_beyond(plant.model, j, limits[j]), name, direction=direction))
-    return events
+            name = f"{side} limit of joint '{model.joint_names[j]}'"
+            found.append(Watch(_beyond(model, j, limits[j]), name, direction, inside=True))
+    return found
 
 
-def _beyond(model: RobotModel, j: int, limit: float) -> Callable[[float, Array, Array], float]:
-    return lambda t, q, v: float(model.joint_positions(q)[j] - limit)
+def _beyond(model: RobotModel, j: int, limit: float) -> Callable[[Array, Array, Array], Array]:
+    freedom = model.degrees_of_freedom
+    ratios, offset = freedom.matrix[j], float(freedom.offset[j])
+    # a sum joint by joint, the same for one state as for many
+    return lambda times, q, v: (q * ratios).sum(axis=-1) + offset - limit
 
 
-def _values(event: Event, rows: SimulatedCourse) -> Array:
-    q, v = rows.columns["q"], rows.columns["v"]
-    return np.array([float(event.function(t, q[k], v[k])) for k, t in enumerate(rows.time.tolist())])
+def _between(rows: SimulatedCourse, k: NDArray[np.int64], times: Array, continuous: bool) -> Rows:
+    """q, v, work and loss at times between rows k and k + 1, with leading axes as these.
 
+    continuous: whether the acceleration is, at the rows; otherwise that of the row behind a step says nothing of it
+    """
+    x = rows.columns
+    h = (rows.time[k + 1] - rows.time[k])[..., None]
+    s = (times - rows.time[k])[..., None] / h
 
-def changes(values: Array, direction: int) -> list[int]:
-    """Rows after which the sign changes; zero itself belongs to the step that ends there."""
-    before, after = values[:-1], values[1:]
-    rises, falls = (before < 0) & (after >= 0), (before > 0) & (after <= 0)
-    chosen = rises if direction > 0 else falls if direction < 0 else rises | falls
-    return [int(k) for k in np.flatnonzero(chosen)]
+    def cubic(values: Array, rates: Array) -> Array:
+        """What is constant stays so exactly."""
+        first, rate = values[k], h * rates[k]
+        rest, turn = values[k + 1] - first - rate, h * rates[k + 1] - rate
+        return np.asarray(first + rate * s + (3 * rest - turn) * s**2 + (turn - 2 * rest) * s**3)
 
-
-def _crossing(rows: SimulatedCourse, k: int, event: Event) -> float:
-    """When the function vanishes between rows k and k + 1."""
-    from scipy.optimize import brentq
-
-    def value(time: float) -> float:
-        state = _between(rows, k, time)
-        return float(event.function(time, state["q"], state["v"]))
-
-    first, last = float(rows.time[k]), float(rows.time[k + 1])
-    if value(last) == 0:
-        return last
-    return float(brentq(value, first, last, xtol=4 * np.finfo(float).eps * last))
-
-
-def _between(rows: SimulatedCourse, k: int, time: float) -> Rows:
-    """q, v, work and loss at a time between rows k and k + 1."""
-    x, (start, end) = rows.columns, rows.time[[k, k + 1]]
-    rates = {"q": x["v"], "v": x["a"]}
+    state = {"q": cubic(x["q"], x["v"])}
+    parabola = x["v"][k] + s * h * x["a"][k] + s**2 * (x["v"][k + 1] - x["v"][k] - h * x["a"][k])
+    state["v"] = cubic(x["v"], x["a"]) if continuous else parabola
     for name, torque in (("work", x["tau"]), ("loss", x["passive"])):
-        rates[name] = (torque * x["v"]).sum(axis=-1, keepdims=True)
-    h = end - start
-    s = (time - start) / h
-    weights = (1 + 2 * s) * (1 - s) ** 2, s * (1 - s) ** 2 * h, s**2 * (3 - 2 * s), s**2 * (s - 1) * h
-    return {
-        name: weights[0] * x[name][k] + weights[1] * rate[k] + weights[2] * x[name][k + 1] + weights[3] * rate[k + 1]
-        for name, rate in rates.items()
-    }
+        state[name] = cubic(x[name], (torque * x["v"]).sum(axis=-1, keepdims=True))
+    return state

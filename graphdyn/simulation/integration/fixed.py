@@ -43,7 +43,7 @@ def fixed(problem: InitialValueProblem, method: str, step: float) -> SimulatedCo
     steps = whole_steps("the duration", problem.duration, step)
     wanted = np.arange(steps + 1) if at is None else _numbers_of_steps(at, step)
     scan = Scan(problem)
-    every = 1 if problem.events else max(gcd(*wanted.tolist()), 1)
+    every = 1 if problem.is_searched else max(gcd(*wanted.tolist()), 1)
     hold = problem.source.steps_held(step, steps)
     if plant.model.chords:
         run = loop_chunks
@@ -56,7 +56,7 @@ def fixed(problem: InitialValueProblem, method: str, step: float) -> SimulatedCo
         times = numbers.astype(float) * step
         _refuse_infinite(times, rows)
         course = SimulatedCourse(times, rows)
-        parts.append(scan.searched(course) if problem.events else course)
+        parts.append(scan.searched(course) if problem.is_searched else course)
         done = stretch.start + stretch.count
         problem.progress(min(done * step, problem.duration))
         if scan.ended:

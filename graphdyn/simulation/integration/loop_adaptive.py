@@ -7,12 +7,16 @@ worse: there steps do not become narrower than a part of those before.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.simulation.equations import LoopEquations
-from graphdyn.simulation.integration.events import Event, InitialValueProblem, Occurrence, SimulatedCourse, changes
+from graphdyn.simulation.integration.crossings import Pieces, crossings
+from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
 from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, joints_of, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
@@ -30,35 +34,65 @@ FIRST_STEP_SHARE = 1e-3
 
 def loop_adaptive(problem: InitialValueProblem, rtol: float, atol: float) -> SimulatedCourse:
     """Integrate like adaptive.adaptive; steps end at the times asked for. Raises IntegrationFailed."""
-    run, at, duration, checked = _AdaptiveRun(problem, rtol, atol), problem.at, problem.duration, problem.events
-    rows, times, occurrences, ended = list[dict[str, Array]](), list[float](), list[Occurrence](), ""
+    run, at, duration, checked = _LoopRun(problem, rtol, atol), problem.at, problem.duration, watches(problem)
+    rows, times, occurrences, ended = list[Rows](), list[float](), list[Occurrence](), ""
     targets = np.append(duration if at is None else at[at > 0], duration)
     if at is None or at[0] == 0:
         times, rows = [0.0], [run.row()]
-    before = [event.function(0.0, *run.state) for event in checked]
     while run.t < duration and not ended:
-        target = float(targets[np.searchsorted(targets, run.t, side="right")])
-        origin = run.t, run.y
-        run.advance(target)
-        found = []
-        after = [event.function(run.t, *run.state) for event in checked]
-        for event, values in zip(checked, zip(before, after, strict=True), strict=True):
-            if changes(np.array(values, dtype=float), event.direction):
-                found.append((*run.crossing(origin, event), event))
-        for time, y, event in sorted(found, key=lambda item: item[0]):
-            occurrences.append(Occurrence(event.name, time, *joints_of(y)))
-            if event.stop:
-                run.t, run.y, ended = time, y, event.name
-                break
-        before = after
-        if ended or at is None or run.t in at:
+        step = run.advance(float(targets[np.searchsorted(targets, run.t, side="right")]))
+        for crossing in crossings(checked, step.pieces(problem)) if checked else ():
+            y = step.state(crossing.time)
+            occurrences.append(Occurrence(crossing.watch.name, crossing.time, *joints_of(y)))
+            if crossing.watch.stop:
+                run.end_at(crossing.time, y, step)
+                ended = crossing.watch.name
+        if (ended or at is None or run.t in at) and run.t not in times[-1:]:
             times, rows = [*times, run.t], [*rows, run.row()]
         problem.progress(run.t)
     return SimulatedCourse.of_rows(times, rows, occurrences, ended)
 
 
-class _AdaptiveRun:
+@dataclass(frozen=True, eq=False)
+class _LoopStep:
+    """A step from t and y to end and last, under the torque of it."""
+
+    steps: LoopSteps
+    tau: Torque
+    t: float
+    y: Array
+    end: float
+    last: Array
+
+    def state(self, time: float) -> Array:
+        """Of the same step, as far as this time."""
+        if time in (self.t, self.end):
+            return self.y if time == self.t else self.last
+        return self.steps.advanced(self.t, self.y, time - self.t, self.tau).y
+
+    def pieces(self, problem: InitialValueProblem) -> Pieces:
+        return Pieces(problem.divided(self.t, self.end), self._joints, self._sketch)
+
+    def _joints(self, numbers: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
+        states = [joints_of(self.state(time)) for time in times.ravel().tolist()]
+        q, v = (np.array(part).reshape(*times.shape, -1) for part in zip(*states, strict=True))
+        return q, v
+
+    def _sketch(self, numbers: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
+        """A cubic from the positions and velocities at both ends, and its rate, closed."""
+        (q, v), (end_q, end_v), h = joints_of(self.y), joints_of(self.last), self.end - self.t
+        s = (times[..., None] - self.t) / h
+        rest, turn = end_q - q - h * v, h * (end_v - v)
+        # q + h v s + (3 rest - turn) s² + (turn - 2 rest) s³
+        positions = q + h * v * s + (3 * rest - turn) * s**2 + (turn - 2 * rest) * s**3
+        velocities = v + (2 * (3 * rest - turn) * s + 3 * (turn - 2 * rest) * s**2) / h
+        return self.steps.equations.nearly_closed(positions, velocities)
+
+
+class _LoopRun:
     """One integration; t and y = (q, v, work, loss) are where it has come to."""
+
+    _tau: Torque
 
     def __init__(self, problem: InitialValueProblem, rtol: float, atol: float) -> None:
         from scipy.integrate import DOP853
@@ -72,15 +106,16 @@ class _AdaptiveRun:
         self.t, self.y = 0.0, problem.state
         self._hold()
 
-    @property
-    def state(self) -> tuple[Array, Array]:
-        return joints_of(self.y)
-
     def row(self) -> dict[str, Array]:
         return self._steps.row(self.t, self.y, self._tau)
 
-    def advance(self, target: float) -> None:
-        """One step, to the target at most, and to the next new torque."""
+    def end_at(self, t: float, y: Array, step: _LoopStep) -> None:
+        """Go back to a time within the last step."""
+        if t < self.t:
+            self.t, self.y, self._tau = t, y, step.tau
+
+    def advance(self, target: float) -> _LoopStep:
+        """One step, to the target at most, and to the next new torque. Raises IntegrationFailed."""
         period = self._source.period
         end = target if period is None else min(target, (self._tick + 1) * period)
         while True:
@@ -105,24 +140,11 @@ class _AdaptiveRun:
             self._far_width = h
         # a step cut short by the target or by a tick says nothing against the width before
         self._width = max(self._width if h < self._width else 0.0, h * wider) if error < 1 else h
-        self.t, self.y = end if h == end - self.t else self.t + h, step.y
+        reached = end if h == end - self.t else self.t + h
+        taken = _LoopStep(self._steps, self._tau, self.t, self.y, reached, step.y)
+        self.t, self.y = reached, step.y
         self._hold()
-
-    def crossing(self, origin: tuple[float, Array], event: Event) -> tuple[float, Array]:
-        """Time and state at which an event happens between an earlier state and this one."""
-        from scipy.optimize import brentq
-
-        t, y = origin
-
-        def state(h: float) -> Array:
-            return self._steps.advanced(t, y, h, self._tau).y if h else y
-
-        def value(h: float) -> float:
-            return float(event.function(t + h, *joints_of(state(h))))
-
-        last = self.t - t
-        h = last if event.function(self.t, *self.state) == 0 else float(brentq(value, 0.0, last, xtol=1e-15))
-        return t + h, state(h)
+        return taken
 
     def _tried(self, h: float) -> Stepped | None:
         try:
@@ -147,8 +169,8 @@ class _AdaptiveRun:
         """Asks for the torque of the next tick, where it is held."""
         source, period = self._source, self._source.period
         if period is None:
-            self._tau: Torque = lambda t, q, v: self._equations.clamped(source.tau_at(t, q, v))
+            self._tau = lambda t, q, v: self._equations.clamped(source.tau_at(t, q, v))
         elif self.t >= (self._tick + 1) * period:
             self._tick += 1
-            held = self._equations.clamped(source.tau_from(self._tick * period, *self.state))
+            held = self._equations.clamped(source.tau_from(self._tick * period, *joints_of(self.y)))
             self._tau = lambda t, q, v: held

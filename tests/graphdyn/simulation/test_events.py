@@ -1,0 +1,210 @@
+"""Limits and events between steps: one rule for all methods, against parabolas and other motions in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from long_check import few
+from robots.mechanisms import four_bar
+from robots.moving_robots import pendulum, slider
+
+import graphdyn
+from graphdyn import Event, Friction, InvalidInput, JointLimits, simulate
+
+METHODS = {
+    "dop853": {},
+    "rk8": {"method": "rk8", "step": 0.05},
+    "rk4": {"method": "rk4", "step": 0.05},
+    "euler": {"method": "euler", "step": 0.05},
+}
+
+BEYOND = 1e-9
+"""What a row may be beyond a limit [m or rad]; measured 2e-16."""
+
+LIMITED = slider(mass=1.0, limits=JointLimits(-0.5, 0.5))
+LAST = ("upper limit of joint 'rail'",)
+
+
+@pytest.fixture(params=METHODS)
+def settings(request):
+    return METHODS[request.param]
+
+
+def happened(motion):
+    return [(occurrence.name, occurrence.time) for occurrence in motion.occurrences]
+
+
+def test_a_limit_that_is_passed_there_and_back_between_rows(settings):
+    """v₀ = 1.2, a = -1: the parabola reaches 0.72 m, and the limit of 0.5 m at 0.5367 s."""
+    motion = simulate(LIMITED, [0.0], [1.2], 2.4, torque=[-1.0], limits="stop", **settings)
+    assert motion.ended == LAST[0]
+    within = 0.05 if settings.get("method") == "euler" else 1e-12
+    assert motion.time[-1] == pytest.approx(1.2 - np.sqrt(1.2**2 - 2 * 0.5), abs=within)
+    assert motion.q.max() <= 0.5 + BEYOND
+    assert motion.q[-1, 0] == pytest.approx(0.5, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("speed", "force", "ends"), [(1.2, -1.0, True), (0.0, 1.0, True), (-0.1, 0.0, False), (0.0, 0.0, False)]
+)
+def test_a_start_at_the_limit(settings, speed, force, ends):
+    """It ends at once where it moves out, and goes on where it moves in or rests."""
+    motion = simulate(LIMITED, [0.5], [speed], 1.0, torque=[force], limits="stop", **settings)
+    assert motion.ended == (LAST[0] if ends else "")
+    assert motion.time[-1] == pytest.approx(0.0 if ends else 1.0, abs=0.05 if speed == 0 else 1e-12)
+    assert motion.q.max() <= 0.5 + BEYOND
+    assert len(motion.occurrences) == ends
+
+
+def test_two_crossings_within_a_step(settings):
+    high = Event(lambda t, q, v: q[0] - 0.7195, "high", stop=False)
+    rise = Event(lambda t, q, v: q[0] - 0.7195, "rise", stop=False, direction=1)
+    motion = simulate(slider(mass=1.0), [0.0], [1.2], 2.4, torque=[-1.0], events=[high, rise], **settings)
+    if settings.get("method") == "euler":  # whose parabola is another
+        assert [name for name, _ in happened(motion)].count("high") == 2
+        return
+    half = np.sqrt(1.2**2 - 2 * 0.7195)
+    times = {name: [time for other, time in happened(motion) if other == name] for name in ("high", "rise")}
+    assert times["high"] == pytest.approx([1.2 - half, 1.2 + half], abs=1e-12)
+    assert times["rise"] == pytest.approx([1.2 - half], abs=1e-12)
+
+
+@pytest.mark.parametrize(("direction", "speed", "count"), [(0, 1.0, 1), (1, 1.0, 1), (-1, 1.0, 0), (0, 0.0, 0)])
+def test_zero_at_the_start(settings, direction, speed, count):
+    event = Event(lambda t, q, v: q[0], "zero", stop=False, direction=direction)
+    motion = simulate(slider(), [0.0], [speed], 1.0, events=event, **settings)
+    assert happened(motion) == [("zero", 0.0)] * count
+
+
+def test_zero_that_is_reached_and_kept(settings):
+    """A block stops under friction, and its velocity is zero from then on: once."""
+    event = Event(lambda t, q, v: v[0], "rests", stop=False)
+    motion = simulate(slider(mass=1.0), [0.0], [1.0], 3.0, friction=Friction(coulomb=1.0), events=event, **settings)
+    assert [name for name, _ in happened(motion)] == ["rests"]
+    assert motion.occurrences[0].time == pytest.approx(1.0, abs=0.05 if settings else 1e-9)
+
+
+def test_a_zero_that_is_left_late(settings):
+    event = Event(lambda t, q, v: max(0.0, q[0] - 0.3), "beyond", direction=1)
+    motion = simulate(slider(), [0.0], [1.0], 1.0, events=event, **settings)
+    assert motion.time[-1] == pytest.approx(0.3, abs=1e-12)
+
+
+def test_a_function_that_jumps(settings):
+    event = Event(lambda t, q, v: 1.0 if q[0] > 0.3 else -np.inf, "jump")
+    motion = simulate(slider(), [0.0], [1.0], 1.0, events=event, **settings)
+    assert motion.time[-1] == pytest.approx(0.3, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("function", "message"),
+    [
+        (lambda t, q, v: np.nan if t > 0.3 else 1.0, r"event 'bad' answers NaN at 0\.3\d* s; a number is needed"),
+        (lambda t, q, v: q[0] > 0.3, r"event 'bad' answers False, true or false, at 0 s; a number is needed"),
+        (lambda t, q, v: [1.0, 2.0], r"event 'bad' answers an array of shape \(2,\) at 0 s"),
+        (lambda t, q, v: None, "event 'bad' answers None at 0 s"),
+    ],
+)
+def test_answers_that_are_no_numbers(settings, function, message):
+    with pytest.raises(InvalidInput, match=message):
+        simulate(slider(), [0.0], [1.0], 1.0, events=Event(function, "bad"), **settings)
+
+
+def test_what_lies_behind_the_end_does_not_matter(settings):
+    """A root that has no value beyond the limit at which the motion ends."""
+    event = Event(lambda t, q, v: (0.5 - q[0]) ** 0.5 - 2 if q[0] <= 0.5 else np.nan, "root")
+    motion = simulate(LIMITED, [0.0], [1.0], 1.0, limits="stop", events=event, **settings)
+    assert motion.ended == LAST[0]
+
+
+def test_loops_that_graze_a_limit():
+    """With every method a crank that turns back beyond its limit ends there, in a closed state."""
+    crank = four_bar()
+    q, v = graphdyn.assemble(crank, [0.7, 0.0, 1.0], [1.0, 0, 0], hold=["a"])
+    force = np.array([-60.0, 0, 0])
+    free = simulate(crank, q, v, 0.03, torque=force, method="rk8", step=0.005)
+    peak = free.q[:, 0].max()
+    assert free.q[-1, 0] < peak - 1e-3
+    limits = JointLimits(-3.0, peak - 1e-4)
+    stop = replace(crank, joints=(replace(crank.joints[0], limits=limits), *crank.joints[1:]))
+    for settings in ({"rtol": 1e-6, "atol": 1e-6}, {"method": "rk8", "step": 0.03}):
+        motion = simulate(stop, q, v, 0.03, torque=force, limits="stop", **settings)
+        assert motion.ended == "upper limit of joint 'a'"
+        assert motion.q[:, 0].max() <= limits.upper + BEYOND
+        assert motion.closure_error().max() < 1e-13
+
+
+def grazing(seed, settings):
+    """A parabola that passes a limit by 1e-8 to 0.05 m, or stays as far below."""
+    rng = np.random.default_rng(seed)
+    speed, force, start = rng.uniform(0.5, 2.0), -rng.uniform(0.8, 2.0), rng.uniform(-0.1, 0.1)
+    if settings.get("method") == "euler":
+        force = 0.0  # a line, which Euler's method follows
+    peak = start + (speed**2 / (-2 * force) if force else speed * 3.0)
+    beyond = rng.choice([-1.0, 1.0]) * 10 ** rng.uniform(-8, -1.3)
+    sign = rng.choice([-1.0, 1.0])
+    bounds = sorted((sign * (peak - beyond), -sign * 100.0))
+    model = slider(mass=1.0, limits=JointLimits(*bounds))
+    at = np.arange(0, 61, rng.integers(1, 8)) * 0.05 if rng.random() < 0.5 else None
+    given = {"torque": [sign * force], "at": at, **settings}
+    motion = simulate(model, [sign * start], [sign * speed], 3.0, limits="stop", **given)
+    assert bool(motion.ended) == (beyond > 0)
+    assert (sign * motion.q).max() <= peak - beyond + BEYOND
+    # the same as an event, and both of its crossings
+    height = sign * (peak - beyond)
+    event = Event(lambda t, q, v: np.arctan(q[0] - height), "height", stop=False)
+    motion = simulate(slider(mass=1.0), [sign * start], [sign * speed], 3.0, events=event, **given)
+    if force:
+        half = np.sqrt(max(2 * beyond / -force, 0.0))
+        times = [time for time in (-speed / force - half, -speed / force + half) if 0 < time < 3.0]
+    else:
+        times = [3.0 - beyond / speed]
+    expected = times if beyond > 0 else []
+    assert [time for _, time in happened(motion)] == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("dozen", few(range(25), 0))
+def test_random_grazing_limits_and_events(settings, dozen):
+    for seed in range(2) if dozen == 0 else range(12 * dozen, 12 * dozen + 12):
+        grazing(seed, settings)
+
+
+def test_a_swing_that_grazes_a_limit(settings):
+    """The pendulum turns at its amplitude: a hair below it is passed between rows, a hair above never."""
+    if settings.get("method") == "euler":
+        return
+    for hair, ended in ((1e-5, True), (-1e-5, False)):
+        joint = replace(pendulum().joints[0], kind="revolute", limits=JointLimits(-3.0, 0.8 - hair))
+        model = replace(pendulum(), joints=(joint,))
+        motion = simulate(model, [-0.8], [0.0], 1.5, limits="stop", **settings)
+        assert bool(motion.ended) == ended
+        assert motion.q.max() <= 0.8 - hair + BEYOND
+
+
+@pytest.mark.parametrize(
+    ("speed", "torque", "end"),
+    [
+        (0.0, [1.0], 0.0),
+        (0.0, [5.0], 0.0),  # clipped to F_c
+        (0.0, lambda t, q, v: [min(1.0, t)], 0.0),
+        (-1.0, [1.0], -0.25),  # stops after v² / 2 (F_c + τ), and stays
+        (-1.0, lambda t, q, v: [1.0], -0.25),
+    ],
+)
+def test_friction_exactly_at_its_limit(settings, speed, torque, end):
+    """τ = F_c holds."""
+    given = {"friction": Friction(coulomb=1.0), "torque_limits": 1.0, **settings}
+    motion = simulate(slider(mass=1.0), [0.0], [speed], 2.0, torque=torque, **given)
+    assert motion.v[-1, 0] == 0.0
+    assert not motion.a[-1].any()
+    assert motion.passive[-1, 0] == pytest.approx(-1.0, abs=1e-12)
+    assert motion.q[-1, 0] == pytest.approx(end, abs=0.03 if settings else 1e-10)
+
+
+def test_an_arm_at_the_limit_of_its_friction_rests(settings):
+    """Each joint is held by exactly what its weight needs, whatever rounding makes of it."""
+    model, q = graphdyn.kr500(), np.array([0.2, 0.5, -0.3, 0.4, 0.6, -0.2])
+    weight = np.abs(graphdyn.gravity_torque(model, q))
+    motion = simulate(model, q, np.zeros(6), 0.5, friction=Friction(coulomb=weight), **settings)
+    assert np.array_equal(motion.q[-1, 1:], q[1:])
+    assert np.abs(motion.q[-1] - q).max() < 1e-12  # nothing loads or holds the first
