@@ -21,6 +21,7 @@ from graphdyn.layout import Array
 from graphdyn.simulation.equations import Contact, Equations, Rates
 from graphdyn.simulation.integration.crossings import Pieces, Watch, crossings
 from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
+from graphdyn.simulation.integration.pace import Pace
 from graphdyn.simulation.integration.steps import Torque, derivative, joints_of, recorded
 
 MAX_SLIDING_PASSES = 20
@@ -51,7 +52,7 @@ class _AdaptiveRun:
 
     def __init__(self, problem: InitialValueProblem, rtol: float, atol: float) -> None:
         self._problem, self._equations, self._tolerances = problem, Equations(problem.plant), (rtol, atol)
-        self._watches = watches(problem)
+        self._watches, self._pace = watches(problem), Pace(problem.duration, rtol, atol)
         self._changes = deque[float](maxlen=MAX_CHANGES)
         self._loose: int | None = None
         self._tick, self._t, self._y = 0, 0.0, problem.state
@@ -70,6 +71,7 @@ class _AdaptiveRun:
         self._loose = None
         stretch = _Stretch(self._equations, self._tau_at, contact, self._problem.progress)
         solver, changing = self._solver(stretch), stretch.changes()
+        self._pace.restart(v)
         change: _Change | None = None
         while solver.status == "running" and change is None and not self.ended:
             with np.errstate(over="ignore", invalid="ignore"):
@@ -89,6 +91,7 @@ class _AdaptiveRun:
                 step = self._searched(step)
             self._record(stretch, step)
             self._t, self._y = step.end, step.state(step.end)
+            self._pace.step(self._t, joints_of(self._y)[1])
         self._problem.progress(self._t)
         if self.ended:
             self._append(stretch, self._t, self._y)

@@ -17,6 +17,7 @@ from graphdyn.layout import Array
 from graphdyn.simulation.equations import LoopEquations
 from graphdyn.simulation.integration.crossings import Pieces, crossings
 from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
+from graphdyn.simulation.integration.pace import Pace
 from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, joints_of, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
@@ -104,6 +105,8 @@ class _LoopRun:
         self._tick, self._duration = -1, problem.duration
         self._far_width = self._width = FIRST_STEP_SHARE * problem.duration
         self.t, self.y = 0.0, problem.state
+        self._pace = Pace(problem.duration, rtol, atol)
+        self._pace.restart(problem.start[1])
         self._hold()
 
     def row(self) -> dict[str, Array]:
@@ -143,6 +146,7 @@ class _LoopRun:
         reached = end if h == end - self.t else self.t + h
         taken = _LoopStep(self._steps, self._tau, self.t, self.y, reached, step.y)
         self.t, self.y = reached, step.y
+        self._pace.step(self.t, joints_of(self.y)[1])
         self._hold()
         return taken
 
@@ -172,5 +176,6 @@ class _LoopRun:
             self._tau = lambda t, q, v: self._equations.clamped(source.tau_at(t, q, v))
         elif self.t >= (self._tick + 1) * period:
             self._tick += 1
+            self._pace.restart(joints_of(self.y)[1])
             held = self._equations.clamped(source.tau_from(self._tick * period, *joints_of(self.y)))
             self._tau = lambda t, q, v: held

@@ -9,7 +9,7 @@ from robots.mechanisms import four_bar
 from robots.moving_robots import pendulum, slider
 
 import graphdyn
-from graphdyn import Event, Friction, InvalidInput, JointLimits, simulate
+from graphdyn import Event, Friction, IntegrationFailed, InvalidInput, JointLimits, simulate
 
 METHODS = {
     "dop853": {},
@@ -208,3 +208,15 @@ def test_an_arm_at_the_limit_of_its_friction_rests(settings):
     motion = simulate(model, q, np.zeros(6), 0.5, friction=Friction(coulomb=weight), **settings)
     assert np.array_equal(motion.q[-1, 1:], q[1:])
     assert np.abs(motion.q[-1] - q).max() < 1e-12  # nothing loads or holds the first
+
+
+RELAYS = [(lambda t, q, v: -2 * np.sign(q + v), Friction(coulomb=0.5)), (lambda t, q, v: -2 * np.sign(v), None)]
+
+
+@pytest.mark.parametrize(("law", "friction"), RELAYS)
+def test_a_torque_that_jumps_with_the_state_ends_adaptive_steps(law, friction):
+    """Steps over jumps shrink without end; the error says when and why."""
+    message = r"at 0\.\d+ s (the acceleration jumps again and again|joint 'rail' starts and stops without end).* sign"
+    with pytest.raises(IntegrationFailed, match=message) as caught:
+        simulate(slider(mass=1.0), [0.3], [0.1], 10.0, torque=law, friction=friction)
+    assert "give a controller with a period, or fixed steps" in str(caught.value)
