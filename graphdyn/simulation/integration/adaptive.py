@@ -36,7 +36,7 @@ EVALUATIONS_PER_REPORT = 500
 """Evaluations after which progress is reported, a tenth of a second at most."""
 
 HOLDING_DEGREE = 3
-"""Of the polynomials that the torques of joints at rest are compared with: each value is an inverse dynamics."""
+"""Degree of the polynomials that the torques of joints at rest are compared with: a value is an inverse dynamics."""
 
 
 def adaptive(problem: InitialValueProblem, rtol: float, atol: float) -> SimulatedCourse:
@@ -64,7 +64,7 @@ class _AdaptiveRun:
         return bool(self.ended) or self._t >= self._problem.duration
 
     def stretch(self) -> None:
-        """As far as the equations are smooth."""
+        """Integrate as far as the equations are smooth."""
         t, (q, v) = self._t, joints_of(self._y)
         # which joints slide is decided here, and holds until an event ends the stretch
         contact = self._equations.contact(t, q, v, self._tau_at(t, q, v), MAX_SLIDING_PASSES, self._loose)
@@ -208,7 +208,7 @@ class _Step:
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """Where a joint comes to rest, or breaks loose."""
+    """A joint that comes to rest, or breaks loose, where its watch crosses zero."""
 
     watch: Watch
     joint: int
@@ -234,7 +234,7 @@ class _Stretch:
         return derivative(v, tau, self._rates(t, q, v, tau))
 
     def changes(self) -> list[_Change]:
-        """Of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
+        """What is watched: of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
         plant = self._equations.plant
         if not plant.sticks:
             return []
@@ -258,7 +258,7 @@ class _Stretch:
         return lambda times, q, v: sign * v[:, j]
 
     def _excess(self, j: int, dry: float) -> Callable[[Array, Array, Array], Array]:
-        """By how much more than dry friction a joint at rest would need to be held."""
+        """What a joint at rest would need to be held, beyond its dry friction."""
 
         def values(times: Array, q: Array, v: Array) -> Array:
             states = zip(times.tolist(), q, v, strict=True)

@@ -1,4 +1,4 @@
-"""Where functions of the motion reach or pass zero: within steps too, twice within one, and from the start on.
+"""Zeros that functions of the motion reach or pass: within steps too, twice within one, and from the start on.
 
 Each function is compared with the polynomial through its values at the nodes of Chebyshev and Lobatto of a piece of the
 motion: a step, or a part of one. The sum of the coefficients bounds the polynomial; where it may vanish, the function
@@ -21,7 +21,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
 DEGREE = 7
-"""Of the polynomials: that of the dense output of DOP853."""
+"""Degree of the polynomials: that of the dense output of DOP853."""
 
 BOUND_MARGIN = 1.1
 """The bound of a polynomial is taken so much wider, for functions that only resemble it."""
@@ -30,13 +30,13 @@ LEAVING_SHARE = 1e-4
 """A function that has left zero after this part of an interval has left it at the beginning."""
 
 LARGEST_VALUE = 1e300
-"""In place of infinity."""
+"""What stands for infinity."""
 
 MAX_BISECTIONS = 100
 """Halvings of an interval until its ends are neighbors."""
 
 MAX_ROOT_ITERATIONS = 1000
-"""Of the search for a zero, for functions that jump as well."""
+"""Iterations of the search for a zero, for functions that jump as well."""
 
 JointsAt = Callable[[NDArray[np.int64], Array], tuple[Array, Array]]
 
@@ -162,7 +162,7 @@ class Crossing:
 
 
 def crossings(watches: Sequence[Watch], pieces: Pieces) -> list[Crossing]:
-    """Those of all functions in their order, up to the first that stops.
+    """The crossings of all functions in their order, up to the first that stops.
 
     Raises InvalidInput where a function has no value before.
     """
@@ -184,12 +184,11 @@ def _basis(degree: int) -> tuple[Array, Array]:
     nodes = -np.cos(np.pi * np.arange(degree + 1) / degree)
     fractions = (1 + nodes) / 2
     fractions[0], fractions[-1] = 0.0, 1.0
-    to_series: Array = np.linalg.inv(chebyshev.chebvander(nodes, degree))
-    return fractions, to_series
+    return fractions, np.asarray(np.linalg.inv(chebyshev.chebvander(nodes, degree)), dtype=float)
 
 
 def _extrema(series: Array, begin: float, end: float) -> Array:
-    """Where the polynomial has extrema between two times."""
+    """The times between two at which the polynomial has extrema."""
     size = np.abs(series).max()
     if not np.isfinite(size) or size == 0:
         return np.empty(0)

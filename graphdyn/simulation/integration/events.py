@@ -219,7 +219,7 @@ def event_watch(event: Event) -> Watch:
                     watch.failure = time, InvalidInput(message)
                 break
             found[k] = np.asarray(answer).item()
-        return np.clip(found, -LARGEST_VALUE, LARGEST_VALUE)
+        return np.asarray(np.clip(found, -LARGEST_VALUE, LARGEST_VALUE))
 
     watch = Watch(values, event.name, event.direction, event.stop)
     return watch

@@ -66,7 +66,7 @@ class _LoopStep:
     last: Array
 
     def state(self, time: float) -> Array:
-        """Of the same step, as far as this time."""
+        """The state as far as this time in the same step."""
         if time in (self.t, self.end):
             return self.y if time == self.t else self.last
         return self.steps.advanced(self.t, self.y, time - self.t, self.tau).y
