@@ -13,7 +13,7 @@ from crosscheck.exciting.motion_formats.timed_motion import GivenMotion, TimedMo
 from crosscheck.recordings.errors import BadRecordingFile, quoted
 from graphdyn.errors import counted
 from graphdyn.layout import Array
-from urdf.document import NUMBER
+from urdf.document import finite_number
 
 NANOSECONDS_PER_SECOND = 10**9
 
@@ -98,8 +98,8 @@ class _Message:
         return int(texts[0]) + int(texts[1]) / NANOSECONDS_PER_SECOND
 
     def _number(self, node: YamlNode) -> float:
-        number = float(node.content) if isinstance(node.content, str) and re.fullmatch(NUMBER, node.content) else np.nan
-        if not np.isfinite(number):
+        number = finite_number(node.content) if isinstance(node.content, str) else None
+        if number is None:
             raise self._fault(node, f"{quoted(node.content)} is not a finite number", "correct it")
         return number
 

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.judging.exchange.line_process import shown
-from crosscheck.judging.exchange.protocols import UnreadableAnswer, flat_numbers
+from crosscheck.judging.exchange.printed_numbers import (
+    BeyondDoubles,
+    UnreadableAnswer,
+    flat_numbers,
+    printed_numbers,
+    read_json,
+    whole_number,
+)
+from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.formats.npz_files import npz_arrays
+from crosscheck.recordings.formats.parquet_files import parquet_table
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
@@ -49,23 +58,24 @@ def read_answers(files: Sequence[Path]) -> dict[int, GivenAnswer]:
 
 def _csv(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
     """Rows of an id and numbers, with commas, semicolons or blanks between them; a first line of words is a head."""
-    text = path.read_bytes().decode("utf-8-sig", errors="replace")
-    for row, line in enumerate(text.splitlines(), start=1):
-        cells = [cell for cell in re.split(r"\s*[,;]\s*|\s+", line.strip()) if cell]
-        if not cells or (row == 1 and not _is_number(cells[0])):
-            continue
+    text = path.read_bytes().decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
+    for row, line in enumerate(text.split("\n"), start=1):
         where = f"{path}, line {row}"
-        wrong = next((cell for cell in cells if not _is_number(cell)), None)
-        if wrong is not None:
-            raise BadAnswers(f"{where}: {shown(wrong)} is no number; write the id and the numbers of the answer")
-        yield _id(float(cells[0]), where), GivenAnswer(np.array([float(cell) for cell in cells[1:]]), where)
+        try:
+            numbers = printed_numbers(line)
+        except UnreadableAnswer as error:
+            if row == 1 and not re.match(r"\s*[-+.0-9]", line):
+                continue
+            raise BadAnswers(f"{where}: {error}; write the id and the numbers of the answer") from None
+        if numbers:
+            yield _id(numbers[0], where), GivenAnswer(np.array(numbers[1:]), where)
 
 
 def _json(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
     try:
-        rows = json.loads(path.read_bytes())
-    except ValueError as error:
-        raise BadAnswers(f"{path}: is no JSON: {error}") from None
+        rows = read_json(path.read_bytes())
+    except UnreadableAnswer as error:
+        raise BadAnswers(f"{path}: {error}") from None
     form = '[{"id": …, "answer": […]}, …]'
     if not isinstance(rows, list):
         raise BadAnswers(f"{path}: holds no list; the form is {form}")
@@ -79,38 +89,43 @@ def _json(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
 def _npz(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
     """Pairs of arrays id (N,) and answer (N, …), or FUNCTION.id and FUNCTION.answer."""
     try:
-        with np.load(path, allow_pickle=False) as arrays:
-            found = {name: np.asarray(arrays[name]) for name in arrays.files}
-    except (ValueError, OSError, EOFError, KeyError, BadZipFile) as error:
-        if isinstance(error, FileNotFoundError):
-            raise
-        raise BadAnswers(f"{path}: is no archive of NumPy arrays: {error}") from None
+        found = npz_arrays(path)
+    except BadRecordingFile as error:
+        raise BadAnswers(str(error)) from None
     pairs = [name for name in found if name == "id" or name.endswith(".id")]
     if not pairs:
         raise BadAnswers(f"{path}: has no array 'id'; name two id and answer, or FUNCTION.id and FUNCTION.answer")
     for name in pairs:
-        other = f"{name[:-2]}answer"
-        if other not in found or len(found[other]) != len(found[name]):
-            raise BadAnswers(f"{path}: '{other}' needs one row for each of the {len(found[name])} entries of '{name}'")
-        for row, (number, answer) in enumerate(zip(found[name], found[other], strict=True)):
-            where = f"{path}, {other}[{row}]"
-            if answer.dtype.kind not in "fiu":
-                raise BadAnswers(f"{where}: is of type {answer.dtype}; give real numbers")
-            yield _id(float(number), where), GivenAnswer(answer.astype(float).ravel(), where)
+        ids, other = found[name], f"{name[:-2]}answer"
+        if ids.ndim != 1 or ids.dtype.kind not in "fiu":
+            raise BadAnswers(f"{path}: '{name}' is no row of ids (N,), but {_described(ids)}; give their numbers")
+        if other not in found or found[other].shape[:1] != ids.shape:
+            raise BadAnswers(f"{path}: '{other}' needs one row for each of the {len(ids)} entries of '{name}'")
+        answers = found[other]
+        if answers.dtype.kind not in "fiu":
+            raise BadAnswers(f"{path}, {other}[0]: is of type {answers.dtype}; give real numbers")
+        if answers.dtype.kind == "f":
+            answers = answers.astype(float)
+        for row, (number, answer) in enumerate(zip(ids.tolist(), answers, strict=True)):
+            yield _entry(number, answer.ravel().tolist(), f"{path}, {other}[{row}]")
+
+
+def _described(array: NDArray[Any]) -> str:
+    return f"of shape {array.shape} and type {array.dtype}"
 
 
 def _parquet(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
-    import pyarrow as pa
-    import pyarrow.parquet
-
-    path.open("rb").close()  # a missing file is no file of another kind
     try:
-        table = pyarrow.parquet.read_table(path)
-    except (pa.ArrowException, OSError) as error:
-        raise BadAnswers(f"{path}: is no Parquet file: {error}") from None
-    if not {"id", "answer"} <= set(table.column_names):
-        raise BadAnswers(f"{path}: has the columns {', '.join(table.column_names)}; name them id and answer")
-    rows = zip(table["id"].to_pylist(), table["answer"].to_pylist(), strict=True)
+        table = parquet_table(path)
+    except BadRecordingFile as error:
+        raise BadAnswers(str(error)) from None
+    names = table.column_names
+    if names.count("id") != 1 or names.count("answer") != 1:
+        raise BadAnswers(f"{path}: has the columns {', '.join(names)}; name them id and answer")
+    try:
+        rows = list(zip(table["id"].to_pylist(), table["answer"].to_pylist(), strict=True))
+    except (ValueError, OverflowError) as error:  # texts and times that Python cannot hold
+        raise BadAnswers(f"{path}: {error}; give numbers") from None
     for row, (number, answer) in enumerate(rows, start=1):
         yield _entry(number, answer, f"{path}, row {row}")
 
@@ -125,24 +140,18 @@ READERS: Mapping[str, Callable[[Path], Iterator[tuple[int, GivenAnswer]]]] = {
 
 
 def _entry(number: Any, answer: Any, where: str) -> tuple[int, GivenAnswer]:
-    if isinstance(number, bool) or not isinstance(number, int | float):
-        raise BadAnswers(f"{where}: the id is {number!r}; give that of a question, a number")
+    found = _id(number, where)
     try:
-        numbers = flat_numbers(answer)
+        return found, GivenAnswer(flat_numbers(answer), where)
     except UnreadableAnswer as error:
-        raise BadAnswers(f"{where}, id {number}: {error}") from None
-    return _id(float(number), where), GivenAnswer(numbers, where)
+        raise BadAnswers(f"{where}, id {found}: {error}; give real numbers") from None
 
 
-def _id(number: float, where: str) -> int:
-    if not number.is_integer():
-        raise BadAnswers(f"{where}: {number:.17g} is no id; begin with that of the question, and write all its digits")
-    return int(number)
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
+def _id(number: Any, where: str) -> int:
+    if not isinstance(number, int | float | BeyondDoubles) or isinstance(number, bool):
+        raise BadAnswers(f"{where}: the id is {shown(str(number))}; give that of a question, a number")
+    found = whole_number(number)
+    if found is None:
+        said = f"{number:.17g}" if isinstance(number, float) else shown(str(number)).strip("'")
+        raise BadAnswers(f"{where}: {said} is no id; begin with that of the question, and write all its digits")
+    return found

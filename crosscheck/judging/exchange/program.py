@@ -8,7 +8,8 @@ from pathlib import Path
 
 from crosscheck.judging.exchange import library_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed
-from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, Protocol, Shape, UnreadableAnswer
+from crosscheck.judging.exchange.printed_numbers import UnreadableAnswer
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, Protocol, Shape
 from crosscheck.quantities.tested_function import Refusal
 from graphdyn.layout import Array
 

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from crosscheck.judging.exchange.line_process import shown
+from crosscheck.judging.exchange.printed_numbers import (
+    NoNumber,
+    UnreadableAnswer,
+    flat_numbers,
+    printed_numbers,
+    read_json,
+    whole_number,
+)
 from crosscheck.quantities.tested_function import Refusal
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 Shape = tuple[int | None, ...]
 """Shape of an answer; None for any number."""
-
-
-class UnreadableAnswer(Exception):
-    """A line that is no answer. Its text says what was expected."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +46,11 @@ def _plain_answer(line: str, _number: int, shape: Shape) -> Array | Refusal:
     if line.startswith("error"):
         return Refusal(line.removeprefix("error").lstrip(": ") or "error")
     try:
-        numbers = np.array([float(x) for x in line.replace(",", " ").split()])
-    except ValueError:
+        numbers = np.array(printed_numbers(line))
+    except NoNumber:
         raise UnreadableAnswer(f"{shown(line)}, which is no line of numbers") from None
+    except UnreadableAnswer as error:
+        raise UnreadableAnswer(f"{shown(line)}: {error}") from None
     return shaped(numbers, shape, shown(line))
 
 
@@ -57,12 +62,12 @@ def _json_question(number: int, function: str, arguments: Mapping[str, Array], s
 def _json_answer(line: str, number: int, shape: Shape) -> Array | Refusal:
     form = '{"id": …, "answer": […]}'
     try:
-        found = json.loads(line)
-    except ValueError:
-        raise UnreadableAnswer(f"{shown(line)}, which is no JSON; an answer is {form}") from None
+        found = read_json(line)
+    except UnreadableAnswer as error:
+        raise UnreadableAnswer(f"{shown(line)}, which {str(error).partition(':')[0]}; an answer is {form}") from None
     if not isinstance(found, dict) or not ("answer" in found or "error" in found):
         raise UnreadableAnswer(f"{shown(line)}; an answer is {form}")
-    if found.get("id") != number:
+    if whole_number(found.get("id")) != number:
         raise UnreadableAnswer(f"{shown(line)}, whose id is not {number}; answer the questions in their order")
     if "error" in found:
         return Refusal(str(found["error"]))
@@ -73,14 +78,6 @@ def _json_answer(line: str, number: int, shape: Shape) -> Array | Refusal:
     return shaped(numbers, shape, shown(line))
 
 
-def flat_numbers(nested: Any) -> Array:
-    """Numbers in nested lists, row by row (m,); null is no number. Raises Unreadable for anything else."""
-    numbers = list(_flat(nested))
-    if not all(x is None or (isinstance(x, int | float) and not isinstance(x, bool)) for x in numbers):
-        raise UnreadableAnswer("the answer is no array of numbers")
-    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
-
-
 def shaped(numbers: Array, shape: Shape, what: str) -> Array:
     """Numbers (m,), a matrix row by row, as an answer. what: the numbers in messages. Raises Unreadable."""
     known = math.prod(size for size in shape if size is not None)
@@ -88,15 +85,6 @@ def shaped(numbers: Array, shape: Shape, what: str) -> Array:
         expected = f"a multiple of {known}" if None in shape else f"{known}"
         raise UnreadableAnswer(f"{what}: {counted(numbers.size, 'number')}, expected {expected}")
     return numbers.reshape([-1 if size is None else size for size in shape])
-
-
-def _flat(nested: Any) -> Iterator[Any]:
-    """The numbers of nested lists, row by row."""
-    if isinstance(nested, list):
-        for inner in nested:
-            yield from _flat(inner)
-    else:
-        yield nested
 
 
 def number_text(x: float) -> str:

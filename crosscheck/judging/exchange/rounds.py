@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crosscheck.judging.exchange.answer_files import BadAnswers, GivenAnswer
-from crosscheck.judging.exchange.protocols import Shape, UnreadableAnswer, shaped
+from crosscheck.judging.exchange.printed_numbers import UnreadableAnswer
+from crosscheck.judging.exchange.protocols import Shape, shaped
 from crosscheck.judging.exchange.questions import Question, once, question, questions
 from crosscheck.judging.judge import Progress, drawn_states, judge_functions, robot_of
 from crosscheck.judging.judgment import Judgment

@@ -58,7 +58,7 @@ def check_expanded(path: Path, size: int) -> None:
     if size > MAX_EXPANDED_BYTES:
         raise BadRecordingFile(
             f"{path}: its content is larger than {MAX_EXPANDED_BYTES} bytes when expanded; divide the file, or stream "
-            "it as Parquet or CSV with crosscheck.StreamedRecording"
+            "a recording as Parquet or CSV with crosscheck.StreamedRecording"
         )
 
 

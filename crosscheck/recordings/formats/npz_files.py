@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.format import Format, check_expanded, refusing_damage, table_of
@@ -18,6 +19,11 @@ from crosscheck.recordings.virtual import RecordedMotion
 
 def read_npz(path: Path) -> RecordedTable:
     """Read the arrays of a NumPy archive; pickled objects are refused."""
+    return table_of(path, npz_arrays(path))
+
+
+def npz_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of a NumPy archive by name. Raises BadRecordingFile, OSError."""
     content = path.read_bytes()
     arrays = {}
     with refusing_damage(path, ".npz file", "save it with numpy.savez"):
@@ -25,10 +31,10 @@ def read_npz(path: Path) -> RecordedTable:
         with np.load(io.BytesIO(content), allow_pickle=False) as archive:
             for name in archive.files:
                 try:
-                    arrays[name] = archive[name]
+                    arrays[name] = np.asarray(archive[name])
                 except (ValueError, MemoryError) as error:
                     raise BadRecordingFile(f"{path}: {name!r} is not an array of numbers; save it as one") from error
-    return table_of(path, arrays)
+    return arrays
 
 
 def _check_headers(path: Path, content: bytes) -> None:

@@ -16,20 +16,25 @@ from crosscheck.recordings.virtual import virtual_recording_document
 
 def read_parquet(path: Path) -> RecordedTable:
     """Read a Parquet file; a column of lists becomes one column per element, name_1, name_2, …"""
+    table = parquet_table(path)
+    return table_of_columns(path, table.schema.names, table.columns)
+
+
+def parquet_table(path: Path) -> Any:
+    """The Arrow table of a Parquet file. Raises BadRecordingFile, OSError."""
     import pyarrow as pa
     from pyarrow import parquet
 
+    content = path.read_bytes()
     with refusing_damage(path, "Parquet file", "save it again"):
-        file = parquet.ParquetFile(pa.BufferReader(path.read_bytes()))
+        file = parquet.ParquetFile(pa.BufferReader(content))
         batches, size = [], 0
         check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
         for batch in file.iter_batches():  # lists may have any number of elements per row
             batches.append(batch)
             size += batch.nbytes
             check_expanded(path, size)
-        table = pa.Table.from_batches(batches, file.schema_arrow)
-        names = table.schema.names
-    return table_of_columns(path, names, table.columns)
+        return pa.Table.from_batches(batches, file.schema_arrow)
 
 
 def batches_of_parquet(path: Path, _mapping: ColumnMapping | None, rows: int) -> tuple[Sequence[str], Iterable[Any]]:

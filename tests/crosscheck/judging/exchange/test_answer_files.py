@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.setting import Setting
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.tested_function import Refusal
+from crosscheck.recordings.formats import format
 from graphdyn import InvalidInput, UnknownFrame
 
 NAMES = "inverse_dynamics,mass_matrix,bias_torque"
@@ -393,17 +395,112 @@ class TestReading:
             ("a.json", '[{"id": 7}]', ', entry 1: has no id and answer; the form is [{"id": …, "answer": […]}, …]'),
             ("a.json", '[{"id": "7", "answer": [1]}]', ", entry 1: the id is '7'; give that of a question, a number"),
             ("a.json", '[{"id": 7, "answer": ["x"]}]', ", entry 1, id 7: the answer is no array of numbers"),
-            ("a.npz", "PK", ": is no archive of NumPy arrays: "),
+            ("a.npz", "PK", ": not a readable .npz file (File is not a zip file); save it with numpy.savez"),
             ("a.npz", {"x": [1]}, ": has no array 'id'; name two id and answer, or FUNCTION.id and FUNCTION.answer"),
             ("a.npz", {"f.id": [1], "g": [1]}, ": 'f.answer' needs one row for each of the 1 entries of 'f.id'"),
             ("a.npz", {"id": [7], "answer": [[1j]]}, ", answer[0]: is of type complex128; give real numbers"),
-            ("a.parquet", "x", ": is no Parquet file: "),
+            ("a.parquet", "x", ": not a readable Parquet file ("),
         ],
     )
     def test_refused(self, tmp_path, name, content, message):
         with pytest.raises(BadAnswers) as caught:
             self.read(tmp_path, name, content)
         assert str(caught.value).startswith(f"{tmp_path / name}{message}")
+
+    @pytest.mark.parametrize(
+        ("name", "content", "message"),
+        [
+            ("a.csv", "1;0,5;0,7\n", ", line 1: '0,5' is one number or two; write decimal points; write the id"),
+            ("a.csv", "id q\n1 0,5 0,7\n", ", line 2: '0,5' is one number or two; write decimal points"),
+            ("a.csv", "7,1_0\n", ", line 1: '1_0' is no number"),
+            ("a.csv", "7,0x10\n", ", line 1: '0x10' is no number"),
+            ("a.csv", "7,1e400\n", ", line 1: '1e400' is no number"),
+            ("a.csv", "7,١٢\n", ", line 1: '١٢' is no number"),
+            ("a.csv", "7,1\x0b8,2\n", ", line 1: '1\x0b8' is no number"),
+            ("a.csv", f"7,{'1' * 5000}\n", f", line 1: '{'1' * 79}…' is no number"),
+            ("a.csv", "9007199254740993,1\n", ", line 1: 9007199254740992 is no id"),
+            ("a.csv", "nan,1\n", ", line 1: nan is no id"),
+            ("a.json", '[{"id": 9007199254740993, "answer": [1]}]', ", entry 1: 9007199254740993 is no id"),
+            ("a.json", f'[{{"id": 1{"0" * 5000}, "answer": [1]}}]', f", entry 1: 1{'0' * 78}… is no id"),
+            ("a.json", '[{"id": 1e400, "answer": [1]}]', ", entry 1: 1e400 is no id"),
+            ("a.json", '[{"id": NaN, "answer": [1]}]', ", entry 1: nan is no id"),
+            ("a.json", '[{"id": true, "answer": [1]}]', ", entry 1: the id is 'True'; give that of a question"),
+            (
+                "a.json",
+                '[{"id": 7, "answer": [9007199254740993]}]',
+                ", entry 1, id 7: no double holds '9007199254740993'",
+            ),
+            ("a.json", '[{"id": 7, "answer": [1e400]}]', ", entry 1, id 7: no double holds '1e400'; give real numbers"),
+            ("a.json", '[{"id": 7, "answer": {"x": 1}}]', ", entry 1, id 7: the answer is no array of numbers"),
+            (
+                "a.json",
+                '[{"id": 7, "id": 8, "answer": [1]}]',
+                ": is no JSON: an object has id, id, answer, one of them twice",
+            ),
+            ("a.json", "[" * 100_000, ": is nested too deeply"),
+            (
+                "a.json",
+                f'[{{"id": 7, "answer": {"[" * 900}1{"]" * 900}}}]',
+                ", entry 1, id 7: the answer is nested more than 32 times",
+            ),
+            ("a.json", b"\xff\xfe[", ": is no JSON: "),
+            (
+                "a.npz",
+                {"id": np.array(7), "answer": [[1.0]]},
+                ": 'id' is no row of ids (N,), but of shape () and type int64",
+            ),
+            ("a.npz", {"id": ["7"], "answer": [[1.0]]}, ": 'id' is no row of ids (N,), but of shape (1,) and type <U1"),
+            ("a.npz", {"id": [[7]], "answer": [[1.0]]}, ": 'id' is no row of ids (N,), but of shape (1, 1)"),
+            ("a.npz", {"id": np.zeros((10**9, 0)), "answer": np.zeros((10**9, 0))}, ": 'id' is no row of ids"),
+            (
+                "a.npz",
+                {"id": [7], "answer": np.array(1.0)},
+                ": 'answer' needs one row for each of the 1 entries of 'id'",
+            ),
+            ("a.npz", {"id": [2**53 + 1], "answer": [1.0]}, ", answer[0]: 9007199254740993 is no id"),
+            ("a.npz", {"id": [7], "answer": [2**53 + 1]}, ", answer[0], id 7: no double holds '9007199254740993'"),
+            ("a.npz", {"id": np.array([7], dtype=object), "answer": [1.0]}, ": 'id' is not an array of numbers"),
+        ],
+    )
+    def test_hostile(self, tmp_path, name, content, message):
+        with pytest.raises(BadAnswers) as caught:
+            self.read(tmp_path, name, content)
+        assert str(caught.value).startswith(f"{tmp_path / name}{message}")
+        assert "\n" not in str(caught.value)
+
+    def test_hostile_archives(self, tmp_path, monkeypatch):
+        """Of another kind, encrypted, with a shape beyond its bytes, and larger than allowed once expanded."""
+        path = tmp_path / "a.npz"
+
+        def refused(match):
+            with pytest.raises(BadAnswers, match=match):
+                read_answers([path])
+
+        with path.open("wb") as file:
+            np.save(file, np.zeros(3))
+        refused(r"a.npz: not a readable .npz file \(File is not a zip file\)")
+        np.savez(path, id=[7], answer=[[1.0]])
+        whole = path.read_bytes()
+        for signature, flags in ((b"PK\3\4", 6), (b"PK\1\2", 8)):  # bit 0: encrypted
+            content = bytearray(whole)
+            places = [found.start() for found in re.finditer(re.escape(signature), whole)]
+            for place in places:
+                content[place + flags] |= 1
+        path.write_bytes(content)
+        refused(r"a.npz: not a readable .npz file \(.*encrypted.*\)")
+        path.write_bytes(whole.replace(b"'shape': (1,)", b"'shape': (9,)"))
+        refused(r"a.npz: 'id.npy' announces 72 bytes of numbers|not a readable .npz file")
+        np.savez_compressed(path, id=[7], answer=np.zeros((1, 1000)))
+        monkeypatch.setattr(format, "MAX_EXPANDED_BYTES", 4096)
+        refused(r"a.npz: its content is larger than 4096 bytes when expanded; divide the file")
+
+    def test_answers_that_are_no_numbers_are_kept(self, tmp_path):
+        """The judge says which of them is nan or inf."""
+        for name, content in (
+            ("a.csv", "7,nan,-inf,Infinity\n"),
+            ("a.json", '[{"id": 7, "answer": [NaN, -Infinity, Infinity]}]'),
+        ):
+            np.testing.assert_array_equal(self.read(tmp_path, name, content)[7], [np.nan, -np.inf, np.inf])
 
     def test_columns_of_parquet(self, tmp_path):
         pyarrow.parquet.write_table(pa.table({"id": [7], "x": [1.0]}), tmp_path / "a.parquet")

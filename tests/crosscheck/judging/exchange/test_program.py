@@ -14,8 +14,9 @@ from own_processes import HANGS, alive
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.judging.exchange import line_process
 from crosscheck.judging.exchange.line_process import LineProcess, ProgramFailed, end_in_words
+from crosscheck.judging.exchange.printed_numbers import UnreadableAnswer
 from crosscheck.judging.exchange.program import ProgramFunction
-from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, UnreadableAnswer, number_text
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME, number_text
 from crosscheck.quantities.tested_function import Refusal
 
 SOON = 0.3

@@ -1,0 +1,116 @@
+"""Numbers as programs print them, in lines and in JSON, nan and inf among them; what a double cannot hold is none."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from crosscheck.judging.exchange.line_process import shown
+from graphdyn.layout import Array
+from urdf.document import finite_number
+
+MAX_EXACT_INTEGER = 2**53
+"""Size from which doubles do not hold every integer."""
+
+MAX_NESTING = 32
+"""Largest number of dimensions of an answer."""
+
+_NOT_FINITE = re.compile(r"[-+]?(?:nan|inf|infinity)", re.IGNORECASE | re.ASCII)
+_DELIMITER = re.compile(r"[ \t]*[,;][ \t]*|[ \t]+")
+_DECIMAL_COMMA = re.compile(r"\d,\d")
+
+
+class UnreadableAnswer(Exception):
+    """A text that is no answer. Its text says what was expected."""
+
+
+class NoNumber(UnreadableAnswer):
+    """A line with something that is no number."""
+
+
+class BeyondDoubles(str):
+    """A number of a JSON document that a double cannot hold, as written."""
+
+
+def printed_number(text: str) -> float | None:
+    """The number that a program prints, such as -1.5e-3, nan or -inf; None for anything else."""
+    return float(text) if _NOT_FINITE.fullmatch(text) else finite_number(text)
+
+
+def printed_numbers(line: str) -> list[float]:
+    """The numbers of a line, with commas, semicolons or blanks between them. Raises UnreadableAnswer."""
+    cells = [cell for cell in _DELIMITER.split(line.strip(" \t\r\n")) if cell]
+    others = re.sub(r"[ \t]*,[ \t]*", ",", line.strip(" \t\r\n"))
+    if (comma := _DECIMAL_COMMA.search(others)) and re.search(r"[; \t]", others):
+        raise UnreadableAnswer(f"{shown(comma[0])} is one number or two; write decimal points")
+    numbers = [(cell, printed_number(cell)) for cell in cells]
+    wrong = [cell for cell, number in numbers if number is None]
+    if wrong:
+        raise NoNumber(f"{shown(wrong[0])} is no number")
+    return [number for _, number in numbers if number is not None]
+
+
+def read_json(content: bytes | str) -> Any:
+    """The content of a JSON document, BeyondDoubles for numbers that a double cannot hold. Raises UnreadableAnswer."""
+    try:
+        return json.loads(content, parse_int=_integer, parse_float=_decimal, object_pairs_hook=_object)
+    except RecursionError:
+        raise UnreadableAnswer("is nested too deeply") from None
+    except ValueError as error:
+        raise UnreadableAnswer(f"is no JSON: {error}") from None
+
+
+def _integer(text: str) -> int | BeyondDoubles:
+    number = finite_number(text)  # int refuses thousands of digits
+    return BeyondDoubles(text) if number is None or not _is_exact(int(text)) else int(text)
+
+
+def _is_exact(number: int) -> bool:
+    return abs(number) <= MAX_EXACT_INTEGER or (abs(number) <= sys.float_info.max and float(number) == number)
+
+
+def _decimal(text: str) -> float | BeyondDoubles:
+    number = finite_number(text)
+    return BeyondDoubles(text) if number is None else number
+
+
+def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError(f"an object has {', '.join(key for key, _ in pairs)}, one of them twice")
+    return found
+
+
+def flat_numbers(nested: Any) -> Array:
+    """Numbers in nested lists, row by row (m,); null is no number. Raises UnreadableAnswer for anything else."""
+    numbers = list(_flat(nested, MAX_NESTING))
+    for number in numbers:
+        if isinstance(number, BeyondDoubles) or (isinstance(number, int) and not _is_exact(number)):
+            raise UnreadableAnswer(f"no double holds {shown(str(number))}")
+        if number is not None and (isinstance(number, bool) or not isinstance(number, int | float)):
+            raise UnreadableAnswer("the answer is no array of numbers")
+    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
+
+
+def _flat(nested: Any, depth: int) -> Iterator[Any]:
+    """The numbers of lists that are nested at most this deeply, row by row."""
+    if depth < 0:
+        raise UnreadableAnswer(f"the answer is nested more than {MAX_NESTING} times")
+    if isinstance(nested, list):
+        for inner in nested:
+            yield from _flat(inner, depth - 1)
+    else:
+        yield nested
+
+
+def whole_number(number: Any) -> int | None:
+    """The integer, of a size that doubles hold exactly; None for anything else."""
+    if isinstance(number, bool) or not isinstance(number, int | float) or not math.isfinite(number):
+        return None
+    return int(number) if abs(number) < MAX_EXACT_INTEGER and int(number) == number else None
