@@ -5,6 +5,7 @@ Cells of a column become doubles that lose no digits: large integers and calenda
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -33,6 +34,11 @@ COMPLEX_NUMBERS_MESSAGE = "it holds complex numbers; save their real parts"
 
 DURATION_PATTERN = r"^-?(\d+\.?\d*|\.\d+)(e[-+]?\d+)? sec$"
 """A duration as MATLAB's writetimetable writes it."""
+
+
+def is_exact(number: float) -> bool:
+    """Whether a double holds the number, which may be an integer with any number of digits."""
+    return abs(number) <= sys.float_info.max and float(number) == number
 
 
 class Cells(NamedTuple):

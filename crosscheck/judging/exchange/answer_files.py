@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.exchange.line_process import shown
 from crosscheck.judging.exchange.printed_numbers import (
     BeyondDoubles,
     UnreadableAnswer,
@@ -20,10 +19,11 @@ from crosscheck.judging.exchange.printed_numbers import (
     read_json,
     whole_number,
 )
-from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.recordings.errors import BadRecordingFile, quoted
 from crosscheck.recordings.formats.npz_files import npz_arrays
 from crosscheck.recordings.formats.parquet_files import parquet_table
 from graphdyn import GraphDynError
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 
@@ -100,7 +100,9 @@ def _npz(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
         if ids.ndim != 1 or ids.dtype.kind not in "fiu":
             raise BadAnswers(f"{path}: '{name}' is no row of ids (N,), but {_described(ids)}; give their numbers")
         if other not in found or found[other].shape[:1] != ids.shape:
-            raise BadAnswers(f"{path}: '{other}' needs one row for each of the {len(ids)} entries of '{name}'")
+            raise BadAnswers(
+                f"{path}: '{other}' needs one row for each of the {counted(len(ids), 'entry', 'entries')} of '{name}'"
+            )
         answers = found[other]
         if answers.dtype.kind not in "fiu":
             raise BadAnswers(f"{path}, {other}[0]: is of type {answers.dtype}; give real numbers")
@@ -149,9 +151,9 @@ def _entry(number: Any, answer: Any, where: str) -> tuple[int, GivenAnswer]:
 
 def _id(number: Any, where: str) -> int:
     if not isinstance(number, int | float | BeyondDoubles) or isinstance(number, bool):
-        raise BadAnswers(f"{where}: the id is {shown(str(number))}; give that of a question, a number")
+        raise BadAnswers(f"{where}: the id is {quoted(str(number))}; give that of a question, a number")
     found = whole_number(number)
     if found is None:
-        said = f"{number:.17g}" if isinstance(number, float) else shown(str(number)).strip("'")
+        said = f"{number:.17g}" if isinstance(number, float) else quoted(str(number)).strip("'")
         raise BadAnswers(f"{where}: {said} is no id; begin with that of the question, and write all its digits")
     return found

@@ -49,7 +49,7 @@ def _call(function: Any, arguments: dict[str, list[Any]], count: int) -> dict[st
     if returned != 0:
         return {"error": f"it returned {returned}; 0 means that the answer is valid"}
     if any(x != GUARD_VALUE for x in result[count:]):
-        return {"error": f"it wrote beyond the {count} numbers of its answer"}
+        return {"error": f"it wrote beyond the {count} {'number' if count == 1 else 'numbers'} of its answer"}
     for name, x in given.items():
         if list(x) != numbers[name]:
             return {"error": f"it changed its argument {name}, which is const"}

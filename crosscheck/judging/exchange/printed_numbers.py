@@ -5,18 +5,15 @@ from __future__ import annotations
 import json
 import math
 import re
-import sys
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from crosscheck.judging.exchange.line_process import shown
+from crosscheck.recordings.errors import quoted
+from crosscheck.recordings.table import MAX_EXACT_INTEGER, is_exact
 from graphdyn.layout import Array
 from urdf.document import finite_number
-
-MAX_EXACT_INTEGER = 2**53
-"""Size from which doubles do not hold every integer."""
 
 MAX_NESTING = 32
 """Largest number of dimensions of an answer."""
@@ -45,15 +42,20 @@ def printed_number(text: str) -> float | None:
 
 def printed_numbers(line: str) -> list[float]:
     """The numbers of a line, with commas, semicolons or blanks between them. Raises UnreadableAnswer."""
-    cells = [cell for cell in _DELIMITER.split(line.strip(" \t\r\n")) if cell]
-    others = re.sub(r"[ \t]*,[ \t]*", ",", line.strip(" \t\r\n"))
+    line = line.strip(" \t\r\n")
+    others = re.sub(r"[ \t]*,[ \t]*", ",", line)
     if (comma := _DECIMAL_COMMA.search(others)) and re.search(r"[; \t]", others):
-        raise UnreadableAnswer(f"{shown(comma[0])} is one number or two; write decimal points")
-    numbers = [(cell, printed_number(cell)) for cell in cells]
-    wrong = [cell for cell, number in numbers if number is None]
-    if wrong:
-        raise NoNumber(f"{shown(wrong[0])} is no number")
-    return [number for _, number in numbers if number is not None]
+        raise UnreadableAnswer(f"{quoted(comma[0])} is one number or two; write decimal points")
+    cells = _DELIMITER.split(line)
+    if not cells[-1]:  # a blank line, or a delimiter behind the last number
+        cells.pop()
+    numbers = []
+    for cell in cells:
+        number = printed_number(cell)
+        if number is None:
+            raise NoNumber(f"{quoted(cell)} is no number")
+        numbers.append(number)
+    return numbers
 
 
 def read_json(content: bytes | str) -> Any:
@@ -68,11 +70,7 @@ def read_json(content: bytes | str) -> Any:
 
 def _integer(text: str) -> int | BeyondDoubles:
     number = finite_number(text)  # int refuses thousands of digits
-    return BeyondDoubles(text) if number is None or not _is_exact(int(text)) else int(text)
-
-
-def _is_exact(number: int) -> bool:
-    return abs(number) <= MAX_EXACT_INTEGER or (abs(number) <= sys.float_info.max and float(number) == number)
+    return BeyondDoubles(text) if number is None or not is_exact(int(text)) else int(text)
 
 
 def _decimal(text: str) -> float | BeyondDoubles:
@@ -81,9 +79,11 @@ def _decimal(text: str) -> float | BeyondDoubles:
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise ValueError(f"an object has {', '.join(key for key, _ in pairs)}, one of them twice")
+    found = dict[str, Any]()
+    for key, value in pairs:
+        if key in found:
+            raise ValueError(f"an object has {quoted(key)} twice")
+        found[key] = value
     return found
 
 
@@ -91,8 +91,8 @@ def flat_numbers(nested: Any) -> Array:
     """Numbers in nested lists, row by row (m,); null is no number. Raises UnreadableAnswer for anything else."""
     numbers = list(_flat(nested, MAX_NESTING))
     for number in numbers:
-        if isinstance(number, BeyondDoubles) or (isinstance(number, int) and not _is_exact(number)):
-            raise UnreadableAnswer(f"no double holds {shown(str(number))}")
+        if isinstance(number, BeyondDoubles) or (isinstance(number, int) and not is_exact(number)):
+            raise UnreadableAnswer(f"no double holds {quoted(str(number))}")
         if number is not None and (isinstance(number, bool) or not isinstance(number, int | float)):
             raise UnreadableAnswer("the answer is no array of numbers")
     return np.array([np.nan if x is None else x for x in numbers], dtype=float)

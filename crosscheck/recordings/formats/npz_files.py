@@ -41,7 +41,8 @@ def _check_headers(path: Path, content: bytes) -> None:
     """Raise BadRecordingFile for arrays that are larger than allowed, or than their part of the archive."""
     from numpy.lib import format as npy
 
-    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    newer = npy.read_array_header_2_0  # version 3 has field names in UTF-8 besides, of arrays that are no numbers
+    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): newer, (3, 0): newer}
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         check_expanded(path, sum(member.file_size for member in archive.infolist()))
         for member in archive.infolist():

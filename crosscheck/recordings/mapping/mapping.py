@@ -5,7 +5,6 @@ The toml_ functions check values of a TOML document.
 
 from __future__ import annotations
 
-import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,6 +17,7 @@ import numpy as np
 
 from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.mapping.units import Unit, known_unit
+from crosscheck.recordings.table import is_exact
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
 from graphdyn.layout import Array
@@ -41,9 +41,9 @@ def toml_numbers(table: Mapping[str, Any], key: str, n: int, default: float, whe
 
 
 def is_number(value: Any) -> bool:
-    """Whether a double can hold the value: integers of TOML have any number of digits."""
+    """Whether a double holds the value: integers of TOML have any number of digits."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
-    return number and abs(value) <= sys.float_info.max
+    return number and is_exact(value)
 
 
 def toml_text(table: Mapping[str, Any], key: str, where: str) -> str | None:

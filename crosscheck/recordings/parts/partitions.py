@@ -154,7 +154,7 @@ class ReadableLog:
         source = cls(log, mapping, origin, joints, cutoff, cut, memory, begin, end, tuple(findings))
         if source.n_rows <= source.shortest:
             raise InvalidInput(
-                f"{log.path}: {max(source.n_rows, 0)} of its {log.n_rows} rows are too few for the borders of the "
+                f"{log.path}: {max(source.n_rows, 0)} of {counted(log.n_rows, 'row')}, too few for the borders of the "
                 f"filter, which need {source.shortest + 1}; leave the log out, or choose a higher cutoff"
             )
         return source

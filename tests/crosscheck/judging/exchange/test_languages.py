@@ -234,6 +234,10 @@ class TestLibrary:
     def test_refusals(self, misbehaving, symbol, reason):
         assert answers(misbehaving, symbol, [1.0, 2.0]) == [Refusal(reason)]
 
+    def test_one_number_is_told_in_the_singular(self, misbehaving):
+        found = answers(misbehaving, "overruns", [1.0, 2.0], shape=(1,))
+        assert found == [Refusal("it wrote beyond the 1 number of its answer")]
+
     def test_a_crash(self, misbehaving):
         with pytest.raises(ProgramFailed) as caught:
             answers(misbehaving, "crashes", [0.0, 2.0], [1.0, 2.0])

@@ -184,6 +184,10 @@ def test_truncated_matlab_files(tmp_path, options):
             r"m.toml: rate is 9{18}\.{3}9{19}; give samples per second",
         ),
         ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=' + "9" * 400, r"m.toml, \[q\]: offset is 9+; give 1 number"),
+        (
+            'joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=9007199254740993',
+            r"m.toml, \[q\]: offset is 9007199254740993; give 1 number",
+        ),
         ('joints=["a"]\nrate=1\n[q]\ncolumns=[1]\noffset=nan', r"m.toml, \[q\]: offset is nan; give 1 number"),
         ('joints=["a"]\nrate=1\ndelimiter=""\n[q]\ncolumns=[1]', r"m.toml: delimiter is ''; give the one character"),
         (

@@ -155,11 +155,11 @@ class TestRefusals:
             ({"cutoff": "residual"}, r"cutoff is 'residual'; give it in Hz, or per channel, or None"),
             (
                 {"cutoff": 1.0},
-                r"log: 2500 of its 2500 rows are too few for the borders of the filter, which need 5777; leave",
+                r"log: 2500 of 2500 rows, too few for the borders of the filter, which need 5777; leave",
             ),
             (
                 {"between": (0.9, 1.0)},
-                r"log: 250 of its 2500 rows are too few for the borders of the filter, which need",
+                r"log: 250 of 2500 rows, too few for the borders of the filter, which need",
             ),
             ({"rate": 0}, r"rate is 0; give samples per second"),
             ({"rows": 100}, r"parts of 100 rows are too short for the borders of the filter; give more than"),
