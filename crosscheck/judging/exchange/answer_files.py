@@ -100,9 +100,7 @@ def _npz(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
         if ids.ndim != 1 or ids.dtype.kind not in "fiu":
             raise BadAnswers(f"{path}: '{name}' is no row of ids (N,), but {_described(ids)}; give their numbers")
         if other not in found or found[other].shape[:1] != ids.shape:
-            raise BadAnswers(
-                f"{path}: '{other}' needs one row for each of the {counted(len(ids), 'entry', 'entries')} of '{name}'"
-            )
+            raise BadAnswers(f"{path}: '{other}' needs {counted(len(ids), 'row')}, one for each entry of '{name}'")
         answers = found[other]
         if answers.dtype.kind not in "fiu":
             raise BadAnswers(f"{path}, {other}[0]: is of type {answers.dtype}; give real numbers")
