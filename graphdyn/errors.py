@@ -6,7 +6,12 @@ from collections.abc import Iterable, Sequence
 
 
 class GraphDynError(Exception):
-    """Base of every error that graphdyn, urdf and crosscheck raise on purpose."""
+    """Base of every error that graphdyn, urdf and crosscheck raise on purpose.
+
+    problems: of an error that tells several, each in one line
+    """
+
+    problems: tuple[str, ...] = ()
 
 
 class InvalidModel(GraphDynError, ValueError):

@@ -17,7 +17,7 @@ from crosscheck.commands.judge import command as judge
 from crosscheck.commands.paper import command as paper
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.console import accept_all_characters
-from crosscheck.commands.program.exits import AGREED, Command, CommandGroup, ended_by_signals
+from crosscheck.commands.program.exits import AGREED, Command, CommandGroup, ended_by_signals, refuse_closed_output
 from crosscheck.commands.program.settings import as_command
 from crosscheck.commands.questions import command as questions
 from crosscheck.commands.robots import command as robots
@@ -84,6 +84,7 @@ own_process.program = run
 
 def main() -> None:
     """Entry point of the script."""
+    refuse_closed_output()
     accept_all_characters()
     with ended_by_signals():
         run()

@@ -111,8 +111,8 @@ class DirtyRecording(BadRecordingFile):
 
     def __init__(self, findings: tuple[RecordingFinding, ...]):
         self.findings = findings
-        errors = [finding for finding in findings if finding.severity == "error"]
-        super().__init__("\n".join(finding.text for finding in errors))
+        self.problems = tuple(finding.text for finding in findings if finding.severity == "error")
+        super().__init__("\n".join(self.problems))
 
 
 class BadMapping(InvalidInput):

@@ -22,6 +22,7 @@ from rich.console import Console
 from rich.text import Text
 
 from crosscheck.report.plain_text import printable
+from graphdyn import GraphDynError
 
 LINE_CHARACTERS = 120
 """Characters per line where the output is not a terminal (a file, a pipe)."""
@@ -52,7 +53,7 @@ class PipeConsole(Console):
 
 
 err = PipeConsole(stderr=True, markup=False, highlight=False)
-out = PipeConsole(markup=False, highlight=False, width=None if stdout.isatty() else LINE_CHARACTERS)
+out = PipeConsole(markup=False, highlight=False, width=None if stdout and stdout.isatty() else LINE_CHARACTERS)
 
 
 def say(text: str, style: str | None = None) -> None:
@@ -61,9 +62,11 @@ def say(text: str, style: str | None = None) -> None:
 
 
 def complain(error: Exception, context: typer.Context) -> None:
-    """Print an error that the user can correct, as one line."""
+    """Print an error that the user can correct, as one line, or one for each of its problems."""
     trace(error, context)
-    say(f"error: {in_words(error)}", "red")
+    several = error.problems if isinstance(error, GraphDynError) else ()
+    for problem in several or (in_words(error),):
+        say(f"error: {problem}", "red")
 
 
 def in_words(error: Exception) -> str:

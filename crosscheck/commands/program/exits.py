@@ -102,6 +102,23 @@ def _printable(error: Any) -> Any:
     return error
 
 
+def refuse_closed_output() -> None:
+    """End the program where standard output is closed, as by >&-: nobody would see the result.
+
+    Other standard streams that are closed are opened to nothing: a file that is opened later would take their number,
+    and libraries write to it.
+    """
+    if sys.stdout is None:
+        say("error: standard output is closed; leave it open, or send it to a file or to /dev/null", "red")
+        sys.exit(BAD_INPUT)
+    while (number := os.open(os.devnull, os.O_RDWR)) <= STANDARD_ERROR:
+        pass
+    os.close(number)
+
+
+STANDARD_ERROR = 2
+"""Number of the last of the standard streams."""
+
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
 """Windows has no SIGHUP."""
 

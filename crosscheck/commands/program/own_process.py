@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import faulthandler
 import os
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -19,7 +21,7 @@ import typer
 from crosscheck.commands.program import console
 from crosscheck.commands.program.console import accept_all_characters
 from crosscheck.distributing.processes import end_with_parent
-from crosscheck.judging.exchange.line_process import end_in_words
+from crosscheck.judging.exchange.line_process import Watcher, end_in_words
 from graphdyn import GraphDynError
 
 UNWINDING_TIME = 5.0
@@ -52,12 +54,14 @@ def enter(what: str) -> None:
     process = context.Process(target=_run, args=(program, theirs))
     process.start()
     theirs.close()
-    try:
-        running, code = _told(process, ours)
-        process.join()
-    except BaseException:  # Ctrl-C, which the process has received as well, or SIGTERM
-        _end(process)
-        raise
+    running: list[str] = []
+    with _group_of(process):
+        try:
+            code = _told(process, ours, running)
+            process.join()
+        except BaseException:  # Ctrl-C, or SIGTERM
+            _end(process, signal.SIGINT if running else signal.SIGTERM)
+            raise
     if code is None:
         raise UserCodeEnded(
             f"the process {end_in_words(process.exitcode)} while it ran {' and '.join(running) or what}; there is no "
@@ -66,9 +70,8 @@ def enter(what: str) -> None:
     raise typer.Exit(code)
 
 
-def _told(process: BaseProcess, ours: Connection) -> tuple[list[str], int | None]:
-    """The user code that ran, and the exit code, None where the process ended without reporting it."""
-    running: list[str] = []
+def _told(process: BaseProcess, ours: Connection, running: list[str]) -> int | None:
+    """The exit code, None where the process ended without reporting it. running: filled with the user code that ran"""
     while True:
         wait([ours, process.sentinel])
         try:
@@ -76,12 +79,36 @@ def _told(process: BaseProcess, ours: Connection) -> tuple[list[str], int | None
         except (EOFError, OSError):
             told = None
         if not isinstance(told, str):
-            return running, told
+            return told
         running.append(told)
 
 
-def _end(process: BaseProcess) -> None:
-    process.terminate()
+@contextmanager
+def _group_of(process: BaseProcess) -> Iterator[None]:
+    """The process in a group of its own; what user code has started there ends with it, and however this program ends.
+
+    Windows has no groups of processes.
+    """
+    if not hasattr(os, "killpg"):
+        yield
+        return
+    assert process.pid is not None
+    with suppress(OSError):  # it does so itself, if that was earlier
+        os.setpgid(process.pid, process.pid)
+    watcher = Watcher(process.pid)
+    try:
+        yield
+    finally:
+        with suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+        watcher.close()
+
+
+def _end(process: BaseProcess, number: int) -> None:
+    """End the process by this signal, and wait until it has unwound. Ctrl-C reaches only the program's own group."""
+    if process.pid is not None:
+        with suppress(ProcessLookupError):
+            os.kill(process.pid, number)
     process.join(UNWINDING_TIME)
     if process.exitcode is None:
         process.kill()
@@ -89,9 +116,13 @@ def _end(process: BaseProcess) -> None:
 
 
 def _run(again: Callable[[], None], theirs: Connection) -> None:
-    """The program, in the process of the command. A signal ends it at once: the program that started it unwinds."""
+    """The program, in the process of the command. SIGINT unwinds it, also where who started the program ignores it;
+    other signals end it at once."""
     global tell
     tell = theirs.send
+    if hasattr(os, "setpgid"):
+        os.setpgid(0, 0)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     end_with_parent()
     faulthandler.enable()  # says in which line of Python a compiled extension crashed
     accept_all_characters()

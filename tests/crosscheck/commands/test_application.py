@@ -20,7 +20,7 @@ import urdf
 from crosscheck.bench.benchmark import Effort
 from crosscheck.commands import app
 from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
-from crosscheck.commands.program import console
+from crosscheck.commands.program import console, exits
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, BROKEN_PIPE, DISAGREED, INTERNAL_ERROR
 from crosscheck.comparing import compare as comparing
 from crosscheck.paper import errata
@@ -78,6 +78,20 @@ class TestExitCodes:
         assert done.err.count("\n") == 1
         assert "Traceback" not in done.err + done.out
         assert f"\n{pendulum.name}: agrees" in done.out
+
+    def test_problems_of_one_file_are_one_line_each(self, program, tmp_path):
+        """Not one line with line breaks as \\n in it, as in names of others."""
+        columns = ["time", *(f"{name}[{k}]" for name in ("q", "qd", "tau") for k in range(6))]
+        rows = [[f"{0.01 * k:.2f}", *(["0.5"] * 18)] for k in range(20)]
+        rows[7][3] = "0.5x"
+        rows[12][0] = rows[11][0]
+        log = tmp_path / "log.csv"
+        log.write_text("\n".join(",".join(row) for row in [columns, *rows]), encoding="utf-8")
+        done = program("identify", log, "--robot", "ur5")
+        assert done.code == BAD_INPUT
+        first, second = done.err.splitlines()
+        assert re.fullmatch(r"error: .*log\.csv, .*0\.5x.*; .* \[.*\]", first)
+        assert re.fullmatch(r"error: .*log\.csv, .*stamp.*; .* \[.*\]", second)
 
     def test_one_unreadable_robot_leaves_the_others_their_result(self, program, pendulum, monkeypatch):
         original = comparing.compare
@@ -175,6 +189,25 @@ class TestDebug:
         finally:
             os.close(writer)
         assert (done.code, done.err) == (BROKEN_PIPE, "")
+
+    @pytest.mark.skipif(os.name != "posix", reason="the shell of POSIX closes streams by >&-")
+    def test_a_closed_output(self):
+        """Not the code of a disagreement, nor a result that nobody sees."""
+        code = "from crosscheck.commands import main; main()"
+        line = f'exec "{sys.executable}" -c "{code}" robots >&-'
+        done = subprocess.run(["/bin/sh", "-c", line], stderr=subprocess.PIPE, text=True, check=False)
+        assert done.returncode == BAD_INPUT
+        assert done.stderr == (
+            "error: standard output is closed; leave it open, or send it to a file or to /dev/null\n"
+        )
+
+    def test_other_closed_streams_lead_to_nothing(self, monkeypatch):
+        """A file that is opened later would take the number of standard error, and what libraries write."""
+        opened, closed = iter([0, 2, 3]), []
+        monkeypatch.setattr(exits.os, "open", lambda *_: next(opened))
+        monkeypatch.setattr(exits.os, "close", closed.append)
+        exits.refuse_closed_output()
+        assert closed == [3]
 
 
 class TestCompletion:

@@ -2,17 +2,22 @@
 
 import json
 import os
+import re
 import signal
 import sys
+import time
+from pathlib import Path
 
 import pytest
+from identified.small_study import GRID, ROBOT, SCENARIO, STUDY
 from long_check import LONG, few
+from own_processes import HANGS, alive
 
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 
 CODE = """
-import ctypes, os, signal, sys
+import ctypes, os, signal, subprocess, sys
 import graphdyn, urdf
 
 class Own(BaseException):
@@ -40,7 +45,7 @@ def talks(q, v, a):
     return graphdyn.joint_torques(urdf.load("ur5"), q, v, a)
 
 def waits(q, v, a):
-    print("waiting", flush=True)
+    print(subprocess.Popen(["sleep", "1000"]).pid, flush=True)
     while True:
         pass
 
@@ -48,6 +53,12 @@ class Method:
     name, reference, assumptions, needs = "own", "none", "none", "nothing"
     def estimate(self, problem):
         raise Own("no base")
+
+class Slow(Method):
+    def estimate(self, problem):
+        print("estimating", flush=True)
+        while True:
+            pass
 
 def method_that_divides():
     return 1 / 0
@@ -141,17 +152,36 @@ class TestOutput:
         assert "printed" not in done.out
 
 
-@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="the processes of a program are found in /proc")
 @pytest.mark.parametrize(
-    ("number", "code"), few([(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129)], (signal.SIGINT, 130))
+    ("name", "code"),
+    few([("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129), ("SIGKILL", -9)], ("SIGTERM", 143)),
 )
-def test_the_program_is_ended(started, folder, number, code):
-    """With the process of its command, which holds its output open as long as it lives."""
+def test_the_program_is_ended(started, folder, name, code):
+    """With the process of its command, and with what user code has started there."""
     program = started(*judge("waits"))
-    assert program.stderr.readline() == "waiting\n"
-    program.send_signal(number)
+    begun = int(program.stderr.readline())
+    program.send_signal(getattr(signal, name))
+    assert program.wait(HANGS) == code
+    deadline = time.monotonic() + HANGS
+    while alive(begun):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
     assert program.communicate() == ("", "")
-    assert program.returncode == code
+
+
+@LONG
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_study_with_own_methods_says_how_to_go_on(started, folder, small_arm, name):
+    text = STUDY + ROBOT + SCENARIO + GRID
+    text = re.sub(r"methods = .*", "methods = ['own.py:Slow']", text).replace("small.urdf", str(small_arm))
+    (folder / "study.toml").write_text(text, encoding="utf-8")
+    study = started("study", "--config", "study.toml", "--out", "out", "--allow-code", "--jobs", 1)
+    assert "estimating\n" in iter(study.stderr.readline, "")
+    study.send_signal(getattr(signal, name))
+    assert study.communicate(timeout=HANGS)[1].endswith("runs are kept in out; go on with --resume\n")
+    assert study.returncode == 128 + getattr(signal, name)
 
 
 class TestErrors:
