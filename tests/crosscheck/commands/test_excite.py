@@ -23,6 +23,7 @@ from crosscheck.exciting.motion_formats.motion_file import WRITTEN_SUFFIXES, doc
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
 from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import InvalidInput, joint_torques
 from graphdyn.excitation import FourierBasis, Trajectory
 
@@ -124,6 +125,10 @@ def test_assumed_noise(small_arm):
     noise, words = assumed_noise(mixed_tree())
     assert np.all(noise > 0)
     assert "torque that the bodies" in words
+    model = mixed_tree()
+    q, v = model.random_state(np.random.default_rng(0), 1000)
+    squares = PinocchioModel.from_model(model).rnea(q, v, np.zeros_like(q)) ** 2
+    assert noise == pytest.approx(0.01 * np.sqrt(squares.mean(axis=0)))
     massless = mixed_tree().with_inertial_parameters(np.zeros(30))
     assert assumed_noise(massless)[0].tolist() == [1, 1, 1]
 

@@ -1,14 +1,17 @@
 """crosscheck.identify: which result is recommended, or none."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.stats
 from identified.identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
 
 import crosscheck
 from crosscheck.identifying import Candidate, OtherRecordings, recommendation
-from crosscheck.identifying.results.recommending import joint_errors, mean_error
+from crosscheck.identifying.results.identified_model import PieceSquares
+from crosscheck.identifying.results.recommending import difference, joint_errors, mean_error
 from graphdyn import InvalidInput
 from graphdyn.identification import Plausibility
 
@@ -21,6 +24,26 @@ def answer_of(*results):
 def scaled(statistics, factor):
     moving = replace(statistics.moving, relative=factor * statistics.moving.relative)
     return replace(statistics, moving=moving)
+
+
+def test_deviation_of_a_difference():
+    """Squares that vary by a ten-thousandth: half of their standard error, over the pieces of two trials."""
+    pieces = np.random.default_rng(0).normal(size=(2, 10))
+
+    def candidate(squares):
+        def of_trial(half):
+            errors = squares[half, None] * [4.0, 4.0]
+            measured = np.ones((5, 2))
+            return PieceSquares({"m": errors}, {"m": 9 * errors}, measured, measured, np.array([20.0, 20.0]))
+
+        halves = [of_trial(slice(5)), of_trial(slice(5, None))]
+        trials = [SimpleNamespace(squares=lambda count, half=half: half if count == 5 else None) for half in halves]
+        return SimpleNamespace(model=SimpleNamespace(trials=trials), result=SimpleNamespace(name="m"))
+
+    first, second = (candidate(1 + 1e-4 * z) for z in pieces)
+    apart = difference(first, second)
+    assert apart.value == pytest.approx(2 * 0.5e-4 * np.subtract(*pieces.mean(axis=1)), rel=1e-3)
+    assert apart.deviation == pytest.approx(2 * 0.5e-4 * scipy.stats.sem(pieces[0] - pieces[1]), rel=1e-3)
 
 
 class TestRecommendation:

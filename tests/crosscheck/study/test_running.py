@@ -138,8 +138,8 @@ def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path)
 
 def test_whatever_a_method_raises_is_its_result(folder, tmp_path):
     (folder / "own.py").write_text(OWN, encoding="utf-8")
-    methods = '["ols", "own.py:Raises", "own.py:Wrong", "own.py:Nothing", "own.py:Narrow", "own.py:Counts"]'
-    study = small_study(folder, study=f"[study]\nruns = 1\nmethods = {methods}\n")
+    names = ["ols", *(f"own.py:{name}" for name in ("Raises", "Wrong", "Nothing", "Narrow", "Counts", "Blocks"))]
+    study = small_study(folder, study=f"[study]\nruns = 1\nmethods = {json.dumps(names)}\n")
     run_study(study, tmp_path / "out", InThisProcess(lambda tasks: range(1), ends=1))
     reasons = {row["method"]: row["reason"] for row in rows(tmp_path / "out")}
     assert reasons["ols"] is None
@@ -148,6 +148,8 @@ def test_whatever_a_method_raises_is_its_result(folder, tmp_path):
     assert reasons["own:Nothing"] == "AttributeError: 'NoneType' object has no attribute 'parameters'"
     assert reasons["own:Narrow"] == "ValueError: the method answers a covariance of shape (3, 3)"
     assert reasons["own:Counts"] is None, "NumPy's whole numbers are numbers"
+    (blocks,) = (row for row in rows(tmp_path / "out") if row["method"] == "own:Blocks")
+    assert blocks["sigma"] == [3.0] * len(blocks["base"]), "deviations that allow for correlation come first"
 
 
 def test_methods_take_part_where_what_they_need_is_measured(folder):
@@ -187,6 +189,10 @@ class Nothing(OrdinaryLeastSquares):
 class Narrow(OrdinaryLeastSquares):
     def estimate(self, problem):
         return replace(super().estimate(problem), covariance=np.eye(3), block_covariance=None)
+
+class Blocks(OrdinaryLeastSquares):
+    def estimate(self, problem):
+        return replace(super().estimate(problem), block_covariance=9 * np.eye(problem.base.rank))
 
 class Counts(OrdinaryLeastSquares):
     def estimate(self, problem):

@@ -40,7 +40,7 @@ def study(tmp_path_factory):
 
 @pytest.fixture
 def raw(monkeypatch):
-    """raw(study, scenario): what the robot did, and its recording before the preparation."""
+    """raw(study, scenario, run): what the robot did, and its recording before the preparation."""
     kept = {}
 
     def keeping(name):
@@ -55,8 +55,8 @@ def raw(monkeypatch):
     keeping("_motion")
     keeping("_recorded")
 
-    def both(study, scenario):
-        simulated(study, scenario, 0)
+    def both(study, scenario, run=0):
+        simulated(study, scenario, run)
         return kept["_motion"], kept["_recorded"]
 
     return both
@@ -110,6 +110,22 @@ def test_the_controller_sees_the_noise_of_the_recording(study, raw, sampling, co
     noise = recording.q - motion.links[0]
     assert np.std(noise) == pytest.approx(1e-3, rel=0.15)
     assert abs(np.corrcoef(noise[1:, 0], noise[:-1, 0])[0, 1]) < 0.25
+
+
+def test_every_run_and_sensor_has_noise_of_its_own(study, raw):
+    """Standard normal where it is divided by its deviation; all correlations below five of their own, 1 / √N."""
+    scenario = replace(EXACT, position_noise=1e-4, torque_noise=0.2, force_noise=0.5, duration=1.0)
+    plant, found = plant_of(study.robot), []
+    for run in (0, 1, 0):
+        motion, recording = raw(study, scenario, run)
+        wrenches = recording.joint_wrenches - inverse_dynamics(plant.model, *motion.links).joint_wrenches
+        noises = (recording.q - motion.links[0]) / 1e-4, (recording.tau - motion.tau) / 0.2
+        found.append([*noises, wrenches[:, :, 1] / 0.5, wrenches[:, :, 4] / 0.2])
+    assert all(np.allclose(first, again) for first, again in zip(found[0], found[2], strict=True))
+    columns = np.column_stack([*found[0], *found[1]])
+    bound = 5 / np.sqrt(len(columns))
+    assert np.std(columns, axis=0) == pytest.approx(1.0, abs=bound / np.sqrt(2))
+    assert np.abs(np.corrcoef(columns.T) - np.eye(16)).max() < bound
 
 
 def test_errors_of_the_model(study, raw):
@@ -186,6 +202,9 @@ def test_validation_metric(study):
     assert measure.torque_error(wrong) == pytest.approx(0.1)
     assert 1e-6 < measure.trajectory_error(wrong) < 0.1
     assert measure.trajectory_error(-measure.truth) is None
+    away = replace(measure, followed=measure.followed + np.array([0.03, -0.04]))
+    size = np.sqrt(measure.followed.var(axis=0).sum())
+    assert away.trajectory_error(measure.truth) == pytest.approx(0.05 / size), "relative to what the robot moves"
 
 
 def test_dry_friction_that_is_forgotten_is_an_error_of_the_torque(study):

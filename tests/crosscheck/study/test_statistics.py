@@ -1,6 +1,7 @@
 """Statistics of a study against closed forms, scipy, and published tables."""
 
 from itertools import permutations, product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
 from crosscheck.study.statistics.intervals import deviations, drawn_means, ends, means, median, share
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
-from crosscheck.study.statistics.summary import critical_distance, friedman, record_ranks, summarized
+from crosscheck.study.statistics.summary import critical_distance, friedman, ranked, record_ranks, summarized
 from graphdyn import InvalidInput
 
 # Demšar 2006, Table 6: ranks of C4.5 and three variants on 14 data sets
@@ -83,6 +84,30 @@ def test_bootstrap_covers_the_mean(scenarios):
     drawn = np.mean([drawn_means(part, str(k)) for k, part in enumerate(values)], axis=0)
     low, high = ends(drawn, [5] * scenarios)
     assert np.mean((low < 0) & (high > 0)) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / 400))
+
+
+@pytest.mark.parametrize("scenarios", [1, 2])
+def test_ends_of_the_bootstrap_are_those_of_student(scenarios):
+    """Where the mean is normal: of one sample, and of the mean of two, half as wide as that of their difference."""
+    values = np.random.default_rng(5).normal(size=(scenarios, 6))
+    normal = scipy.stats.norm.ppf((np.arange(50_000) + 0.5) / 50_000)
+    drawn = values.mean() + normal * np.sqrt(values.var(axis=1).sum() / 6) / scenarios
+    low, high = ends(drawn[:, None], [6] * scenarios)[:, 0]
+    known = scipy.stats.ttest_1samp(values[0], 0) if scenarios == 1 else scipy.stats.ttest_ind(*values)
+    interval = known.confidence_interval(0.95)
+    assert (high - low) * scenarios == pytest.approx(interval.high - interval.low, rel=2e-3)
+    assert (high + low) / 2 == pytest.approx(values.mean(), abs=1e-9)
+
+
+def test_drawn_means_are_those_of_a_sample():
+    """Their deviation is σ / √R, without the values that are missing."""
+    values = np.random.default_rng(6).normal(size=(8, 2))
+    values[5:, 1] = np.nan
+    drawn = drawn_means(values, "0")
+    for k, there in enumerate((values[:, 0], values[:5, 1])):
+        bound = 6 * there.std() / np.sqrt(len(there) * len(drawn))
+        assert np.nanmean(drawn[:, k]) == pytest.approx(there.mean(), abs=bound)
+    assert drawn[:, 0].std() == pytest.approx(values[:, 0].std() / np.sqrt(8), rel=0.05)
 
 
 def test_percentiles_alone_are_too_narrow():
@@ -168,6 +193,19 @@ def test_ranking(study):
     assert found.ratio.low[iv] == pytest.approx(0.7 / 0.6)
 
 
+def test_scenarios_have_the_same_weight():
+    """Two records where the first method is the best, six where it is the last but once; means of logarithms."""
+    few, many = np.array([[1.0, 2.0, 4.0]] * 2), np.array([[9.0, 4.0, 3.0]] * 5 + [[9.0, np.inf, 3.0]])
+    scenarios = [SimpleNamespace(errors={"e": errors}, name=str(len(errors))) for errors in (few, many)]
+    found = ranked(["a", "b", "c"], [0, 1, 2], scenarios, "e")
+    assert found.methods == ("a", "c", "b")
+    assert found.rank.value == pytest.approx([2 - 1 / 12, 2, 2 + 1 / 12])
+    ratios = scipy.stats.gmean([[1, 4, 2], [1, 1 / 3, 4 / 9]])
+    assert found.ratio.value == pytest.approx(ratios)
+    assert found.failures == [0, 0, 1]
+    assert (found.records, found.distance) == (8, pytest.approx(2.343 * np.sqrt(3 * 4 / (6 * 8)), abs=2e-3))
+
+
 def test_few_records_tell_little(study):
     """With six runs no neighbors differ."""
     found = study.scenarios[0].rankings["torques", "torque_error"]
@@ -204,6 +242,14 @@ def test_stated_deviations_of_the_runs_that_state_them():
     ols = summarized(outcomes(some, scenarios, times)).scenarios[0].methods[0]
     assert ols.method.name == "ols"
     assert ols.parameters.stated == pytest.approx(NOISES[0] * np.abs(TRUTH))
+
+
+def test_stated_deviations_are_root_mean_squares():
+    results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
+    factors = [{**row, "sigma": [(1 + row["run"]) * x for x in row["sigma"] or []] or None} for row in results]
+    ols = summarized(outcomes(factors, scenarios, times)).scenarios[0].methods[0]
+    mean_square = (1 + 4 + 9 + 16 + 25 + 36) / 6
+    assert ols.parameters.stated == pytest.approx(np.sqrt(mean_square) * NOISES[0] * np.abs(TRUTH))
 
 
 def test_summary(study):

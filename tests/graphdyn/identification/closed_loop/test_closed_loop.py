@@ -21,7 +21,7 @@ from graphdyn.identification import (
     WeightedLeastSquares,
 )
 from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
-from graphdyn.identification.closed_loop.equations import beside
+from graphdyn.identification.closed_loop.equations import CrossedEquations, beside
 from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
@@ -152,6 +152,21 @@ def test_no_bias(method, noisy):
     assert torque_error(run, problem, found) < 0.01
     error = values(problem, found) - problem.base.values(run.truth)
     assert np.mean(error**2 / np.diag(found.block_covariance)) < 2
+
+
+def test_covariance_of_instrumental_variables():
+    """For white noise: of a solution that is linear in the torques, by its derivative by every one of them."""
+    rng, noise = np.random.default_rng(0), np.array([0.5, 3.0])
+    z, w = rng.normal(size=(2, 2, 20, 3))
+    w += 2 * z
+
+    def solved(tau):
+        products = np.array([z[g].T @ np.column_stack([w[g], tau[g]]) for g in range(2)])
+        return CrossedEquations(products[None], np.einsum("gtk,gtl->gkl", z, z)).solve(noise)
+
+    units = np.eye(40).reshape(40, 2, 20)
+    by_torque = np.array([solved(unit).x for unit in units]) * np.repeat(noise, 20)[:, None]
+    np.testing.assert_allclose(solved(units[0]).covariance, by_torque.T @ by_torque, rtol=1e-9)
 
 
 def test_sensitivities_against_complex_steps():

@@ -4,9 +4,11 @@ Statistics are held against simulation or against the formula written out, thres
 """
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.stats
 from identified import torque_data
 from identified.coverage_trials import Case, correlated_noise, coverage
 from identified.replayed_problem import ReplayedProblem
@@ -23,7 +25,13 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.algebra.compressed import CompressedEquations
 from graphdyn.identification.estimation.cross_validation import CrossValidation
-from graphdyn.identification.statistics.correlation import MAX_CELLS, CorrelationLength, jackknife_covariance
+from graphdyn.identification.estimators.generalized import error_covariance
+from graphdyn.identification.statistics.correlation import (
+    MAX_CELLS,
+    CorrelationLength,
+    jackknife_covariance,
+    left_out_covariance,
+)
 
 FEW = 30
 """Samples of two joints: 60 equations for 12 parameters, which use up a fifth of them."""
@@ -79,6 +87,27 @@ def test_covariance_of_few_equations_with_huber():
     assert kappa**2 > 1.02
 
 
+def test_noise_between_joints_of_samples_without_all_equations():
+    """Joint 1 has 40 equations for 8 parameters, joint 2 half of them for 4: on average the noise is that of all."""
+    turns = 2 * np.pi * np.arange(40) / 40
+    waves = np.column_stack([f(k * turns) for k in range(1, 5) for f in (np.cos, np.sin)])
+    kept = np.column_stack([np.ones(40), np.arange(40) % 2 == 0]).astype(bool)
+    matrix = np.zeros((40, 2, 12))
+    matrix[:, 0, :8], matrix[:, 1, 8:] = waves, waves[:, :4]
+    rng, size, found = np.random.default_rng(0), np.array([2.0, 0.5]), []
+    for _ in range(400):
+        right = size * rng.normal(size=(40, 2))
+        x = np.linalg.lstsq(matrix[kept], right[kept], rcond=None)[0]
+        problem = SimpleNamespace(
+            n_joints=2,
+            rows=lambda right=right: [SimpleNamespace(kept=kept, right=right)],
+            reduced=lambda rows: matrix,
+            equations=SimpleNamespace(counts=np.array([40, 20])),
+        )
+        found.append(np.diag(error_covariance(problem, x, np.array([8.0, 4.0]))) / size**2)
+    assert np.mean(found, axis=0) == pytest.approx(1.0, abs=5 * np.sqrt(2 / 16 / 400))
+
+
 class TestJackknife:
     def problem(self, n_blocks):
         samples = torque_data.small_samples()
@@ -103,6 +132,21 @@ class TestJackknife:
         changes = np.array([solved(block != b) - solved(block >= 0) for b in range(n_blocks)])
         estimate = OrdinaryLeastSquares().estimate(problem)
         np.testing.assert_allclose(np.diag(estimate.block_covariance), factor * np.sum(changes**2, axis=0), rtol=1e-6)
+
+    def test_of_sums_without_their_rows(self):
+        """Blocks that are not symmetric, as of instruments, each left out; of one mean it is the standard error."""
+        rng = np.random.default_rng(0)
+        blocks, right = rng.normal(size=(6, 3, 3)) + 4 * np.eye(3), rng.normal(size=(6, 3))
+        x = np.linalg.solve(blocks.sum(axis=0), right.sum(axis=0))
+        changes = [
+            np.linalg.solve(np.delete(blocks, b, 0).sum(axis=0), np.delete(right, b, 0).sum(axis=0)) - x
+            for b in range(6)
+        ]
+        found = left_out_covariance(blocks, right - blocks @ x, np.array([1.0, 2.0, 30.0]))
+        np.testing.assert_allclose(found, 5 / 6 * np.transpose(changes) @ changes, rtol=1e-10)
+        mean = left_out_covariance(np.ones((6, 1, 1)), right[:, :1] - right[:, 0].mean(), np.ones(1))
+        assert mean[0, 0] == pytest.approx(scipy.stats.sem(right[:, 0]) ** 2)
+        assert left_out_covariance(blocks[:1], right[:1], np.ones(3)) is None
 
     def test_with_huber(self):
         """One Newton step from the answer to that without a block: x_b - x = (A - A_b)⁻¹ g_b, A with the mean of ψ'."""
