@@ -259,6 +259,19 @@ def test_sums_are_read_after_they_are_done(monkeypatch):
     )
 
 
+def test_far_angles_of_long_programs_are_brought_back_first(monkeypatch):
+    """Each joint in its turn, as the same robot with the angle that NumPy's sine and cosine tell."""
+    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", 0)
+    tree = random_tree(9, [0, 1, 0], ["revolute"] * 3)
+    q, v, a = random_state(tree, 3, (6,))
+    far = q.copy()
+    far[[1, 3, 5], [0, 1, 2]] = 1e17
+    near = np.where(far == q, q, np.arctan2(np.sin(far), np.cos(far)))
+    found, expected = (graphdyn.joint_torques(tree, x, v, a, method="recursive") for x in (far, near))
+    assert np.abs(found - expected).max() < SUM * np.abs(expected).max()
+    assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[tree].values())
+
+
 @pytest.mark.parametrize("model", [CHAIN, pytest.param(STAR, marks=LONG)], ids=["chain", "star"])
 def test_sixty_bodies(model):
     q, v, a = random_state(model, 3, (3,))

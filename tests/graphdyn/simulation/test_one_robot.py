@@ -9,6 +9,7 @@ from robots.moving_robots import pendulum, slider
 from graphdyn import (
     ComputedTorqueControl,
     Coupling,
+    Event,
     Friction,
     GraphDynError,
     IntegrationFailed,
@@ -18,7 +19,7 @@ from graphdyn import (
     kr500,
     simulate,
 )
-from graphdyn.simulation.torques import torques
+from graphdyn.simulation.torques import Torques, torques
 
 FIXED = {"method": "rk4", "step": 0.1}
 
@@ -30,6 +31,14 @@ def test_rows_of_fixed_steps():
     some = simulate(slider(), [0.0], [1.0], 1.0, at=[0.2, 0.6, 1.0], **FIXED)
     assert some.time == pytest.approx([0.2, 0.6, 1.0])
     assert some.q[:, 0] == pytest.approx([0.2, 0.6, 1.0])
+
+
+def test_rows_after_many_steps():
+    """Asked for at every third step, which no chunk of steps begins with but the first."""
+    at = np.append(np.arange(3.0, 9000.0, 999.0), 9000.0)
+    motion = simulate(slider(), [0.0], [1.0], 9000.0, at=at, method="rk4", step=1.0)
+    assert np.array_equal(motion.time, at)
+    assert motion.q[:, 0] == pytest.approx(at, rel=1e-9)
 
 
 def test_rows_of_adaptive_steps():
@@ -47,6 +56,27 @@ def test_torques_that_are_held(settings):
     assert motion.v[-1, 0] == pytest.approx(0.0, abs=1e-12)
     assert motion.q[-1, 0] == pytest.approx(0.125, rel=1e-9)
     assert motion.tau[0, 0] == 1.0
+
+
+def test_a_torque_holds_from_its_own_instant_on():
+    """However the time of the instant is rounded."""
+    for count in range(1, 60):
+        values = np.arange(float(count))[:, None]
+        held = Torques(slider(), 0.7, values=values)
+        for row in range(count):
+            assert held.tau_from(row * (0.7 / count), np.zeros(1), np.zeros(1)) == row
+
+
+@pytest.mark.parametrize("torque", [[[1.0], [-1.0]], lambda t, q, v: np.ones(1) * t], ids=["held", "function"])
+def test_the_row_of_an_event_has_the_torque_of_its_instant(torque):
+    """Half a step before the torque that is held changes its sign; τ = t has been integrated to t³ / 12."""
+    held = isinstance(torque, list)
+    there = 0.45**2 / 4 if held else 0.45**3 / 12
+    event = Event(lambda t, q, v: q[0] - there, "there")
+    motion = simulate(slider(mass=2.0), [0.0], [0.0], 1.0, torque=torque, events=[event], **FIXED)
+    assert motion.time[-1] == pytest.approx(0.45, abs=1e-9)
+    assert motion.tau[-1, 0] == pytest.approx(1.0 if held else 0.45, abs=1e-8)
+    assert motion.a[-1, 0] == pytest.approx(motion.tau[-1, 0] / 2)
 
 
 @pytest.mark.parametrize("settings", [{}, FIXED], ids=["dop853", "rk4"])
