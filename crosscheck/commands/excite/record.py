@@ -13,7 +13,7 @@ from graphdyn.excitation import CHECK_RATE, ExcitationPlan, FourierBasis, Trajec
 
 
 class LimitUseRecord(Record, of=Usage):
-    """A limit of a motion, over all its times, looked at at 1 kHz."""
+    """A limit of a motion, over all its times, looked at at 1 kHz; how near links come is in `collisions`."""
 
     kind: Literal["position", "velocity", "acceleration", "jerk", "torque", "plane"]
 

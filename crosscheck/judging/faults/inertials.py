@@ -58,9 +58,9 @@ def inertials(model: RobotModel) -> Iterator[CodeFault]:
     shifted = {message: partial(_shifted, factor) for factor, message in TENSOR_POINT_MESSAGES.items()}
     yield from of_bodies(model, "inertia_point", TENSOR_POINT_REMEDY, shifted)
     read_in_order = {
-        f"the tensor of {{who}} is read in the order {names}": partial(_reordered, places)
+        f"the tensor of {{who}} is {way} in the order {names}": partial(_reordered, places)
         for names, written in OTHER_TENSOR_ORDERS.items()
-        for places in (written, tuple(np.argsort(written)))
+        for places, way in {written: "written", tuple(np.argsort(written).tolist()): "read"}.items()
     }
     exchanged = {
         f"{TENSOR_NAMES[i]} and {TENSOR_NAMES[j]} of {{who}} are exchanged": partial(_reordered, _exchanged(6, i, j))

@@ -22,11 +22,13 @@ from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.data_quality.data_quality import data_quality
+from crosscheck.identifying.data_quality.remedies import mapping_lines
 from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
 from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
+from graphdyn.identification.data_quality import Change
 from graphdyn.identification.data_quality.measured_torque import Gains
 from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
@@ -118,6 +120,14 @@ def found_of(file, mistake):
 class TestRemedies:
     def test_right(self, right):
         assert right.findings == ()
+
+    def test_lines_for_a_torque_in_another_unit(self, file):
+        """What was said of sign and gain stays: ±1000 of the columns, divided by 1000."""
+        recording = loaded(file, wrong("tau", gain=[1000, 1000, 2000, 1000]))
+        change = Change("scaled torque", (0, 1, 2, 3), torque=np.diag([1e-3, 2e-3, 1e-3, 1e-3]), factor=1000.0)
+        assert mapping_lines(change, recording) == (
+            "[tau]", 'unit = "N m"', "sign = [1, 1, 1, -1]", "gain = [1, 2, 2, 1]",
+        )  # fmt: skip
 
     @pytest.mark.parametrize("code", few(MISTAKES, "reversed-torque", "late-torque"))
     def test_pasted_lines_undo_the_mistake(self, file, right, code):

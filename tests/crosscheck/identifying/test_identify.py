@@ -189,6 +189,16 @@ class TestNames:
                 with pytest.raises(InvalidInput, match=rf"is given, but none of the terms \({name}\) has one"):
                     friction_terms([name], **{option: 0.7})
 
+    def test_stribeck_friction_as_the_command_line_has_it(self):
+        """sign(v) exp(-(v / v_s)²), v_s = 0.1 rad/s, of each joint alone."""
+        model = graphdyn.kr500()
+        q, v = model.random_state(np.random.default_rng(0), 10)
+        v *= 0.1
+        (term,) = friction_terms(["stribeck"])
+        rows = term.rows(model, Samples(q, v, np.ones_like(q), np.zeros_like(q)))
+        expected = (np.sign(v) * np.exp(-100 * v**2))[..., None] * np.eye(model.nv)
+        np.testing.assert_allclose(rows, expected, rtol=1e-12)
+
     def test_a_method_of_ones_own_stands_beside_the_others(self):
         class Half:
             name, reference, assumptions, needs = "half", "none", "none", "nothing"

@@ -228,6 +228,26 @@ def test_the_legend_tells_the_scale(shown):
         assert width > 20
 
 
+@pytest.mark.parametrize("torque", [-0.5, 0.25, -2.0])
+def test_arcs_turn_with_the_torque(shown, torque):
+    """The head of the arrow is at 3/4 of a turn times the torque, about the axis by the right hand, at most 3/4."""
+    head = shown.value(
+        f"""(() => {{
+          const arc = new Arc(0xffffff, 0.2, 0.01);
+          arc.set({torque});
+          arc.place.updateMatrixWorld(true);
+          return arc.head.getWorldPosition(new THREE.Vector3()).toArray();
+        }})()"""
+    )
+    angle = 1.5 * np.pi * np.clip(torque, -1, 1)
+    assert np.abs(np.subtract(head, [0.2 * np.cos(angle), 0.2 * np.sin(angle), 0])).max() < DRAWN
+
+
+def test_time_stays_within_the_motion(shown):
+    """0.2 s are played, however far keys lead."""
+    assert shown.value("[-1, 0.1, 7].map((t) => (player.seek(t), player.state.t))") == pytest.approx([0, 0.1, 0.2])
+
+
 def test_pixels_change(shown):
     colors, moved, repeated = shown.value(PICTURE)
     assert colors > 50

@@ -214,6 +214,23 @@ class TestServer:
         wrenches = expected.reactions.joint_wrenches[rows]
         assert np.abs(array("wrenches").reshape(wrenches.shape) - wrenches).max() < SINGLE * np.abs(wrenches).max()
 
+    def test_let_go_with_friction_for_no_longer_than_the_most(self, monkeypatch):
+        """A question for an hour is answered for the longest time; what the file says of friction is in it."""
+        model = pendulum()
+        joints = [dataclasses.replace(joint, damping=0.3, friction=0.1) for joint in model.joints]
+        model = dataclasses.replace(model, joints=joints)
+        monkeypatch.setattr("crosscheck.viewing.server.MAX_DURATION", 0.2)
+        with PageServer("one", [Figure("a", ShownRobot(model, stand_ins(model)))]) as server:
+            answer = server.answer("let-go", b'{"figure": 0, "q": [0.5, 0.1], "seconds": 3600}')
+        array = arrays(json.dumps(answer))
+        rubbed, free = (
+            simulate(model, [0.5, 0.1], [0.0, 0.0], 0.2, method="rk4", step=SIMULATION_STEP, friction=friction).q[-1]
+            for friction in ("model", None)
+        )
+        assert array("time")[-1] == pytest.approx(0.2)
+        assert np.array_equal(array("q")[-2:], rubbed)
+        assert np.abs(rubbed - free).max() > 1e-3
+
     def test_a_loop_is_closed(self, server):
         """The moved joint stays where it was put, the others follow."""
         question = json.dumps({"figure": 2, "q": [0.2, 0.1], "hold": "swing"})

@@ -20,7 +20,7 @@ from graphdyn.identification import (
     TorqueModel,
     WeightedLeastSquares,
 )
-from graphdyn.identification.closed_loop import SimulatedLoop, held_torque
+from graphdyn.identification.closed_loop import Exogeneity, SimulatedLoop, held_torque
 from graphdyn.identification.closed_loop.equations import CrossedEquations, beside
 from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
@@ -304,3 +304,11 @@ class TestRefusals:
             ClosedLoop(run.loop.controller, step=0.0)
         with pytest.raises(InvalidInput, match=r"time of the samples has shape \(3,\), expected \(4001,\)"):
             Samples(run.exact.q, run.exact.v, run.exact.a, run.exact.tau, time=np.zeros(3))
+
+
+def test_which_joints_are_not_exogenous():
+    """p of each joint three times, as Bonferroni has it: 0.004 of one of three is 0.012, more than 0.01."""
+    found = Exogeneity(np.array([1e-3, 4e-3, 0.9]), np.array([100, 100, 100]))
+    assert found.in_words(("a", "b", "c")) == (
+        "the regressor is not exogenous at a (Durbin-Wu-Hausman, p = 0.003): least squares is biased"
+    )
