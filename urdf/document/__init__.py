@@ -5,6 +5,7 @@ from urdf.document.document import UNNAMED_SOURCES
 from urdf.document.files import write_whole
 from urdf.document.numbers import NUMBER, finite_number, rpy_from_rotation
 from urdf.document.opening import content_of, path_of
+from urdf.document.xacro.yaml_limits import refuse_growing_yaml
 
 __all__ = [
     "NUMBER",
@@ -13,6 +14,7 @@ __all__ = [
     "finite_number",
     "locate",
     "path_of",
+    "refuse_growing_yaml",
     "rpy_from_rotation",
     "write_whole",
 ]

@@ -17,7 +17,6 @@ Files of Python code are looked up beside the TOML file, and run with --allow-co
 from __future__ import annotations
 
 import inspect
-import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -28,6 +27,7 @@ import typer
 
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.recording_options import numbers
+from crosscheck.toml_text import toml_document
 from crosscheck.user_code import refuse_code
 from graphdyn import InvalidInput
 
@@ -206,8 +206,8 @@ def models_of(
     from crosscheck.identifying import CandidateModel
 
     try:
-        tables = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        tables = toml_document(file.read_bytes())
+    except (OSError, ValueError) as error:
         raise typer.BadParameter(f"--models {file}: {error}") from error
     if not tables:
         raise typer.BadParameter(f"--models {file}: the file has no table; give one per torque model, such as [gears]")

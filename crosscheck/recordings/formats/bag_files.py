@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -15,6 +16,7 @@ from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable, in_words
 from crosscheck.recordings.virtual import RecordedMotion
 from graphdyn.errors import counted
+from urdf.document import refuse_growing_yaml
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 FIELDS = ("position", "velocity", "effort")
@@ -36,10 +38,11 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
         raise BadRecordingFile(
             f"{path}: to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"
         ) from error
-    with (
-        refusing_damage(path, "bag", "record it again, or give the whole folder"),
-        AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader,
-    ):
+    with ExitStack() as opened:
+        opened.enter_context(refusing_damage(path, "bag", "record it again, or give the whole folder"))
+        if path.is_dir():
+            refuse_growing_yaml((path / "metadata.yaml").read_bytes())
+        reader = opened.enter_context(AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)))
         connections = [c for c in reader.connections if c.msgtype == JOINT_STATE]
         topic = _topic(path, sorted({c.topic for c in connections}), topic)
         wanted = [c for c in connections if c.topic == topic]

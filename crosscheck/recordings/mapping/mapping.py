@@ -5,7 +5,6 @@ The toml_ functions check values of a TOML document.
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -18,6 +17,7 @@ import numpy as np
 from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.mapping.units import Unit, known_unit
 from crosscheck.recordings.table import is_exact
+from crosscheck.toml_text import parsed_toml
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
 from graphdyn.layout import Array
@@ -162,11 +162,11 @@ def load_mapping(path: str | PathLike[str]) -> ColumnMapping:
     """Read a mapping. Raises BadMapping, with table and key, and OSError."""
     content = Path(path).read_bytes()
     try:
-        return mapping_of(tomllib.loads(content.decode("utf-8")), str(path))
-    except (ValueError, RecursionError) as error:  # also of numbers with thousands of digits, and of deep tables
+        return mapping_of(parsed_toml(content), str(path))
+    except ValueError as error:
         if isinstance(error, InvalidInput):
             raise
-        raise BadMapping(f"{path}: not TOML ({error}); write it as docs/recordings shows") from error
+        raise BadMapping(f"{path}: {error}; write it as docs/recordings shows") from error
 
 
 def given_mapping(mapping: ColumnMapping | str | PathLike[str] | None, rate: float | None) -> ColumnMapping | None:

@@ -6,7 +6,6 @@ Methods are named as in METHODS, or FILE.py:NAME for one of one's own, whose cod
 from __future__ import annotations
 
 import hashlib
-import tomllib
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -27,6 +26,7 @@ from crosscheck.study.settings.settings import (
     texts,
     whole,
 )
+from crosscheck.toml_text import toml_document
 from crosscheck.user_code import imported_files, refuse_code
 from graphdyn import InvalidInput
 from graphdyn.identification import Estimator
@@ -81,6 +81,9 @@ def shown_name(method: str) -> str:
 
 SHIPPED_CONFIGURATIONS = ("small", "birdy")
 """Configurations that come with the package."""
+
+MAX_RUNS = 1_000_000
+"""Largest number of runs of every scenario."""
 
 CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid")
 
@@ -149,12 +152,9 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     What it answers has no code but what is allowed. Raises BadConfiguration.
     """
     try:
-        text = content.decode()
-        document = tomllib.loads(text)
-    except UnicodeDecodeError as error:
-        raise BadConfiguration(f"{file}: is no UTF-8 text (byte {error.start}); save it as UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise BadConfiguration(f"{file}: is no TOML: {error}") from None
+        document = toml_document(content)
+    except ValueError as error:
+        raise BadConfiguration(f"{file}: {error}") from None
     for table in document:
         if table not in CONFIGURATION_TABLES:
             raise BadConfiguration(
@@ -173,9 +173,9 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     everything = measurable_methods(points)
     found = Configuration(
         file,
-        text,
+        content.decode(),
         study.take("seed", 0, whole(0)),
-        study.take("runs", 5, whole(1)),
+        study.take("runs", 5, whole(1, MAX_RUNS)),
         study.take("methods", everything, methods_reader(folder, everything)),
         robot_settings(robot, folder),
         error_settings(errors),

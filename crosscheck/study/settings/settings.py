@@ -74,10 +74,12 @@ def not_negative(value: object) -> float:
     return number(value, least=0.0)
 
 
-def whole(least: int) -> Callable[[object], int]:
-    """A reader of whole numbers from `least` on."""
+def whole(least: int, most: int | None = None) -> Callable[[object], int]:
+    """A reader of whole numbers from `least` on, to `most`."""
 
     def read(value: object) -> int:
+        if isinstance(value, int) and most is not None and value > most:
+            raise ValueError(f"give {most} or less")
         if isinstance(value, int) and not isinstance(value, bool) and value >= least:
             return value
         raise ValueError(f"give a whole number from {least} on")

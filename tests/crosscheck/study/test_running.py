@@ -334,8 +334,17 @@ def test_another_robot_in_the_same_file_is_not_resumed(folder, begun, tmp_path):
 
 BAD = {
     "[study": r"study\.toml: is no TOML: Expected ']'",
+    "x = " + "[" * 5000: r"study\.toml: is no TOML: more than 50 tables or lists within each other",
+    "x = " + "[" * 90 + "]" * 90 + "\n": r"study\.toml: more than 50 tables or lists within each other",
+    "[" + "a." * 20_000 + "a]\n": r"study\.toml: line 1: a key of more than 50 parts",
+    "x = {" + "a . " * 20_000 + "a = 1}\n": r"study\.toml: line 1: a key of more than 50 parts",
+    "[study]\nseed = " + "9" * 400 + "\n": r"study\.toml: study\.seed is a number of some \d+ digits; give one below",
+    "[study]\nseed = " + "9" * 5000 + "\n": r"study\.toml: is no TOML: .*digits",
+    "[[grid]]\ncutoff = [0x" + "f" * 400 + "]\n": r"study\.toml: grid\.cutoff is a number of some \d+ digits",
+    "[[grid]]\ncutoff = 1e999\n": r"cutoff in \[grid\] is inf; give a number above 0",
     "[study]\n[extra]\n": r"\[extra\] is no table of a study; it has: study, robot, errors, scenario, grid",
     "[study]\nrunz = 5\n": r"runz in \[study\] is no setting of this table; did you mean runs\?",
+    "[study]\nruns = 1000001\n": r"runs in \[study\] is 1000001; give 1000000 or less",
     "[study]\nruns = 0\n": r"runs in \[study\] is 0; give a whole number from 1 on",
     "[study]\nseed = 1.5\n": r"seed in \[study\] is 1\.5; give a whole number from 0 on",
     "[study]\nmethods = ['best']\n": r"methods in \[study\] is \['best'\]; there is no method 'best'; use ols, wls,",

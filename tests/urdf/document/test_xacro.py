@@ -113,6 +113,20 @@ class TestExpansion:
         arm = files({"arm.xacro": text, "parts/macros.xacro": MACROS, "size.yaml": "reach: 0.4\n"})
         assert_array_equal(urdf.load(arm).joints[0].placement.translation, [0, 0, 0.8])
 
+    @pytest.mark.parametrize(
+        ("content", "message"),
+        [
+            ("reach: !!int abc\n", "size.yaml: invalid literal for int.* correct the YAML file"),
+            ("reach: !!timestamp abc\n", "size.yaml: .*; correct the YAML file"),
+            ("a: &a [x, x]\n" + "a: &a [*a, *a]\n" * 20, "size.yaml, line 15: more than 100000 parts, once its"),
+        ],
+    )
+    def test_odd_yaml(self, files, content, message):
+        text = ARM.replace('value="0.3"', "value=\"${xacro.load_yaml('size.yaml')['reach']}\"")
+        arm = files({"arm.xacro": text, "parts/macros.xacro": MACROS, "size.yaml": content})
+        with pytest.raises(urdf.InvalidXacro, match=message):
+            urdf.load(arm)
+
     def test_comprehensions_and_calls(self, within):
         body = '<link name="${python.len([x for x in [1, 2, 3] if x > 1])}"/><joint name="g" type="fixed"><parent '
         model = urdf.load(within(body + 'link="tool"/><child link="${max(1, 2)}"/></joint>'))

@@ -242,6 +242,9 @@ def test_chains():
         urdf.load(arm(coupling()), chain=("base", "fore"))
 
 
+BOMB = "a: &a [x, x, x, x, x, x, x, x, x, x]\n" + "".join(
+    f"{name}: &{name} [{', '.join(['*' + before] * 10)}]\n" for before, name in zip("abcd", "bcde", strict=True)
+)
 YAML = "closed_loop: [['fore', 'crank']]\ntype: ['3d']\nname_mot: ['shoulder']\n"
 
 
@@ -281,9 +284,15 @@ class TestBeside:
             ("type:", "typo:", "'type' is missing; state the pairs and their types"),
             ("name_mot", "type", r"arm\.yaml:3: type: stated twice; keep the one that is meant"),
             ("'shoulder'", "'hip'", r"arm\.yaml:3: name_mot: there is no joint 'hip'; correct the name"),
-            ("]]", "]", r"arm\.yaml:2: not well-formed YAML: expected ',' or '\]'"),
+            ("]]", "]", r"arm\.yaml:2: not well-formed YAML: did not find expected ',' or '\]'"),
             ("name_mot", "joint_name", "joint_name: joint 'shoulder' is to be replaced by one of another type; write"),
             ("'3d'", "'3d'" + "[" * 3000, "not well-formed YAML"),
+            ("type", "x: " + "[" * 50_000 + "\ntype", r"arm\.yaml:2: more than 50 mappings or lists within each other"),
+            ("type", BOMB + "? *e\n: 1\ntype", r"arm\.yaml:6: more than 100000 parts, once its aliases are written"),
+            ("type", "? [a, b]\n: 1\ntype", r"arm\.yaml:2: key: not a name; give names as keys"),
+            ("type", "x: &x [*x]\ntype", r"arm\.yaml:2: \*x stands before the end of what it names; correct the file"),
+            ("type", "x: *x\ntype", r"arm\.yaml:2: \*x stands before the end of what it names"),
+            ("type", "--- \ntype", "not well-formed YAML: expected a single document"),
             ("'3d'", "'3d'" + " " * 100_000, "the file is larger than 100000 bytes; give the YAML file of the loops"),
         ],
     )  # fmt: skip

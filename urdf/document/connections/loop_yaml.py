@@ -15,6 +15,7 @@ import yaml
 
 from graphdyn.model import ChordKind
 from urdf.document.connections.loops import CompanionFiles, Loop, Motor, SourceLocation, Unread
+from urdf.document.xacro.yaml_limits import OddYaml, refuse_growing_yaml
 from urdf.errors import InvalidLoop, URDFError, shortened
 
 YAML_CHORD_KINDS: dict[str, ChordKind] = {"6d": "weld", "6D": "weld", "3d": "ball", "3D": "ball"}
@@ -47,12 +48,13 @@ def read_yaml(path: Path) -> CompanionFiles:
             f"the file is larger than {MAX_YAML_BYTES} bytes", "give the YAML file of the loops", path=path
         )
     try:
+        refuse_growing_yaml(content)
         document = yaml.compose(content, Loader=yaml.SafeLoader)
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        mark = getattr(error, "problem_mark", None)
-        said = getattr(error, "problem", None) or type(error).__name__
-        line = None if mark is None else mark.line + 1
-        raise InvalidLoop(f"not well-formed YAML: {said}", "correct the file", path=path, line=line) from error
+    except OddYaml as error:
+        raise InvalidLoop(str(error), "correct the file", path=path, line=error.line) from error
+    except yaml.YAMLError as error:
+        said = " ".join(str(error).split())
+        raise InvalidLoop(f"not well-formed YAML: {said}", "correct the file", path=path) from error
     return _File(path).read(document)
 
 
@@ -71,7 +73,9 @@ class _File:
             raise InvalidLoop("no mapping of names to values", "state closed_loop, type and name_mot", path=self.path)
         nodes, unread = {}, []
         for key, value in document.value:
-            name = shortened(str(key.value))
+            if not isinstance(key, yaml.ScalarNode):
+                raise self.fault(key, "key", "not a name", "give names as keys")
+            name = shortened(key.value)
             if name in nodes:
                 raise self.fault(key, name, "stated twice", "keep the one that is meant")
             nodes[name] = value

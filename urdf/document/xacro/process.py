@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import importlib.util
 import io
 import json
 import os
@@ -80,12 +81,14 @@ def expanded(task: Mapping[str, Any]) -> str:
     xacro = importlib.import_module("xacro")
     for name in ("yaml", "xml.dom.expatbuilder", "encodings.latin_1", "encodings.idna"):
         importlib.import_module(name)
+    limits = yaml_limits()
     offer_packages(task["packages"])
     guard_expressions(xacro)
     limit(task["cpu_seconds"], task["megabytes"])
     sys.addaudithook(fence([os.path.dirname(task["path"]), *task["packages"].values()]))
     xacro.init_stacks(task["path"])
     offer_folder(xacro)
+    guard_yaml(limits)
     document = xacro.parse(io.BytesIO(task["content"].encode("latin-1")))
     xacro.process_doc(document, mappings=task["arguments"])
     return str(document.toxml())
@@ -115,6 +118,38 @@ def offer_folder(xacro: Any) -> None:
     """Answer $(dirname), the folder of the file that it stands in: xacro alone never knows it."""
     substitution: Any = importlib.import_module("xacro.substitution_args")
     substitution._eval_dirname = lambda _filename: os.path.dirname(xacro.filestack[-1])
+
+
+def yaml_limits() -> Any:
+    """The file beside this one: this process has no packages of ours."""
+    file = os.path.join(os.path.dirname(__file__), "yaml_limits.py")
+    spec = importlib.util.spec_from_file_location("yaml_limits", file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def guard_yaml(limits: Any) -> None:
+    """Name the file of xacro.load_yaml in its errors, and refuse what would grow."""
+    yaml: Any = importlib.import_module("yaml")
+    load = yaml.safe_load
+
+    def guarded(file: Any) -> Any:
+        content = file.buffer.read()
+        try:
+            limits.refuse_growing_yaml(content)
+            return load(content)
+        except MemoryError:
+            raise
+        except Exception as error:  # whatever a tag makes of its text
+            line = getattr(error, "line", None)
+            said = " ".join(str(error).split())[:MAX_MESSAGE_CHARACTERS]
+            where = os.path.basename(file.name) + (f", line {line}" if line else "")
+            raise Refused(f"{where}: {said or type(error).__name__}", "correct the YAML file") from None
+
+    yaml.safe_load = guarded
 
 
 def guard_expressions(xacro: Any) -> None:

@@ -302,6 +302,10 @@ def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monk
         BadRecordingFile, match=r"d.mcap: not a readable bag \(.*\); record it again, or give the whole"
     ):
         load_recording(tmp_path / "d.mcap")
+    grows = "".join(f"a: &a [{part}, {part}]\n" for part in ("x", *20 * ["*a"]))
+    (tmp_path / "b" / "metadata.yaml").write_text(grows)
+    with pytest.raises(BadRecordingFile, match=r"b: not a readable bag \(more than 100000 parts, once its aliases are"):
+        load_recording(tmp_path / "b")
     with pytest.raises(BadRecordingFile, match=r"is a folder, and no ROS 2 bag: it has no metadata.yaml; give a file$"):
         load_recording(tmp_path)
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)

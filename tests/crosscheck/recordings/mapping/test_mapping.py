@@ -375,7 +375,7 @@ def test_mappings_that_say_too_little_or_too_much(document, message):
 
 def test_what_is_no_toml(tmp_path):
     (tmp_path / "m.toml").write_text("joints = [")
-    with pytest.raises(BadMapping, match=r"m.toml: not TOML \(.*\); write it as docs/recordings shows"):
+    with pytest.raises(BadMapping, match=r"m.toml: is no TOML: .*; write it as docs/recordings shows"):
         load_mapping(tmp_path / "m.toml")
 
 
