@@ -11,7 +11,15 @@ from crosscheck.quantities.rows.energies import ENERGIES, MOMENTA, EnergyFunctio
 from crosscheck.quantities.rows.frames import FRAMES, FrameFunctions
 from crosscheck.quantities.rows.matrices import MATRICES, MatrixFunctions
 from crosscheck.quantities.rows.regressors import BY_TYPE, REGRESSORS, RegressorFunctions
-from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, IDENTIFICATION, RANK, Tolerance
+from crosscheck.quantities.tolerances import (
+    ACCELERATION,
+    AGREEMENT,
+    CLOSED,
+    CLOSED_WRENCH,
+    IDENTIFICATION,
+    RANK,
+    Tolerance,
+)
 from graphdyn import InvalidInput
 from graphdyn.arguments import closest
 
@@ -100,10 +108,8 @@ COMPARED = _by_name(
 )
 
 _SUM = "largest entry of a tensor × (Σ∣K∣)²"
-_CLOSED = "that of forward_dynamics × largest over smallest singular value of J"
-_CLOSED_WRENCH = (
-    "largest joint wrench × largest over smallest singular value of J; ∣M∣ × the error of a; Pinocchio's own residual"
-)
+_ON_LOOPS = "(‖a‖ + ‖v‖²) × condition of J + ‖∣R∣ × forces‖ × condition of its rows; R = Z (Zᵀ M Z)⁻¹ Zᵀ"
+_LOOP_FORCES = "(1 + ‖M Z (Zᵀ M Z)⁻¹ Zᵀ‖) × largest force × that ratio; the mass at the chords × what they move apart"
 
 COUPLED = _by_name(
     ComparedQuantity("coupled_inverse_dynamics", "rnea with fext at K q + o, times Kᵀ", TORQUE, AGREEMENT),
@@ -115,8 +121,8 @@ COUPLED = _by_name(
 """Compared in addition where joints drive each other; the others are then those of the robot without couplings."""
 
 LOOPED = _by_name(
-    ComparedQuantity("closed_forward_dynamics", "constraintDynamics, of points held together", _CLOSED, ACCELERATION),
-    ComparedQuantity("closed_joint_wrenches", "rnea with its forces; what is determined", _CLOSED_WRENCH, AGREEMENT),
-    ComparedQuantity("closed_inverse_dynamics", "a for which constraintDynamics moves as given", _CLOSED, ACCELERATION),
+    ComparedQuantity("closed_forward_dynamics", "constraintDynamics of held points, refined", _ON_LOOPS, CLOSED),
+    ComparedQuantity("closed_joint_wrenches", "rnea with its forces, if determined", _LOOP_FORCES, CLOSED_WRENCH),
+    ComparedQuantity("closed_inverse_dynamics", "a for which constraintDynamics moves as given", _ON_LOOPS, CLOSED),
 )
 """Compared in addition where chords close loops; the others are then those of the tree."""
