@@ -135,6 +135,7 @@ class MachineCode:
     """The functions of a module of LLVM code, as long as this object lives."""
 
     def __init__(self, code: str) -> None:
+        self._text = code
         with compiling:
             llvm = _binding()
             target = llvm.Target.from_default_triple().create_target_machine(
@@ -146,6 +147,10 @@ class MachineCode:
             self._engine = llvm.create_mcjit_compiler(module, target)
             self._engine.finalize_object()
         weakref.finalize(self, _dispose, self._engine).atexit = False
+
+    def __reduce__(self) -> tuple[type[MachineCode], tuple[str]]:
+        """Compiled again: half a copy of an engine would end with a traceback."""
+        return MachineCode, (self._text,)
 
     def function(self, name: str, prototype: Any) -> Any:
         """One of them, as a ctypes function."""

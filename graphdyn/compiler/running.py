@@ -45,10 +45,21 @@ Backend = Interpreter | CompiledProgram
 
 
 class Prepared:
-    """A recorded program and what runs it, on batches or on one row after the other."""
+    """A recorded program and what runs it, on batches or on one row after the other.
+
+    Copies and pickles are compiled again, for the processor and by the back end of where they are.
+    """
 
     def __init__(self, program: Program | LongProgram, backend: str, one_row: bool = False) -> None:
         self.program, self.backend = program, _backend(program, backend, one_row)
+        self._one_row = one_row
+
+    def __reduce__(self) -> tuple[Callable[..., Prepared], tuple[Program | LongProgram, bool]]:
+        return _prepared_here, (self.program, self._one_row)
+
+
+def _prepared_here(program: Program | LongProgram, one_row: bool) -> Prepared:
+    return Prepared(program, chosen_backend(), one_row)
 
 
 _prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str, bool], Prepared]] = WeakKeyDictionary()

@@ -31,7 +31,7 @@ class RecordedFunction:
     Raises InvalidInput for other operations, naming the first, and where what it answers are not scalars.
 
     Calls take arrays (…, width), whose leading dimensions broadcast; NaN and infinity come out as NaN in their own
-    sample. Angles are accurate up to 1e6 rad.
+    sample. Angles are accurate up to 1e6 rad. Pickles hold what was recorded, not the function: a lambda will do.
     """
 
     def __init__(self, function: Callable[..., Any], *widths: int) -> None:

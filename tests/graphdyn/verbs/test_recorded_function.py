@@ -1,5 +1,10 @@
 """Functions of one's own: values, derivatives against complex steps, refusals."""
 
+import copy
+import gc
+import pickle
+import sys
+
 import numpy as np
 import pytest
 
@@ -55,6 +60,21 @@ def test_one_scalar_and_no_samples():
 def test_nan_stays_in_its_sample():
     found = RecordedFunction(lambda x: x * 2.0, 1)([[1.0], [np.nan], [3.0]])
     assert np.array_equal(found, [[2.0], [np.nan], [6.0]], equal_nan=True)
+
+
+@pytest.mark.parametrize("copied", [lambda f: pickle.loads(pickle.dumps(f)), copy.deepcopy, copy.copy])
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_copies_and_pickles(monkeypatch, copied, backend):
+    """Of a function that cannot be pickled itself; nothing is left behind that llvmlite stumbles over."""
+    ignored = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda problem: ignored.append(problem.exc_value))
+    recorded = RecordedFunction(lambda x: x @ x, 3)
+    monkeypatch.setenv("GRAPHDYN_BACKEND", backend)
+    again = copied(recorded)
+    gc.collect()
+    assert again([1.0, 2.0, 3.0]) == recorded([1.0, 2.0, 3.0]) == [14.0]
+    assert again.jacobian([1.0, 2.0, 3.0])[0].tolist() == [[2.0, 4.0, 6.0]]
+    assert ignored == []
 
 
 def test_refusals():
