@@ -1,14 +1,21 @@
 """The report of an identification: what stands in its tables, and the torques that its plots hold."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
 from identified import identified_arm
+from identified.own_rows import own_rows
+from shown.blocks import cells, tables
 
-from crosscheck.commands.identify.report import identify_report
+import graphdyn
+from crosscheck.commands.identify.model_report import _torque_sizes
+from crosscheck.commands.identify.record import record as identify_record
+from crosscheck.commands.identify.report import _singular_values, identify_report
 from crosscheck.identifying import Folds
-from crosscheck.report.report import Plot, Table
+from crosscheck.report.records.record import plain
+from crosscheck.report.report import Facts, Plot
 from crosscheck.report.text import as_text
 
 WHY = "the recording has torques about the joint axes alone"
@@ -32,10 +39,6 @@ def report(found):
 
 def section(report, key):
     return next(part for part in report.sections if part.key == key)
-
-
-def tables(report, key):
-    return [block for block in section(report, key).blocks if isinstance(block, Table)]
 
 
 class TestMethods:
@@ -126,3 +129,263 @@ class TestTorques:
         assert np.all(np.diff(plot.x) >= 0)
         first, second = both.fit.times
         assert plot.x[-1] - plot.x[0] == pytest.approx(first[-1] - first[0] + second[-1] - second[0])
+
+
+TEN = ("m", "mc_x", "mc_y", "mc_z", "I_xx", "I_xy", "I_yy", "I_xz", "I_yz", "I_zz")
+FOUR_DIGITS, THREE_DIGITS, TWO_DIGITS = 6e-4, 6e-3, 0.051
+"""Relative, of numbers with as many digits."""
+
+
+def smallest_eigenvalue(ten):
+    """Of the pseudo-inertia, from its definition: ∫ x xᵀ dm, m c, m."""
+    m, x, y, z, xx, xy, yy, xz, yz, zz = ten
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    second = np.trace(tensor) / 2 * np.eye(3) - tensor
+    return np.linalg.eigvalsh(np.block([[second, np.array([[x], [y], [z]])], [np.array([x, y, z]), m]]))[0]
+
+
+def relative(errors, tau, which=None):
+    which = np.ones_like(tau, bool) if which is None else which
+    return np.sqrt((errors**2 * which).sum(axis=0) / (tau**2 * which).sum(axis=0))
+
+
+RESIDUALS, SHARES = ("residual", "free_residual"), ("standstill", "clipped")
+
+
+def unit_of(symbol, model):
+    """Of a parameter of a body, or of the friction of a joint."""
+    kind, number = symbol.split("_")
+    slides = model.joints[int(number) - 1].is_prismatic
+    friction = {"FV": ("N m s/rad", "N s/m"), "FC": ("N m", "N")}
+    if kind in friction:
+        return friction[kind][slides]
+    return {"M": "kg", "MX": "kg m", "MY": "kg m", "MZ": "kg m"}.get(kind, "kg m²")
+
+
+def evaluated(name, values):
+    """A base parameter as its name says: such as "XX_2 - YY_2 + 0.18 M_3"."""
+    terms = re.findall(r"(?:^|([+-]) )(?:([\d.e-]+) )?(\w+)", name)
+    return sum((-1 if sign == "-" else 1) * float(factor or 1) * values[symbol] for sign, factor, symbol in terms)
+
+
+@pytest.fixture(scope="module")
+def compared_with_truth():
+    """All methods on a robot whose truth is known: the result, its record, its report, and the rows of both motions."""
+    arm = identified_arm.virtual()
+    found = dataclasses.replace(identified_arm.compared(), truth=arm.truth)
+    model = found.torque_model.model
+    rows = [own_rows(model, recording) for recording in (arm.fitted, arm.held_out)]
+    record = plain(identify_record(found, found.shown(), ["identify"]))
+    return found, record, identify_report(found, found.shown()), *rows
+
+
+def belongs(symbol, group, friction):
+    """Whether a base parameter, by its symbol, is of a group of the excitation."""
+    kind = symbol.split("_")[0]
+    if group in friction:
+        return kind == friction[group]
+    inertia = len(kind.removesuffix("R")) == 2 and set(kind.removesuffix("R")) <= set("XYZ")
+    return kind[:2] not in friction.values() and inertia == (group == "inertia tensors")
+
+
+def block_of(report, key, kind):
+    return next(block for block in section(report, key).blocks if isinstance(block, kind))
+
+
+class TestEveryNumber:
+    """Of the record and the page, from rows that SciPy has filtered."""
+
+    def test_methods(self, compared_with_truth):
+        _, record, report, fit, held_out = compared_with_truth
+        b = np.array(record["base_matrix"])
+        (methods, held, fitted) = (cells(one) for one in tables(report, "methods"))
+        for one in record["methods"]:
+            if one["failure"] is not None:
+                assert methods[one["name"]] == ["failed", "–", "–", "–", "–", methods[one["name"]][-1]]
+                continue
+            x, base = np.array(one["parameters"]), np.array(one["base_values"])
+            np.testing.assert_allclose(base, b @ x, rtol=1e-9, atol=1e-9)
+            for rows, name, table in ((fit, "training", fitted), (held_out, "held_out", held)):
+                errors, moves = rows.regressor @ x - rows.tau, np.abs(rows.v) > 0.02
+                everything, moving = one[name]["everything"], one[name]["moving"]
+                for sizes, which in ((everything, np.ones_like(moves)), (moving, moves)):
+                    count = which.sum(axis=0)
+                    of_these = np.where(which, errors, 0)
+                    np.testing.assert_array_equal(sizes["count"], count)
+                    np.testing.assert_allclose(sizes["rms"], np.sqrt((of_these**2).sum(axis=0) / count), rtol=1e-6)
+                    np.testing.assert_allclose(sizes["mean"], of_these.sum(axis=0) / count, rtol=1e-4, atol=1e-7)
+                    np.testing.assert_allclose(sizes["largest"], np.abs(of_these).max(axis=0), rtol=1e-6)
+                    np.testing.assert_allclose(sizes["relative"], relative(errors, rows.tau, which), rtol=1e-6)
+                watson = (np.diff(errors, axis=0) ** 2).sum(axis=0) / (errors**2).sum(axis=0)
+                np.testing.assert_allclose(one[name]["durbin_watson"], watson, rtol=1e-4)
+                for said, rms, part in zip(table[one["name"]], everything["rms"], moving["relative"], strict=True):
+                    assert [float(text) for text in said.split(" / ")] == [
+                        pytest.approx(rms, rel=THREE_DIGITS), pytest.approx(100 * part, abs=0.051)
+                    ]  # fmt: skip
+            errors = held_out.regressor @ x - held_out.tau
+            mean = relative(errors, held_out.tau, np.abs(held_out.v) > 0.02).mean()
+            assert one["mean_error"] == pytest.approx(mean, rel=1e-6)
+            np.testing.assert_allclose(
+                one["fitted_relative"], relative(fit.regressor @ x - fit.tau, fit.tau), rtol=1e-6
+            )
+            bodies = x[:30].reshape(3, 10)
+            eigenvalues = [smallest_eigenvalue(ten) for ten in bodies]
+            np.testing.assert_allclose(one["pseudo_inertia_eigenvalues"], eigenvalues, rtol=1e-6, atol=1e-9)
+            assert one["consistent"] == (min(eigenvalues) >= 0)
+            said = methods[one["name"]]
+            assert float(said[1]) == pytest.approx(100 * mean, abs=0.0051)
+            assert said[2] == f"{(np.array(eigenvalues) >= 0).sum()} of 3"
+            assert said[3] == f"{one['positive_definite']} of {identified_arm.POSES}"
+            assert one["poses"] == identified_arm.POSES
+            assert float(said[4]) == pytest.approx(one["smallest_mass_matrix_eigenvalue"], rel=TWO_DIGITS)
+            assert (one["positive_definite"] == one["poses"]) == (one["smallest_mass_matrix_eigenvalue"] > 0)
+            if one["block_deviations"] is not None:
+                percent = 100 * np.array(one["block_deviations"]) / np.abs(base)
+                np.testing.assert_allclose(one["relative_deviations"], percent, rtol=1e-9)
+        assert not all(one["consistent"] in (True, None) for one in record["methods"])
+
+    def test_smallest_mass_matrix(self, compared_with_truth):
+        """No pose can have a smaller eigenvalue than the smallest of many; of some poses it is near that."""
+        found, record, *_ = compared_with_truth
+        model = found.torque_model.model
+        q, _ = model.random_state(np.random.default_rng(1), 2000)
+        for name in ("OLS", "consistent"):
+            (one,) = (one for one in record["methods"] if one["name"] == name)
+            changed = model.with_inertial_parameters(np.array(one["parameters"][:30]))
+            lowest = np.linalg.eigvalsh(graphdyn.mass_matrix(changed, q))[:, 0]
+            assert lowest.min() * 0.999 <= one["smallest_mass_matrix_eigenvalue"] <= np.median(lowest)
+
+    def test_least_squares(self, compared_with_truth):
+        """OLS and WLS, with the deviations that belong to white noise."""
+        _, record, _, fit, _ = compared_with_truth
+        of = {one["name"]: one for one in record["methods"]}
+        columns = np.linalg.pinv(np.array(record["base_matrix"]))
+        w = fit.regressor @ columns
+        for name, weight in (("OLS", np.ones(3)), ("WLS", 1 / np.array(of["WLS"]["noise"]))):
+            scaled, right = ((x * weight[:, None] if x.ndim == 3 else x * weight) for x in (w, fit.tau))
+            scaled, right = scaled.reshape(-1, w.shape[-1]), right.ravel()
+            solution = np.linalg.lstsq(scaled, right, rcond=None)[0]
+            size = np.abs(solution).max()
+            np.testing.assert_allclose(
+                of[name]["base_values"], solution, rtol=0, atol=(1e-6 if name == "OLS" else 1e-4) * size
+            )
+        covariance = np.linalg.inv(scaled.T @ scaled)
+        np.testing.assert_allclose(of["WLS"]["standard_deviations"], np.sqrt(np.diag(covariance)), rtol=1e-3)
+        errors = w @ np.array(of["WLS"]["base_values"]) - fit.tau
+        np.testing.assert_allclose(of["WLS"]["noise"], np.sqrt((errors**2).mean(axis=0)), rtol=0.01)
+
+    def test_identifiability(self, compared_with_truth):
+        """Rank and condition number of the regressor, joints weighted by their torque, columns at unit length."""
+        found, record, report, fit, _ = compared_with_truth
+        assert record["rank"] == np.linalg.matrix_rank(fit.regressor.reshape(-1, 36), tol=1e-6)
+        weighted = fit.regressor / np.sqrt((fit.tau**2).mean(axis=0))[:, None]
+        base = weighted.reshape(-1, 36) @ np.linalg.pinv(np.array(record["base_matrix"]))
+        unit = base / np.linalg.norm(base, axis=0)
+        values = np.linalg.svd(unit, compute_uv=False)
+        assert record["condition_number"] == pytest.approx(values[0] / values[-1], rel=1e-6)
+        facts = dict(block_of(report, "recording", Facts).items)
+        assert facts["condition number"].startswith(f"{values[0] / values[-1]:.3g}, ")
+        rank, structural = record["rank"], record["structural_rank"]
+        assert (
+            facts["parameters"]
+            == f"36; {structural} combinations are identifiable, and this motion determines all {rank}"
+        )
+        assert facts["fitted"].startswith(f"{len(fit.tau)} rows of ")
+        np.testing.assert_allclose(_singular_values(found), values, rtol=1e-6)
+        symbols = [one["symbol"] for one in record["base_parameters"]]
+        friction = {"viscous": "FV", "coulomb": "FC"}
+        for group in record["excitation"]:
+            own = [k for k, symbol in enumerate(symbols) if belongs(symbol, group["name"], friction)]
+            q, _ = np.linalg.qr(np.delete(unit, own, axis=1))
+            left = unit[:, own] - q @ (q.T @ unit[:, own])
+            assert (group["determined"], group["structural"]) == (len(own), len(own))
+            assert group["weakest"] == pytest.approx(np.linalg.svd(left, compute_uv=False)[-1], rel=1e-6)
+            determined, weakest = cells(tables(report, "excitation")[0])[group["name"]]
+            assert determined == f"{len(own)} of {len(own)}"
+            assert float(weakest) == pytest.approx(group["weakest"], rel=TWO_DIGITS)
+
+    def test_parameters(self, compared_with_truth):
+        """Values of CAD and of the truth from the names of the base parameters; links from what was found."""
+        found, record, report, fit, _ = compared_with_truth
+        shown = record["shown"]
+        (result,) = (one for one in record["methods"] if one["name"] == shown["method"])
+        names = [one["symbol"] for one in record["parameters"]]
+        prior = dict(
+            zip(
+                names,
+                [*np.concatenate([body.parameters for body in found.torque_model.model.bodies]), *6 * [0]],
+                strict=True,
+            )
+        )
+        truth = dict(zip(names, record["truth"], strict=True))
+        source = next(
+            one for one in record["methods"] if one["name"] == re.match(r"of (\S+?)(?:,|$)", shown["deviations"])[1]
+        )
+        base, links = tables(report, "parameters")
+        base, links = cells(base), cells(links)
+        for k, one in enumerate(shown["base_parameters"]):
+            assert one["value"] == result["base_values"][k]
+            assert one["cad"] == pytest.approx(evaluated(one["name"], prior), rel=1e-3, abs=2e-3)
+            assert one["truth"] == pytest.approx(evaluated(one["name"], truth), rel=1e-3, abs=2e-3)
+            assert one["error"] == pytest.approx(one["value"] - one["truth"])
+            deviations = (source["standard_deviations"][k], source["block_deviations"][k])
+            assert (one["deviation"], one["block_deviation"]) == deviations
+            assert one["relative_deviation"] == pytest.approx(100 * deviations[1] / abs(one["value"]))
+            assert one["unit"] == {"M": "kg m" if one["name"].startswith("M") and one["name"][1] != "_" else "kg"}.get(
+                one["name"][0], one["unit"]
+            )
+            *numbers, unit, symbol = base[one["name"]]
+            assert (unit, symbol) == (one["unit"], record["base_parameters"][k]["symbol"])
+            wanted = [one[name] for name in ("cad", "truth", "value", "error")]
+            assert [float(x) for x in numbers[:4]] == pytest.approx(wanted, rel=FOUR_DIGITS)
+            assert [float(x) for x in numbers[4:]] == pytest.approx(
+                [*deviations, one["relative_deviation"]], rel=TWO_DIGITS
+            )
+        found_bodies = np.array(result["parameters"][:30]).reshape(3, 10)
+        for one, body, ten in zip(shown["bodies"], bodies, found_bodies, strict=True):
+            assert list(one["identified"].items()) == list(zip(TEN, ten.tolist(), strict=True))
+            assert list(one["cad"].values()) == pytest.approx(body.parameters.tolist())
+            assert one["center_of_mass"] == pytest.approx((ten[1:4] / ten[0]).tolist())
+            assert one["pseudo_inertia_eigenvalue"] == pytest.approx(smallest_eigenvalue(ten), rel=1e-6)
+            cad_mass, mass, cad_center, center, eigenvalue = links[one["name"]]
+            assert [float(cad_mass), float(mass)] == pytest.approx([body.mass, ten[0]], rel=FOUR_DIGITS)
+            assert list(map(float, cad_center.split())) == pytest.approx(body.center_of_mass.tolist(), abs=5.1e-5)
+            assert list(map(float, center.split())) == pytest.approx(one["center_of_mass"], abs=5.1e-5)
+            assert float(eigenvalue) == pytest.approx(one["pseudo_inertia_eigenvalue"], rel=TWO_DIGITS)
+        columns = fit.regressor @ np.linalg.pinv(np.array(record["base_matrix"]))
+        sizes = np.sqrt((columns**2).sum(axis=(0, 1)) / fit.tau.size)
+        np.testing.assert_allclose(_torque_sizes(found), sizes, rtol=1e-6)
+
+    def test_data_quality(self, compared_with_truth):
+        """What is shown of it, and the parts of it that the rows say."""
+        _, record, report, fit, _ = compared_with_truth
+        of = record["data_quality"]
+        np.testing.assert_allclose(of["standstill"], (np.abs(fit.v) <= 0.02).mean(axis=0), atol=2e-3)
+        (table,) = tables(report, "data_quality")
+        for j, (gain, sign, delay, *parts) in enumerate(cells(table).values()):
+            assert [float(x) for x in gain.split(" ± ")] == [
+                pytest.approx(of["gain"][j], rel=THREE_DIGITS), pytest.approx(of["gain_deviation"][j], rel=0.5)
+            ]  # fmt: skip
+            assert float(sign) == pytest.approx(np.exp(of["sign_cost"][j]) ** (1 / 3), abs=0.0051)
+            milliseconds = [1e3 * of["joint_delays"][j], 1e3 * of["joint_delay_deviations"][j]]
+            assert [float(x) for x in delay.split(" ± ")] == pytest.approx(milliseconds, abs=0.051)
+            wanted = [100 * of[name][j] for name in ("residual", "free_residual", "standstill", "clipped")]
+            assert [float(x) for x in parts] == [
+                pytest.approx(x, rel=THREE_DIGITS, abs=0.51 * (k > 1)) for k, x in enumerate(wanted)
+            ]
+        assert f"{1e3 * of['delay']:.1f} ± {1e3 * of['delay_deviation']:.1f} ms" in table.caption
+
+    def test_plots(self, compared_with_truth):
+        _, record, report, fit, held_out = compared_with_truth
+        (result,) = (one for one in record["methods"] if one["name"] == record["shown"]["method"])
+        plots = [block for block in section(report, "torques").blocks if isinstance(block, Plot)]
+        for j in range(3):
+            for plot, rows in zip(plots[2 * j : 2 * j + 2], (fit, held_out), strict=True):
+                predicted = (rows.regressor @ np.array(result["parameters"]))[:, j]
+                size = np.abs(rows.tau[:, j]).max()
+                series = [one.y for panel in plot.panels for one in panel.series]
+                for y, own in zip(series, (rows.tau[:, j], predicted, predicted - rows.tau[:, j]), strict=True):
+                    np.testing.assert_allclose(y, own, rtol=0, atol=1e-8 * size)
+                rms = np.sqrt(((predicted - rows.tau[:, j]) ** 2).mean())
+                said = re.fullmatch(rf"{len(predicted)} rows, root mean square error (\S+) N(?: m)?", plot.caption)[1]
+                assert float(said) == pytest.approx(rms, rel=THREE_DIGITS)
