@@ -19,7 +19,7 @@ class OwnRows(NamedTuple):
 
 
 def own_rows(model, recording):
-    """v and a by differences of fourth order, both friction terms of the arm; torques are filtered without the borders."""
+    """v and a by differences of fourth order, both friction terms; torques are filtered without the borders."""
     q = _low(recording.q)
     v = _slope(q)
     q, v, a = (x[CUT:-CUT] for x in (q, v, _slope(v)))

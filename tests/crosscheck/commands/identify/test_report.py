@@ -310,13 +310,8 @@ class TestEveryNumber:
         shown = record["shown"]
         (result,) = (one for one in record["methods"] if one["name"] == shown["method"])
         names = [one["symbol"] for one in record["parameters"]]
-        prior = dict(
-            zip(
-                names,
-                [*np.concatenate([body.parameters for body in found.torque_model.model.bodies]), *6 * [0]],
-                strict=True,
-            )
-        )
+        bodies = found.torque_model.model.bodies
+        prior = dict(zip(names, [*np.concatenate([body.parameters for body in bodies]), *6 * [0]], strict=True))
         truth = dict(zip(names, record["truth"], strict=True))
         source = next(
             one for one in record["methods"] if one["name"] == re.match(r"of (\S+?)(?:,|$)", shown["deviations"])[1]
@@ -331,9 +326,7 @@ class TestEveryNumber:
             deviations = (source["standard_deviations"][k], source["block_deviations"][k])
             assert (one["deviation"], one["block_deviation"]) == deviations
             assert one["relative_deviation"] == pytest.approx(100 * deviations[1] / abs(one["value"]))
-            assert one["unit"] == {"M": "kg m" if one["name"].startswith("M") and one["name"][1] != "_" else "kg"}.get(
-                one["name"][0], one["unit"]
-            )
+            assert one["unit"] == unit_of(one["name"].split()[0], found.torque_model.model)
             *numbers, unit, symbol = base[one["name"]]
             assert (unit, symbol) == (one["unit"], record["base_parameters"][k]["symbol"])
             wanted = [one[name] for name in ("cad", "truth", "value", "error")]
