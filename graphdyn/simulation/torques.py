@@ -119,11 +119,6 @@ class Torques:
             return self.duration / len(self.values)
         return self.controller.period if self.controller else None
 
-    @property
-    def is_continuous(self) -> bool:
-        """Whether the torque follows the state at every stage, or never changes, with fixed steps too."""
-        return self.function is not None or (self.values is not None and len(self.values) == 1)
-
     def steps_held(self, step: float, steps: int) -> int:
         """The number of fixed steps a torque is held. Raises InvalidInput where it is no whole number."""
         if self.values is not None:

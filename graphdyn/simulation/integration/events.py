@@ -1,7 +1,4 @@
-"""What is integrated, events between steps, and what an integration hands over: rows of numbers, and why it ended.
-
-Between two steps of fixed width q and v are cubic, from the values and rates at both (Hermite).
-"""
+"""What is integrated, what is looked for, and what an integration hands over: rows of numbers, and why it ended."""
 
 from __future__ import annotations
 
@@ -15,8 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.simulation.equations import LoopEquations, equations_of
-from graphdyn.simulation.integration.crossings import LARGEST_VALUE, Pieces, Watch, crossings
+from graphdyn.simulation.integration.crossings import LARGEST_VALUE, Watch
 from graphdyn.simulation.plant import PlantConstants, position_limits
 from graphdyn.simulation.torques import Torques
 
@@ -36,9 +32,9 @@ class Event:
     zero at the start has neither side yet: it happens when it leaves zero, upward a rise, downward a fall; while it
     rests there, nothing happens. It happens again once the function has been on the other side.
 
-    Between steps the function is looked at along the dense output, in pieces no longer than a step and a hundredth of
-    the duration: a function that resembles a polynomial of degree seven in each piece is found twice in a step too.
-    One that goes there and back more quickly may be missed.
+    Between the ends of steps the function is looked at along the motion, in pieces no longer than a step and a
+    hundredth of the duration: a function that resembles a polynomial of degree seven in each piece is found twice in a
+    step too. One that goes there and back more quickly may be missed.
 
     function: (t, q, v) → a number; NaN and truth values are errors, which name the event and the time
     name: in the result
@@ -136,67 +132,6 @@ class InitialValueProblem:
         return np.concatenate([*self.start, np.zeros(2)])
 
 
-class Scan:
-    """Looks through the rows of all steps, chunk after chunk.
-
-    occurrences: what was found; ended: name of the event that ends the simulation, "" as long as there was none
-    """
-
-    def __init__(self, problem: InitialValueProblem) -> None:
-        self._problem, self._source = problem, problem.source
-        self._equations, self._watches = equations_of(problem.plant), watches(problem)
-        self._before: SimulatedCourse | None = None
-        self.occurrences: list[Occurrence] = []
-        self.ended = ""
-
-    def searched(self, course: SimulatedCourse) -> SimulatedCourse:
-        """The rows up to the first event that stops, whose own row is the last."""
-        rows = course if self._before is None else SimulatedCourse.joined([self._before, course], [], "")
-        overlap = 0 if self._before is None else 1
-        self._before = rows.rows(slice(-1, None))
-        if len(rows.time) == 1:
-            return course
-        parts = self._problem.parts_of(float(rows.time[1] - rows.time[0]))
-        for crossing in crossings(self._watches, self._pieces(rows, parts)):
-            k, time = crossing.piece // parts, crossing.time
-            state = {name: value[0] for name, value in self._between(rows, np.array([k]), np.array([time])).items()}
-            self.occurrences.append(Occurrence(crossing.watch.name, time, state["q"], state["v"]))
-            if crossing.watch.stop:
-                self.ended = crossing.watch.name
-                kept = rows.rows(slice(overlap, k + 1))
-                if k < overlap and time == rows.time[k]:  # whose row is that of the chunk before
-                    return kept
-                return SimulatedCourse.joined([kept.rows(kept.time < time), self._row(rows, k, time, state)], [], "")
-        return course
-
-    def _pieces(self, rows: SimulatedCourse, parts: int) -> Pieces:
-        """All steps, each divided into parts."""
-        shares = np.arange(parts) / parts
-        edges = (rows.time[:-1, None] + shares * np.diff(rows.time)[:, None]).ravel()
-
-        def joints(pieces: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
-            state = self._between(rows, pieces // parts, times)
-            return state["q"], state["v"]
-
-        return Pieces(np.append(edges, rows.time[-1]), joints, joints)
-
-    def _between(self, rows: SimulatedCourse, steps: NDArray[np.int64], times: Array) -> Rows:
-        """q, v, work and loss at times after the rows of these numbers, with closed loops."""
-        state = _between(rows, steps, times, self._source.is_continuous)
-        if isinstance(self._equations, LoopEquations):
-            state["q"], state["v"] = self._equations.nearly_closed(state["q"], state["v"])
-        return state
-
-    def _row(self, rows: SimulatedCourse, k: int, time: float, state: Rows) -> SimulatedCourse:
-        """The row of an event between rows k and k + 1."""
-        equations, q, v = self._equations, state["q"], state["v"]
-        held = self._source.function is None
-        tau = rows.columns["tau"][k] if held else equations.clamped(self._source.tau_at(time, q, v))
-        found = equations.rates(time, q, v, tau, equations.contact(time, q, v, tau))
-        values = {**state, "tau": tau, "a": found.a, "passive": found.passive}
-        return SimulatedCourse(np.array([time]), {name: values[name][None] for name in COURSE_COLUMNS})
-
-
 def watches(problem: InitialValueProblem) -> list[Watch]:
     """The events of a problem, and the position limits of its joints if they end it."""
     found = [event_watch(event) for event in problem.events]
@@ -217,7 +152,7 @@ def event_watch(event: Event) -> Watch:
                         f"event '{event.name}' answers {reason} at {time:g} s; a number is needed that changes sign"
                     )
                     watch.failure = time, InvalidInput(message)
-                break
+                continue
             found[k] = np.asarray(answer).item()
         return np.asarray(np.clip(found, -LARGEST_VALUE, LARGEST_VALUE))
 
@@ -253,26 +188,3 @@ def _beyond(model: RobotModel, j: int, limit: float) -> Callable[[Array, Array, 
     ratios, offset = freedom.matrix[j], float(freedom.offset[j])
     # a sum joint by joint, the same for one state as for many
     return lambda times, q, v: (q * ratios).sum(axis=-1) + offset - limit
-
-
-def _between(rows: SimulatedCourse, k: NDArray[np.int64], times: Array, continuous: bool) -> Rows:
-    """q, v, work and loss at times between rows k and k + 1, with leading axes as these.
-
-    continuous: whether the acceleration is, at the rows; otherwise that of the row behind a step says nothing of it
-    """
-    x = rows.columns
-    h = (rows.time[k + 1] - rows.time[k])[..., None]
-    s = (times - rows.time[k])[..., None] / h
-
-    def cubic(values: Array, rates: Array) -> Array:
-        """What is constant stays so exactly."""
-        first, rate = values[k], h * rates[k]
-        rest, turn = values[k + 1] - first - rate, h * rates[k + 1] - rate
-        return np.asarray(first + rate * s + (3 * rest - turn) * s**2 + (turn - 2 * rest) * s**3)
-
-    state = {"q": cubic(x["q"], x["v"])}
-    parabola = x["v"][k] + s * h * x["a"][k] + s**2 * (x["v"][k + 1] - x["v"][k] - h * x["a"][k])
-    state["v"] = cubic(x["v"], x["a"]) if continuous else parabola
-    for name, torque in (("work", x["tau"]), ("loss", x["passive"])):
-        state[name] = cubic(x[name], (torque * x["v"]).sum(axis=-1, keepdims=True))
-    return state

@@ -21,7 +21,8 @@ from graphdyn.simulation.integration.compiled import (
     run_blocks,
     state_blocks,
 )
-from graphdyn.simulation.integration.events import COURSE_COLUMNS, InitialValueProblem, Rows, Scan, SimulatedCourse
+from graphdyn.simulation.integration.events import COURSE_COLUMNS, InitialValueProblem, Rows, SimulatedCourse
+from graphdyn.simulation.integration.scan import Scan
 from graphdyn.simulation.integration.steps import LoopSteps, joints_of, python_steps, tableau
 from graphdyn.simulation.torques import (
     CONSTANT_TORQUE_STEPS,
@@ -42,7 +43,7 @@ def fixed(problem: InitialValueProblem, method: str, step: float) -> SimulatedCo
     plant, at = problem.plant, problem.at
     steps = whole_steps("the duration", problem.duration, step)
     wanted = np.arange(steps + 1) if at is None else _numbers_of_steps(at, step)
-    scan = Scan(problem)
+    scan = Scan(problem, method)
     every = 1 if problem.is_searched else max(gcd(*wanted.tolist()), 1)
     hold = problem.source.steps_held(step, steps)
     if plant.model.chords:

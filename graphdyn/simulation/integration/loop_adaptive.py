@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
@@ -18,6 +17,7 @@ from graphdyn.simulation.equations import LoopEquations
 from graphdyn.simulation.integration.crossings import Pieces, crossings
 from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
 from graphdyn.simulation.integration.pace import Pace
+from graphdyn.simulation.integration.sketches import Steps
 from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, joints_of, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
@@ -72,22 +72,13 @@ class _LoopStep:
         return self.steps.advanced(self.t, self.y, time - self.t, self.tau).y
 
     def pieces(self, problem: InitialValueProblem) -> Pieces:
-        return Pieces(problem.divided(self.t, self.end), self._joints, self._sketch)
-
-    def _joints(self, numbers: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
-        states = [joints_of(self.state(time)) for time in times.ravel().tolist()]
-        q, v = (np.array(part).reshape(*times.shape, -1) for part in zip(*states, strict=True))
-        return q, v
-
-    def _sketch(self, numbers: NDArray[np.int64], times: Array) -> tuple[Array, Array]:
-        """A cubic from the positions and velocities at both ends, and its rate, closed."""
-        (q, v), (end_q, end_v), h = joints_of(self.y), joints_of(self.last), self.end - self.t
-        s = (times[..., None] - self.t) / h
-        rest, turn = end_q - q - h * v, h * (end_v - v)
-        # q + h v s + (3 rest - turn) s² + (turn - 2 rest) s³
-        positions = q + h * v * s + (3 * rest - turn) * s**2 + (turn - 2 * rest) * s**3
-        velocities = v + (2 * (3 * rest - turn) * s + 3 * (turn - 2 * rest) * s**2) / h
-        return self.steps.equations.nearly_closed(positions, velocities)
+        edges = np.array([self.t, self.end])
+        q, v = (np.array(ends) for ends in zip(joints_of(self.y), joints_of(self.last), strict=True))
+        a = np.array([self.steps.row(self.t, self.y, self.tau)["a"]])
+        closed = self.steps.equations.nearly_closed if problem.events else None
+        return Steps(
+            edges, q, v, a, problem.parts_of(self.end - self.t), lambda number, time: self.state(time), closed
+        ).pieces()
 
 
 class _LoopRun:

@@ -87,27 +87,40 @@ def python_steps(
     torque: of t, q and v, asked at every stage
     held: instead, of the number of the tick, q and v: asked at every tick and held in between
     """
-    rows, h, tau = list[dict[str, Array]](), stretch.h, np.zeros(len(y) // 2 - 1)
+    rows, tau = list[dict[str, Array]](), np.zeros(len(y) // 2 - 1)
+
+    def applied(t: float, q: Array, v: Array) -> Array:
+        return tau if held else equations.clamped(torque(t, q, v))
+
     for step in range(stretch.start, stretch.start + stretch.count):
-        t, (q, v) = step * h, joints_of(y)
-        if held is None:
-            tau = equations.clamped(torque(t, q, v))
-        elif step % stretch.hold == 0 or step == stretch.start:
-            tau = equations.clamped(held(step // stretch.hold, q, v))
-        contact = equations.contact(t, q, v, tau)
-        rates: list[Array] = []
-        for c, weights in zip(tableau.c, tableau.a, strict=True):
-            q, v = joints_of(y + h * _weighted(weights, rates))
-            if held is None and rates:
-                tau = equations.clamped(torque(t + c * h, q, v))
-            found = equations.rates(t + c * h, q, v, tau, contact)
-            if not rates and step % stretch.every == 0:
-                rows.append(recorded(y, tau, found))
-            rates.append(derivative(v, tau, found))
-        y = y + h * _weighted(tableau.b, rates)
-        y[len(v) : -2] = _at_rest(equations, y[len(v) : -2], contact)
+        if held and (step % stretch.hold == 0 or step == stretch.start):
+            tau = equations.clamped(held(step // stretch.hold, *joints_of(y)))
+        y, row = tree_step(equations, tableau, step * stretch.h, y, stretch.h, applied)
+        if step % stretch.every == 0:
+            rows.append(row)
     columns = {name: np.array([row[name] for row in rows]).reshape(stretch.records, -1) for name in COURSE_COLUMNS}
     return y, columns
+
+
+def tree_step(
+    equations: Equations, tableau: Tableau, t: float, y: Array, h: float, torque: Torque
+) -> tuple[Array, dict[str, Array]]:
+    """The state a time h later, and the row of that before; which joints slide is decided at the beginning.
+
+    torque: within its limits, asked at every stage
+    """
+    q, v = joints_of(y)
+    tau = torque(t, q, v)
+    contact = equations.contact(t, q, v, tau)
+    found = equations.rates(t, q, v, tau, contact)
+    row, rates = recorded(y, tau, found), [derivative(v, tau, found)]
+    for c, weights in zip(tableau.c[1:], tableau.a[1:], strict=True):
+        q, v = joints_of(y + h * _weighted(weights, rates))
+        tau = torque(t + c * h, q, v)
+        rates.append(derivative(v, tau, equations.rates(t + c * h, q, v, tau, contact)))
+    y = y + h * _weighted(tableau.b, rates)
+    y[len(v) : -2] = _at_rest(equations, y[len(v) : -2], contact)
+    return y, row
 
 
 def _weighted(weights: Array, rates: list[Array]) -> Array:
