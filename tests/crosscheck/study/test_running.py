@@ -35,6 +35,9 @@ from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
+from crosscheck.study.simulated.runs import known_model
+from crosscheck.study.statistics.outcomes import ERRORS
+from crosscheck.study.tasks import validation_metric
 from graphdyn import InvalidInput
 
 INTERRUPTED = 130
@@ -83,6 +86,16 @@ def test_every_method_has_a_row_for_every_run(folder, complete):
     assert sizes == {len(row["truth"]) for row in rows(complete, SCENARIOS)}
     assert all(0 < row["parameter_error"] < 0.1 and 0 < row["torque_error"] < 0.1 for row in found)
     assert {row["simulations"] > 0 for row in found if row["method"] == "iv"} == {True}
+    assert {(row["iterations"], row["simulations"]) for row in found if row["method"] != "iv"} == {(1, 0)}
+
+
+def test_errors_stand_in_the_columns_of_their_names(folder, complete):
+    study = small_study(folder)
+    scenarios = {one.name: one for one in study.scenarios}
+    for row in rows(complete)[::6]:
+        measure = validation_metric(study.robot, study.seed, known_model(study, scenarios[row["scenario"]]))
+        expected = {name: getattr(measure, name)(row["base"]) for name in ERRORS}
+        assert {name: row[name] for name in ERRORS} == expected
 
 
 def killed(study, out, answers):

@@ -13,7 +13,16 @@ from crosscheck.study.simulated import runs as records
 from crosscheck.study.simulated.plants import flexible, plant_of, torque_model_of
 from crosscheck.study.simulated.runs import PAPER_ACCELERATION, known_model, reference, simulated
 from crosscheck.study.tasks import validation_metric
-from graphdyn import Friction, InvalidInput, PDControl, gravity_torque, inverse_dynamics, joint_torques, rollout
+from graphdyn import (
+    Friction,
+    InvalidInput,
+    PDControl,
+    gravity_torque,
+    inverse_dynamics,
+    joint_torques,
+    mass_matrix,
+    rollout,
+)
 from graphdyn.identification import Samples
 from graphdyn.identification.terms import Coulomb, PayloadMass
 
@@ -172,6 +181,34 @@ def test_springs_are_simulated_with_steps_that_are_short_enough(study, rotor, da
     assert np.abs(run.q[0, :, 1::2]).max() < 5e-3
 
 
+def test_loops_and_springs_are_damped_as_told(study):
+    """Each joint alone, λ² + d/m λ + k/m = 0: the loop twice at -30 rad/s, the spring as damped as asked for."""
+    plant, errors = plant_of(study.robot), ErrorSettings(joint_stiffness=(300.0, 200.0), joint_damping=0.3)
+    inertia, springs = np.diag(mass_matrix(plant.model, np.zeros(2))), flexible(plant, errors).springs
+    for j, link in enumerate(inertia):
+        moved = link + plant.rotors[j]
+        poles = np.roots([1.0, plant.velocity_gain[j] / moved, plant.position_gain[j] / moved])
+        assert poles == pytest.approx([-30.0, -30.0], rel=1e-6)
+        pole = np.roots([1.0, springs.damping[2 * j + 1] / link, springs.stiffness[2 * j + 1] / link])[0]
+        assert (abs(pole), -pole.real / abs(pole)) == pytest.approx((np.sqrt(errors.joint_stiffness[j] / link), 0.3))
+
+
+def test_slow_rows_are_left_out(study):
+    record = simulated(study, replace(EXACT, min_speed=0.2), 0)
+    fast = np.abs(record.recording.channel("v")) >= 0.2
+    assert record.problem.equations.counts.tolist() == fast.sum(axis=0).tolist()
+    assert not fast.all()
+
+
+def test_every_study_has_cad_of_its_own(study):
+    """Of masses that are off by at most the error, the same in all runs."""
+    first, again, other = (torque_model_of(study.robot, seed, 0.15, True).model for seed in (3, 3, 4))
+    masses = [[body.mass for body in model.bodies] for model in (first, again, other)]
+    assert masses[0] == masses[1]
+    assert not np.any(np.equal(masses[0], masses[2]))
+    assert np.abs(np.divide(masses, [2.5, 1.5]) - 1).max() <= 0.15
+
+
 def test_springs_hang_by_what_gravity_asks(study):
     """Held at a pose, a spring of stiffness k is bent by τ / k, and the motors carry what the rigid robot asks."""
     plant, errors = plant_of(study.robot), ErrorSettings(joint_stiffness=(300.0, 200.0), joint_damping=0.5)
@@ -200,6 +237,9 @@ def test_validation_metric(study):
     wrong = 1.1 * measure.truth
     assert measure.parameter_error(wrong) == pytest.approx(0.1)
     assert measure.torque_error(wrong) == pytest.approx(0.1)
+    alone = measure.truth + 1e-3 * np.eye(len(measure.truth))
+    effects = np.array([(measure.parameter_error(x), measure.torque_error(x)) for x in alone])
+    assert effects[:, 0] / effects[0, 0] == pytest.approx(effects[:, 1] / effects[0, 1]), "as far as torques show it"
     assert 1e-6 < measure.trajectory_error(wrong) < 0.1
     assert measure.trajectory_error(-measure.truth) is None
     away = replace(measure, followed=measure.followed + np.array([0.03, -0.04]))

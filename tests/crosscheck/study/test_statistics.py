@@ -1,5 +1,6 @@
 """Statistics of a study against closed forms, scipy, and published tables."""
 
+from dataclasses import replace
 from itertools import permutations, product
 from types import SimpleNamespace
 
@@ -8,7 +9,15 @@ import pytest
 import scipy.stats
 from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
-from crosscheck.study.statistics.intervals import deviations, drawn_means, ends, means, median, share
+from crosscheck.study.statistics.intervals import (
+    deviations,
+    drawn_means,
+    ends,
+    means,
+    median,
+    order_of_median,
+    share,
+)
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
 from crosscheck.study.statistics.summary import critical_distance, friedman, ranked, record_ranks, summarized
 from graphdyn import InvalidInput
@@ -50,6 +59,12 @@ def test_median(count):
     known = scipy.stats.quantile_test(values, p=0.5).confidence_interval(0.95)
     found = median(values)
     assert (found.value, found.low, found.high) == (np.median(values), known.low, known.high)
+
+
+@pytest.mark.parametrize(("count", "known"), [(3, (1, 0.75)), (6, (1, 0.96875)), (10, (2, 0.978515625))])
+def test_probability_of_an_interval_of_the_median(count, known):
+    """One minus twice the binomial tail below the k-th of so many: Conover, section 3.2."""
+    assert order_of_median(count) == pytest.approx(known)
 
 
 def test_median_with_failures():
@@ -126,6 +141,7 @@ def test_ranks():
     """Equal up to rounding share their ranks; so do failures, which come last."""
     errors = np.array([[0.2, 0.1, 0.1 * (1 + 1e-9), np.inf, np.inf, 0.3], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])
     assert record_ranks(errors).tolist() == [[3, 1.5, 1.5, 5.5, 5.5, 4], [1, 2, 3, 4, 5, 6]]
+    assert np.array_equal(record_ranks(1e-9 * errors), record_ranks(errors)), "whatever the errors are measured in"
 
 
 def test_published_ranks():
@@ -169,6 +185,11 @@ def test_friedman_of_few_records(ranks):
     assert friedman(ranks) == pytest.approx(exact_probability(ranks), abs=0.02)
 
 
+def test_friedman_is_never_certain():
+    """Of m permutations none is as extreme: (0 + 1) / (m + 1), Phipson and Smyth 2010."""
+    assert friedman(np.array([[1.0, 2, 3, 4, 5, 6]] * 8)) == pytest.approx(1 / 2001)
+
+
 def test_friedman_needs_two():
     assert friedman(np.array([[1.0, 2.0]])) is None
     assert friedman(np.array([[1.0], [1.0]])) is None
@@ -186,6 +207,7 @@ def test_ranking(study):
     assert found.better(0, 3)
     assert not found.better(0, 2)
     assert not found.better(3, 0)
+    assert [replace(found, probability=p).differ for p in (0.049, 0.051)] == [True, False]
     assert np.all(found.rank.low <= found.rank.value)
     assert np.all(found.rank.value <= found.rank.high)
     iv = found.methods.index("iv")
@@ -228,10 +250,12 @@ def test_one_common_record_has_no_interval_of_the_ratio():
     results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
     failed = {"status": "failed", "reason": "none", "torque_error": None}
     lone = [{**row, **failed} if row["method"] == "wls" and row["run"] else row for row in results]
-    ranking = summarized(outcomes(lone, scenarios, times)).rankings["torques", "torque_error"]
-    wls = ranking.methods.index("wls")
-    assert np.isfinite(ranking.ratio.value[wls])
-    assert np.isnan([ranking.ratio.low[wls], ranking.ratio.high[wls]]).all()
+    summary = summarized(outcomes(lone, scenarios, times))
+    for part in (summary, summary.scenarios[0]):
+        ranking = part.rankings["torques", "torque_error"]
+        wls = ranking.methods.index("wls")
+        assert np.isfinite(ranking.ratio.value[wls])
+        assert np.isnan([ranking.ratio.low[wls], ranking.ratio.high[wls]]).all()
     assert np.isfinite(ranking.ratio.low[: wls - 1]).all()
 
 
@@ -264,6 +288,7 @@ def test_summary(study):
     assert spread.biased == len(NAMES)
     assert (cloe.runs, cloe.found, cloe.reasons) == (6, 2, {"no convergence after 50 iterations": 4})
     assert cloe.failed.value == pytest.approx(4 / 6)
+    assert cloe.seconds.value == pytest.approx(9 * 1.25), "of all runs, failures included"
     assert cloe.consistent.value == 1.0
     assert cloe.errors["torque_error"].value == np.inf
     assert ols.consistent.value == pytest.approx(4 / 6)
