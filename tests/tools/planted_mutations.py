@@ -1,21 +1,26 @@
-"""Which one-line faults in small modules with figures their tests do not notice.
+"""Which one-line faults in modules with figures their tests do not notice.
 
-    python tests/tools planted_mutations [MODULE …]        # pip install cosmic-ray
+    python tests/tools planted_mutations [--sample N] [--seed S] [MODULE or ROOM …]        # pip install cosmic-ray
 
-For every module of MODULES, or for those named, cosmic-ray changes one number, comparison or operator after the other
-in a copy of the repository and runs the tests that stand beside it. What survives is printed, but for the changes in
-EQUIVALENT. Exit code 1 if anything else survived. Some seconds for each change, an hour or two for all.
+cosmic-ray changes one number, comparison or operator after the other in a copy of the repository and runs the tests
+that stand beside the module. Of the small modules in MODULES every change is made: some seconds each, an hour or two
+for all. Of the rooms in ROOMS, with thousands of changes each, N are drawn, the same for the same seed. Without names:
+all of both. What survives is printed, but for the changes in EQUIVALENT. Exit code 1 if anything else survived.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
+import random
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 _STATISTICS = "tests/graphdyn/identification/statistics/test_statistics.py"
 
@@ -27,6 +32,33 @@ MODULES = {
     "urdf/reading/checks.py": "tests/urdf/reading/test_thresholds.py tests/urdf/reading/test_checks.py",
 }
 """The tests of each."""
+
+_COMMANDS = "crosscheck/commands"
+_NUMBERS = "tests/crosscheck/commands/test_every_number.py"
+
+ROOMS = {
+    "graphdyn/simulation": "tests/graphdyn/simulation",
+    "graphdyn/excitation": "tests/graphdyn/excitation tests/crosscheck/commands/test_excite.py",
+    "graphdyn/identification/statistics": _STATISTICS,
+    "graphdyn/identification/closed_loop": "tests/graphdyn/identification/closed_loop",
+    "graphdyn/identification/estimators": f"tests/graphdyn/identification/estimators {_STATISTICS}",
+    "crosscheck/study/statistics": "tests/crosscheck/study/test_statistics.py",
+    "crosscheck/study/simulated": "tests/crosscheck/study/test_simulated.py",
+    "crosscheck/identifying/results": "tests/crosscheck/identifying",
+    "crosscheck/report": "tests/crosscheck/report",
+    f"{_COMMANDS}/bench": f"tests/{_COMMANDS}/test_bench.py {_NUMBERS}",
+    f"{_COMMANDS}/crosscheck": f"tests/{_COMMANDS}/crosscheck {_NUMBERS}",
+    f"{_COMMANDS}/excite": f"tests/{_COMMANDS}/test_excite.py {_NUMBERS}",
+    f"{_COMMANDS}/export": f"tests/{_COMMANDS}/test_export.py",
+    f"{_COMMANDS}/identify": f"tests/{_COMMANDS}/identify {_NUMBERS}",
+    f"{_COMMANDS}/inspect": f"tests/{_COMMANDS}/test_inspect.py {_NUMBERS}",
+    f"{_COMMANDS}/judge": f"tests/{_COMMANDS}/judge {_NUMBERS}",
+    f"{_COMMANDS}/paper": f"tests/{_COMMANDS}/test_paper.py {_NUMBERS}",
+    f"{_COMMANDS}/show": f"tests/{_COMMANDS}/show {_NUMBERS}",
+    f"{_COMMANDS}/simulate": f"tests/{_COMMANDS}/test_simulate.py {_NUMBERS}",
+    f"{_COMMANDS}/study": f"tests/{_COMMANDS}/test_study.py {_NUMBERS}",
+}
+"""Folders of modules too large to change everything in them, and the tests of each."""
 
 _SQUARE = "the matrices are square"
 _SYMMETRIC = "the inverse of a symmetric matrix is symmetric"
@@ -86,9 +118,12 @@ LEFT_OUT = (
 )
 """Kinds of changes that are not made."""
 
+WITHOUT_EFFECT = ("strict=", "frozen=", "eq=", "kw_only=", "slots=")
+"""What stands before a truth value that no answer depends on, where nothing else is wrong."""
+
 CONFIG = """
 [cosmic-ray]
-module-path = "{module}"
+module-path = {modules}
 timeout = {timeout}
 excluded-modules = []
 test-command = "{python} -m pytest -q -x -p no:cacheprovider {tests}"
@@ -101,12 +136,17 @@ exclude-operators = {left_out}
 """
 
 
-def survivors(module: str, tests: str, folder: Path) -> tuple[int, list[tuple[str, str]]]:
-    """How many faults were planted in a module, and those that its tests did not notice: line as it was, and became."""
+def survivors(
+    modules: Sequence[str], tests: str, folder: Path, sample: int | None, seed: int
+) -> tuple[int, list[tuple[str, str]]]:
+    """How many faults were planted in modules, and those that their tests did not notice: line as it was, and became.
+
+    sample: how many are drawn; None: every one is planted
+    """
     config, session = folder / "config.toml", folder / "session.sqlite"
     session.unlink(missing_ok=True)
     text = CONFIG.format(
-        module=module, timeout=LONGEST, python=sys.executable, tests=tests, left_out=json.dumps(LEFT_OUT)
+        modules=json.dumps(modules), timeout=LONGEST, python=sys.executable, tests=tests, left_out=json.dumps(LEFT_OUT)
     )
     config.write_text(text, encoding="utf-8")
     environment = {
@@ -125,6 +165,7 @@ def survivors(module: str, tests: str, folder: Path) -> tuple[int, list[tuple[st
     program = str(Path(sys.executable).with_name("cosmic-ray"))
     call(program, "init", str(config), str(session))
     call(str(Path(sys.executable).with_name("cr-filter-operators")), str(session), str(config))
+    _leave_out(session, folder, sample, seed)
     call(program, "baseline", str(config))
     call(program, "exec", str(config), str(session))
     outcomes = [json.loads(line)[1] for line in call(program, "dump", str(session)).splitlines()]
@@ -142,17 +183,46 @@ def changed_line(diff: str) -> tuple[str, str]:
     return before, after
 
 
+def _leave_out(session: Path, folder: Path, sample: int | None, seed: int) -> None:
+    """Skip what has no effect, and all but the drawn changes."""
+    from cosmic_ray.work_db import WorkDB, use_db
+    from cosmic_ray.work_item import WorkerOutcome, WorkResult
+
+    def effective(item: Any) -> bool:
+        (change,) = item.mutations
+        line, column = change.start_pos
+        before = (folder / change.module_path).read_text("utf-8").splitlines()[line - 1][:column]
+        return not before.endswith(WITHOUT_EFFECT)
+
+    with use_db(session, WorkDB.Mode.open) as planted:
+        pending = sorted(planted.pending_work_items, key=lambda item: repr(item.mutations))
+        chosen = [item for item in pending if effective(item)]
+        if sample is not None and sample < len(chosen):
+            chosen = random.Random(seed).sample(chosen, sample)
+        kept = {item.job_id for item in chosen}
+        for item in pending:
+            if item.job_id not in kept:
+                planted.set_result(item.job_id, WorkResult(worker_outcome=WorkerOutcome.SKIPPED))
+
+
 def main() -> int:
-    names = sys.argv[1:]
-    unknown = set(names) - set(MODULES)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="MODULE or ROOM")
+    parser.add_argument("--sample", type=int, default=20, help="changes drawn in every room (20)")
+    parser.add_argument("--seed", type=int, default=0, help="of the draw (0)")
+    options = parser.parse_args()
+    known = MODULES | ROOMS
+    unknown = set(options.names) - set(known)
     if unknown:
-        raise SystemExit(f"not among the modules of this program: {', '.join(sorted(unknown))}")
+        parser.error(f"not among the modules and rooms of this program: {', '.join(sorted(unknown))}")
     noticed = True
     with tempfile.TemporaryDirectory(prefix="graphdyn-mutation-") as name:
         folder = Path(name, "copy")
         shutil.copytree(ROOT, folder, ignore=NOT_COPIED)
-        for module in names or MODULES:
-            planted, left = survivors(module, MODULES[module], folder)
+        for module in options.names or known:
+            modules = [module] if module in MODULES else _modules_of(folder, module)
+            sample = None if module in MODULES else options.sample
+            planted, left = survivors(modules, known[module], folder, sample, options.seed)
             equivalent = [change for change in left if change in EQUIVALENT.get(module, {})]
             said = f"{len(left)} survived, {len(equivalent)} of them make no difference"
             print(f"{module}: {planted} planted, {said}", flush=True)
@@ -161,3 +231,7 @@ def main() -> int:
                     noticed = False
                     print(f"    {before}\n  → {after}", flush=True)
     return int(not noticed)
+
+
+def _modules_of(folder: Path, room: str) -> list[str]:
+    return sorted(path.relative_to(folder).as_posix() for path in (folder / room).rglob("*.py"))
