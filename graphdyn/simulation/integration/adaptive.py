@@ -234,7 +234,7 @@ class _Stretch:
         return derivative(v, tau, self._rates(t, q, v, tau))
 
     def changes(self) -> list[_Change]:
-        """What is watched: of sliding joints their velocity, of joints at rest how near they are to breaking loose."""
+        """What is looked at: the velocities of sliding joints, and how near those at rest are to breaking loose."""
         plant = self._equations.plant
         if not plant.sticks:
             return []

@@ -17,7 +17,7 @@ from graphdyn.simulation.equations import LoopEquations
 from graphdyn.simulation.integration.crossings import Pieces, crossings
 from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
 from graphdyn.simulation.integration.pace import Pace
-from graphdyn.simulation.integration.sketches import Steps
+from graphdyn.simulation.integration.sketches import RowSteps
 from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, joints_of, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
@@ -76,7 +76,7 @@ class _LoopStep:
         q, v = (np.array(ends) for ends in zip(joints_of(self.y), joints_of(self.last), strict=True))
         a = np.array([self.steps.row(self.t, self.y, self.tau)["a"]])
         closed = self.steps.equations.nearly_closed if problem.events else None
-        return Steps(
+        return RowSteps(
             edges, q, v, a, problem.parts_of(self.end - self.t), lambda number, time: self.state(time), closed
         ).pieces()
 

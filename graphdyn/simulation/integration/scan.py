@@ -8,7 +8,7 @@ from graphdyn.layout import Array
 from graphdyn.simulation.equations import LoopEquations, equations_of
 from graphdyn.simulation.integration.crossings import crossings
 from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
-from graphdyn.simulation.integration.sketches import Steps
+from graphdyn.simulation.integration.sketches import RowSteps
 from graphdyn.simulation.integration.steps import LoopSteps, Torque, joints_of, recorded, tableau, tree_step
 
 
@@ -46,14 +46,14 @@ class Scan:
                 return SimulatedCourse.joined([kept.rows(kept.time < time), row], [], "")
         return course
 
-    def _steps(self, rows: SimulatedCourse, parts: int) -> Steps:
+    def _steps(self, rows: SimulatedCourse, parts: int) -> RowSteps:
         q, v, a = (rows.columns[name] for name in ("q", "v", "a"))
         equations, closed = self._equations, None
         if (
             isinstance(equations, LoopEquations) and self._problem.events
         ):  # functions that call verbs need closed states
             closed = equations.nearly_closed
-        return Steps(rows.time, q, v, a[:-1], parts, lambda k, time: self._state(rows, k, time), closed)
+        return RowSteps(rows.time, q, v, a[:-1], parts, lambda k, time: self._state(rows, k, time), closed)
 
     def _state(self, rows: SimulatedCourse, k: int, time: float) -> Array:
         """q, v, work and loss at a time of the step after row k: of a step as far as that."""

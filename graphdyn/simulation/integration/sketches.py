@@ -26,7 +26,7 @@ DOUBT_SHARE = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class RowSteps:
     """The steps between rows of a motion.
 
     edges: times of the rows                                (m + 1,)  [s]
