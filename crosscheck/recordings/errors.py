@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from graphdyn import InvalidInput
+from urdf.errors import one_line
 
 MAX_LISTED_SPANS = 5
 """Largest number of runs of rows that a message lists; RecordingFinding.rows has them all."""
@@ -38,6 +39,19 @@ def quoted(value: object) -> str:
     shortened = Repr()
     shortened.maxstring = shortened.maxother = MAX_QUOTED_CHARACTERS
     return shortened.repr(value)
+
+
+MAX_REASON_CHARACTERS = 200
+"""Largest number of characters that a message repeats of what a library says."""
+
+
+def reason(error: BaseException) -> str:
+    """What a library says of a file, on one line; a long text, which may quote the file, without its middle."""
+    half = MAX_REASON_CHARACTERS // 2
+    text = str(error)
+    if len(text) > MAX_REASON_CHARACTERS:
+        text = f"{text[:half]} … {text[-half:]}"
+    return one_line(" ".join(text.split())) or type(error).__name__
 
 
 @dataclass(frozen=True)

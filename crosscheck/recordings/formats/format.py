@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted
+from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted, reason
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, cells_of_column, in_words
 from crosscheck.recordings.virtual import RecordedMotion
@@ -70,7 +70,7 @@ def refusing_damage(path: Path, what: str, remedy: str) -> Iterator[None]:
     except BadRecordingFile:
         raise
     except Exception as error:
-        raise BadRecordingFile(f"{path}: not a readable {what} ({error}); {remedy}") from error
+        raise BadRecordingFile(f"{path}: not a readable {what} ({reason(error)}); {remedy}") from error
 
 
 def content_of(path: Path) -> bytes:
@@ -94,7 +94,7 @@ def _expanded(path: Path) -> bytes:
         with gzip.open(io.BytesIO(compressed)) as file:
             content = file.read(MAX_EXPANDED_BYTES + 1)
     except (EOFError, OSError, zlib.error) as error:
-        raise BadRecordingFile(f"{path}: not a whole gzip file ({error}); compress it again") from error
+        raise BadRecordingFile(f"{path}: not a whole gzip file ({reason(error)}); compress it again") from error
     check_expanded(path, len(content))
     return content
 
@@ -251,7 +251,7 @@ def tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[Rec
             columns = pa.table(batch.columns, names=[str(k) for k in range(len(names))]).columns
             yield table_of_columns(path, names, columns)
     except (pa.ArrowException, OSError, EOFError, UnicodeDecodeError, zlib.error) as error:
-        raise BadRecordingFile(f"{path}: {error}; load_recording gives details, or repair the file") from error
+        raise BadRecordingFile(f"{path}: {reason(error)}; load_recording gives details, or repair the file") from error
 
 
 def written_suffixes() -> tuple[str, ...]:

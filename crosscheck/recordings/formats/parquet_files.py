@@ -7,7 +7,6 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
-from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.format import Format, check_expanded, refusing_damage, table_of_columns
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable
@@ -34,7 +33,9 @@ def parquet_table(path: Path) -> Any:
             batches.append(batch)
             size += batch.nbytes
             check_expanded(path, size)
-        return pa.Table.from_batches(batches, file.schema_arrow)
+        table = pa.Table.from_batches(batches, file.schema_arrow)
+        table.validate(full=True)  # also whether texts are texts
+        return table
 
 
 def batches_of_parquet(path: Path, _mapping: ColumnMapping | None, rows: int) -> tuple[Sequence[str], Iterable[Any]]:
@@ -67,7 +68,7 @@ def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
     import pyarrow as pa
     from pyarrow import parquet
 
-    try:
+    with refusing_damage(path, "Parquet file", "repair the file"):
         with parquet.ParquetFile(path) as file:
             names, metadata = file.schema_arrow.names, file.metadata
             starts = [0, *accumulate(metadata.row_group(k).num_rows for k in range(metadata.num_row_groups))]
@@ -80,8 +81,7 @@ def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
                 row += len(batch)
                 if row >= last:
                     break
-    except (pa.ArrowException, OSError) as error:
-        raise BadRecordingFile(f"{path}: {error}; repair the file") from error
-    numbers = [str(k) for k in range(len(names))]  # names may be repeated
-    whole = pa.Table.from_batches([pa.record_batch(batch.columns, names=numbers) for batch in batches])
+        numbers = [str(k) for k in range(len(names))]  # names may be repeated
+        whole = pa.Table.from_batches([pa.record_batch(batch.columns, names=numbers) for batch in batches])
+        whole.validate(full=True)
     return table_of_columns(path, names, whole.columns)

@@ -19,6 +19,7 @@ import numpy as np
 
 from crosscheck.recordings.checks import Origin
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding
+from crosscheck.recordings.formats.format import refusing_damage
 from crosscheck.recordings.formats.parquet_files import FORMATS, parquet_rows
 from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.mapping.mapping import ColumnMapping
@@ -88,16 +89,13 @@ def _number_order(file: Path) -> list[tuple[int, str]]:
 
 
 def _told(file: Path) -> tuple[int, list[str]]:
-    import pyarrow as pa
     from pyarrow import parquet
 
     if file.suffix.lower() not in PARQUET_SUFFIXES:
         raise BadRecordingFile(f"{file}: only Parquet files are read in parts; convert it to one")
-    try:
+    with refusing_damage(file, "Parquet file", "repair the file"):
         metadata = parquet.ParquetFile(file)
         return metadata.metadata.num_rows, metadata.schema_arrow.names
-    except (pa.ArrowException, OSError) as error:
-        raise BadRecordingFile(f"{file}: {error}; repair the file") from error
 
 
 HEAD_ROWS = 1000

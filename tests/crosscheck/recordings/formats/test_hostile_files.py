@@ -258,6 +258,14 @@ def test_parquet_text_and_lists(tmp_path):
         load_recording(tmp_path / "r.parquet")
 
 
+def test_parquet_text_that_is_none(tmp_path):
+    parquet.write_table(pa.table({"t": ["0", "wxyz"], "q_1": [0.0, 1]}), tmp_path / "r.parquet", compression="none")
+    content = (tmp_path / "r.parquet").read_bytes()
+    (tmp_path / "r.parquet").write_bytes(content.replace(b"wxyz", b"wx\xffz"))
+    with pytest.raises(BadRecordingFile, match=r"r.parquet: not a readable Parquet file \(.*UTF8.*\); save it again"):
+        load_recording(tmp_path / "r.parquet")
+
+
 def test_parquet_columns_of_the_same_name(tmp_path):
     table = pa.table([pa.array([0.0, 1]), pa.array([0.0, 1]), pa.array([0.0, 1])], names=["t", "q_1", "q_1"])
     parquet.write_table(table, tmp_path / "r.parquet")
@@ -291,6 +299,7 @@ def test_damaged_bytes_raise_nothing_else(tmp_path):
                     messages.append(str(error))
     assert len(messages) > 100
     assert all(str(tmp_path) in message for message in messages)
+    assert all(message.isprintable() for message in messages if "not a readable" in message)
 
 
 def test_names_that_are_no_text(tmp_path):
