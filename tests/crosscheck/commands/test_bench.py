@@ -4,6 +4,7 @@ import json
 import math
 import os
 import re
+import statistics
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from faults.planted_records import planted
 from jsonschema import Draft202012Validator
 from rich.cells import cell_len
 from shared_data import REPOSITORY
+from shown.blocks import blocks, cells, tables, texts
 from shown.pages import parsed
 from small_benchmark import SAMPLES, WORKS, quiet
 from typer.testing import CliRunner
@@ -26,7 +28,7 @@ from crosscheck.commands.bench.report import bench_report, facts
 from crosscheck.report.html import page
 from crosscheck.report.plain_text import ratio_span_text, ratio_text, span_text, time_text
 from crosscheck.report.records.record import plain, versions
-from crosscheck.report.report import Plot
+from crosscheck.report.report import Picture, Plot, Prose
 from crosscheck.report.text import as_text
 
 ROOT = REPOSITORY
@@ -214,3 +216,167 @@ class TestSaid:
             ("mujoco", "left out: it rains"),
             ("graphdyn", "runs on NumPy arrays here: nothing is compiled"),
         ]
+
+
+def three(seconds):
+    """Median, quartiles and fastest of repeats, by the statistics of Python."""
+    low, middle, high = statistics.quantiles(seconds, n=4, method="inclusive")
+    assert middle == pytest.approx(statistics.median(seconds))
+    return {"median": middle, "quartiles": [low, high], "fastest": min(seconds)}
+
+
+def ratios(ours, theirs):
+    """Of repeats that followed each other, and of the fastest."""
+    of = three([y / x for x, y in zip(ours, theirs, strict=True)])
+    return {"ratio": of["median"], "quartiles": of["quartiles"], "fastest_ratio": min(theirs) / min(ours)}
+
+
+def whole(record, wanted):
+    return all(record[name] == pytest.approx(values) for name, values in wanted.items())
+
+
+def times_said(wanted):
+    """As the tables have them: median, quartiles, fastest."""
+    return [time_text(wanted["median"]), span_text(wanted["quartiles"]), time_text(wanted["fastest"])]
+
+
+def repeated(times, k=0):
+    """Three repeats in place of one, which has no quartiles."""
+    (second,) = times.seconds
+    return Times((second, (1.7 + 0.1 * k) * second, 1.2 * second))
+
+
+@pytest.fixture(scope="module")
+def often(found):
+    """The benchmark with three repeats of all that was done once."""
+    entries = tuple(replace(e, times=repeated(e.times, k)) for k, e in enumerate(found.identification.entries))
+    *curves, last = found.curves
+    assert last.name == "first_call"
+    (line,) = last.lines
+    return replace(
+        found,
+        identification=replace(found.identification, entries=entries),
+        imports={name: repeated(times) for name, times in found.imports.items()},
+        first_calls={name: repeated(times) for name, times in found.first_calls.items()},
+        curves=(*curves, replace(last, lines=(replace(line, times=tuple(map(repeated, line.times))),))),
+    )
+
+
+class TestEveryNumber:
+    """Of the record and the page, from the seconds of all repeats."""
+
+    @pytest.fixture
+    def shown(self, often):
+        record = plain(record_of(often, ["bench"]))
+        return record, bench_report(often), {work["name"]: work for work in record["works"]}
+
+    def test_works(self, shown, found):
+        _, report, works = shown
+        for measured in found.works:
+            work = works[measured.name]
+            seconds = {(e.name, e.threads): e.times.seconds for e in measured.entries}
+            (table,) = tables(report, measured.name)
+            for entry, row in zip(work["entries"], texts(table), strict=True):
+                own = entry["name"], entry["threads"]
+                assert entry["seconds"] == list(seconds[own])
+                wanted = three(seconds[own])
+                assert whole(entry, wanted)
+                error = "–" if entry["error"] is None else f"{entry['error']:.1e}"
+                assert row == [own[0], str(own[1]), *times_said(wanted), str(entry["samples"]), error]
+            assert work["agrees"] == all((e["error"] or 0) <= work["bound"] for e in work["entries"] if e["ours"])
+            pairs = [
+                (ours, theirs)
+                for ours in work["entries"]
+                for theirs in work["entries"]
+                if ours["ours"] and not theirs["ours"] and ours["threads"] == theirs["threads"]
+            ]
+            for one, (ours, theirs) in zip(work["ratios"], pairs, strict=True):
+                wanted = ratios(ours["seconds"], theirs["seconds"])
+                assert (one["ours"], one["theirs"], one["threads"]) == (ours["name"], theirs["name"], ours["threads"])
+                assert whole(one, wanted)
+                low, high = wanted["quartiles"]
+                assert one["trusted"] == (high <= 1.5 * low and measured.core_share >= 0.95)
+            if work["floor"] is not None:
+                first = next(e for e in work["entries"] if e["ours"] and e["threads"] == 1)
+                assert whole(work["floor"], ratios(measured.limit.seconds, first["seconds"]))
+
+    def test_table_of_ratios(self, shown):
+        """All comparisons in order, with names where they change, and how often graphdyn is faster."""
+        record, report, _ = shown
+        every = [one for work in record["works"] for one in work["ratios"]]
+        every += [
+            {**one, "ours": "graphdyn streamed", "theirs": "pinocchio loop and lstsq"}
+            for one in record["identification"]["ratios"]
+        ]
+        (table,) = tables(report, "ratios")
+        for one, row in zip(every, texts(table), strict=True):
+            mark = "" if one["trusted"] else "? "
+            assert row[2:] == [
+                one["theirs"], str(one["threads"]), mark + ratio_text(one["ratio"]), ratio_span_text(one["quartiles"]),
+                ratio_text(one["fastest_ratio"]),
+            ]  # fmt: skip
+            assert row[1] in ("", one["ours"].removeprefix("graphdyn").strip())
+        titles = [row[0] for row in texts(table)]
+        starts = np.cumsum([0, *(len(work["ratios"]) for work in record["works"])])[:-1]
+        assert [titles[k] for k, work in zip(starts, record["works"], strict=True) if work["ratios"]] == [
+            work["title"] for work in record["works"] if work["ratios"]
+        ]
+        faster = sum(one["ratio"] > 1 for one in every)
+        (words, *_) = [block.text for block in blocks(report, "ratios") if isinstance(block, Prose)]
+        assert f"as in {faster} of {len(every)} comparisons" in words
+
+    def test_bars(self, shown, found):
+        _, report, works = shown
+        for measured in found.works:
+            for picture in (block for block in blocks(report, measured.name) if isinstance(block, Picture)):
+                drawn = [one.ratio.median for one in picture.draw.keywords["comparisons"]]
+                assert drawn == [one["ratio"] for one in works[measured.name]["ratios"]]
+
+    def test_identification(self, shown):
+        record, report, _ = shown
+        of = record["identification"]
+        entries = {(e["name"], e["threads"]): e for e in of["entries"]}
+        for one in of["ratios"]:
+            names = ("graphdyn streamed", "pinocchio loop and lstsq")
+            ours, theirs = (entries[name, one["threads"]]["seconds"] for name in names)
+            wanted = ratios(ours, theirs)
+            assert whole(one, wanted)
+            assert one["trusted"] == (wanted["quartiles"][1] <= 1.5 * wanted["quartiles"][0])
+        (table,) = tables(report, "identification")
+        for entry, row in zip(of["entries"], texts(table), strict=True):
+            assert whole(entry, three(entry["seconds"]))
+            about = "" if entry["samples"] == of["samples"] else "≈ "
+            seconds = statistics.median(entry["seconds"]) * of["samples"]
+            memory = f"{entry['extra_bytes'] / 1e6:.0f} MB"
+            assert row == [
+                entry["name"], str(entry["threads"]), about + time_text(seconds), memory, f"{entry['error']:.1e}"
+            ]  # fmt: skip
+
+    def test_once(self, shown):
+        record, report, _ = shown
+        (table,) = tables(report, "once")
+        wanted = {f"import {name}": one for name, one in record["imports"].items()} | record["first_calls"]
+        assert list(cells(table)) == list(wanted)
+        for name, row in cells(table).items():
+            assert whole(wanted[name], three(wanted[name]["seconds"]))
+            assert row == times_said(three(wanted[name]["seconds"]))
+
+    def test_curves(self, shown):
+        """Every point, and growth by the slope of least squares through the upper half of the points."""
+        record, report, _ = shown
+        for curve in record["curves"]:
+            rows = [row for table in tables(report, curve["name"]) if table.title for row in texts(table)]
+            points = [point for line in curve["lines"] for point in line["points"]]
+            for point, row in zip(points, rows, strict=True):
+                assert whole(point, three(point["seconds"]))
+                assert row[1:] == [str(point["x"]), *times_said(three(point["seconds"]))]
+            for line in curve["lines"]:
+                half = line["points"][len(line["points"]) // 2 :]
+                if len(line["points"]) < 3:
+                    assert line["exponent"] is None
+                    continue
+                x, y = (np.log([f(point) for point in half]) for f in (lambda p: p["x"], lambda p: min(p["seconds"])))
+                slope = ((x - x.mean()) * (y - y.mean())).sum() / ((x - x.mean()) ** 2).sum()
+                assert line["exponent"] == pytest.approx(slope)
+                plot = next(block for block in blocks(report, curve["name"]) if isinstance(block, Plot))
+                assert curve["x"] != "bodies" or f"{line['name']} as n^{slope:.1f}" in plot.caption
