@@ -23,8 +23,8 @@ def pytest_collection_finish():
     gc.set_threshold(50_000, 10, 10)
 
 
-TOGETHER = ("bench", "paper")
-"""Words in the paths of files that share a result which takes seconds."""
+TOGETHER = ("bench", "paper", "crosscheck/identifying")
+"""Parts of the paths of files that share a result which takes seconds."""
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -37,7 +37,7 @@ def pytest_xdist_make_scheduler(config, log):
     class BySharedResults(LoadFileScheduling):
         def _split_scope(self, nodeid):
             file = super()._split_scope(nodeid)
-            return next((word for word in TOGETHER if word in file), file)
+            return next((part for part in TOGETHER if part in file), file)
 
     return BySharedResults(config, log)
 

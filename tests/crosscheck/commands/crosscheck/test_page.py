@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from faults.judged_functions import DIAGNOSIS, judged, judgment, judgment_page
-from identified import identified_arm
 from lxml import etree
 from planting import compared
 from shown.browser import CHROMIUM, too_wide
@@ -21,8 +20,6 @@ from shown.pages import COMMAND, balanced, comparison_page, complaints, parsed, 
 
 import crosscheck
 import urdf
-from crosscheck.commands.identify.report import identify_report
-from crosscheck.report.html import page as page_of
 from crosscheck.report.records.record import versions
 
 LARGEST = 410_000
@@ -205,10 +202,8 @@ def test_in_a_browser(tmp_path, wrong_comparison, tree):
     """No page is wider than its window, no script fails, and the buttons appear."""
     function = judged(tree, "joint_torque_regressor", 1.5)
     verdict = judgment(tree, function, diagnoses=(DIAGNOSIS,))
-    identified = identified_arm.compared()
     pages = {
         "wrong.html": comparison_page([wrong_comparison], COMMAND),
         "judged.html": judgment_page(verdict),
-        "identified.html": page_of(identify_report(identified, identified.shown()), COMMAND, versions()),
     }
     assert too_wide(pages, tmp_path) == []

@@ -8,6 +8,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from planting import mixed_tree
 from shared_data import REPOSITORY
+from shown.browser import CHROMIUM, too_wide
 from shown.pages import parsed
 from typer.testing import CliRunner
 
@@ -141,7 +142,9 @@ class TestFiles:
         assert recording["recording"]["held_out_files"] == [str(arm / "pos_two.csv"), str(arm / "cur_two.csv")]
         assert recording["truth"] is None
         self.check_urdf(files["urdf"], arm, recording)
-        self.check_page(files["html"].read_text(encoding="utf-8"), recording)
+        page = files["html"].read_text(encoding="utf-8")
+        self.check_page(page, recording)
+        assert CHROMIUM is None or too_wide({"page.html": page}, tmp_path) == []
 
     def check_urdf(self, path, arm, recording):
         new, true, cad = (urdf.load(p) for p in (path, arm / "true.urdf", arm / "arm.urdf"))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from long_check import LONG
 from shared_data import REPOSITORY
 from typer.testing import CliRunner
 
@@ -191,6 +192,7 @@ class TestVectors:
         subprocess.run(command, check=True, cwd=folder)
         self.check(folder, folder / "vectors_cpp")
 
+    @LONG
     @pytest.mark.skipif(shutil.which("rustc") is None, reason="there is no Rust compiler (rustc) on this machine")
     def test_rust(self, folder):
         subprocess.run(["rustc", "-D", "warnings", "-o", "vectors_rs", "vectors.rs", "-L", "."], check=True, cwd=folder)

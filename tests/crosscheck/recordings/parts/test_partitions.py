@@ -10,6 +10,7 @@ import pyarrow as pa
 import pytest
 from identified import identified_arm
 from identified.identified_arm import virtual
+from long_check import LONG
 from planting import mixed_tree
 from pyarrow import parquet
 from typer.testing import CliRunner
@@ -222,6 +223,7 @@ class TestRefusals:
             summed(folder / "log", workers=Losing())
 
 
+@LONG
 def test_a_worker_is_killed(folder, monkeypatch):
     """The same bits from this process and from two workers of a scheduler, one of which is killed half way."""
     from distributed import LocalCluster
