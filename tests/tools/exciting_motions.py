@@ -81,7 +81,7 @@ def gain():
 
 def random_of(problem, seed):
     rng = np.random.default_rng(seed)
-    return random_trajectory(problem.torque_model.model, problem.limits, problem.watched, problem.basis, rng)
+    return random_trajectory(problem.torque_model.model, problem.limits, problem.checked_spheres, problem.basis, rng)
 
 
 def collisions(seeds):
