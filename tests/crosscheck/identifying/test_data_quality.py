@@ -314,6 +314,13 @@ class TestVerdict:
         names = found.torque_model.model.joint_names
         said = rejection_reasons(far, found.problem, names, found.baselines, None)
         assert any("times that of parameters without constraints" in words for words in said)
+        parts = [(part.kept, found.problem.reduced(part), part.right) for part in found.problem.rows()]
+        kept, matrix, tau = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        tried = far.base_values, found.comparison.of("WLS").base_values, np.zeros(matrix.shape[-1])
+        sizes = [np.linalg.norm(kept * (matrix @ x - tau), axis=0) for x in tried]
+        expected = sizes[0] / np.maximum(sizes[1], 0.01 * sizes[2])
+        np.testing.assert_allclose(residual_ratio(found.problem, far.base_values), expected, rtol=1e-6)
+        assert f"residual of {names[np.argmax(expected)]} is {expected.max():.3g} times" in said[-1]
 
 
 class TestRealRecordings:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from identified.identified_arm import CUTOFF, NOISE_FLOOR, identified, identified_from, virtual
+from identified.identified_arm import CUTOFF, NOISE_FLOOR, compared, identified, identified_from, virtual
 
 from crosscheck.identifying import ByRows, ByTime, Folds, FromWrenches, LastPart, OtherRecordings, Preparation
 from crosscheck.identifying.preparing.trials import pooled_sizes
@@ -97,6 +97,29 @@ class TestHoldingOut:
         result = identified([Moody()], held_out=Folds(2)).comparison.results[0]
         assert result.failure == "in 1 of 2 folds: not today"
 
+    def test_squares_of_consecutive_pieces(self):
+        """Of three chunks of rows or more; N rows in seven pieces, and those of them that move."""
+        (trial,) = compared().trials
+        (curve,) = trial.curves("WLS")
+        found, piece = trial.squares(7), np.arange(trial.n_rows) * 7 // trial.n_rows
+        moves = np.abs(curve.velocity) > 0.02
+        assert found.moving_rows.tolist() == moves.sum(axis=0).tolist()
+        error = curve.predicted - curve.measured
+        for number in range(7):
+            here = (piece == number)[:, None]
+            for values, everything, moving in (
+                (error, found.everything["WLS"], found.moving["WLS"]),
+                (curve.measured, found.measured, found.measured_moving),
+            ):
+                expected = [np.sum(values**2 * rows, axis=0) for rows in (here, here & moves)]
+                np.testing.assert_allclose([everything[number], moving[number]], expected, rtol=1e-7)
+
+    def test_errors_of_the_fit(self):
+        found = compared()
+        (curve,) = found.fit.curves("WLS")
+        error = np.linalg.norm(curve.predicted - curve.measured, axis=0) / np.linalg.norm(curve.measured, axis=0)
+        np.testing.assert_allclose(found.fitted_errors(found.comparison.of("WLS")), error, rtol=1e-9)
+
     def test_pooled_sizes_skip_empty_parts(self):
         part = ResidualSizes(*(np.array([x]) for x in (4, 1.0, 2.0, 3.0, 0.5)))
         empty = ResidualSizes(np.array([0]), *(np.array([np.nan]) for _ in range(4)))
@@ -109,6 +132,20 @@ class TestHoldingOut:
             0.5,
         ]
         assert np.isnan(pooled_sizes([empty, empty]).rms[0])
+
+    def test_pooled_sizes_are_those_of_all_rows(self):
+        rng = np.random.default_rng(0)
+        rows = [rng.normal(0.5 * count, 1.0, (count, 2)) for count in (3, 9, 1)]
+
+        def sizes(e, tau):
+            rms, size = np.sqrt(np.mean(e**2, axis=0)), np.linalg.norm(tau, axis=0)
+            relative = np.linalg.norm(e, axis=0) / size
+            return ResidualSizes(np.full(2, len(e)), e.mean(axis=0), rms, np.abs(e).max(axis=0), relative)
+
+        found = vars(pooled_sizes([sizes(part, 7 + part**2) for part in rows]))
+        whole = np.concatenate(rows)
+        for name, expected in vars(sizes(whole, 7 + whole**2)).items():
+            np.testing.assert_allclose(found[name], expected, rtol=1e-12, err_msg=name)
 
 
 class TestPreparation:

@@ -98,6 +98,10 @@ class TestParameters:
         with_load = identified(["wls"], known=(load,))
         without = identified(["wls"])
         links = [found.body_parameters(found.comparison.of("WLS")) for found in (without, with_load)]
+        (trial,) = with_load.trials
+        (curve,) = trial.curves("WLS")
+        left = np.sqrt(np.mean((curve.predicted - curve.measured) ** 2, axis=0))
+        np.testing.assert_allclose(left, with_load.comparison.of("WLS").held_out.everything.rms, rtol=1e-9)
         lighter = links[0] - links[1]
         model = virtual().subject.model
         assert mass_of_base(with_load, lighter) == pytest.approx(

@@ -10,8 +10,9 @@ from identified.identified_arm import CUTOFF, POSES, compared, identified, ident
 
 import crosscheck
 from crosscheck.identifying import Candidate, OtherRecordings, recommendation
+from crosscheck.identifying.results import recommending
 from crosscheck.identifying.results.identified_model import PieceSquares
-from crosscheck.identifying.results.recommending import difference, joint_errors, mean_error
+from crosscheck.identifying.results.recommending import Difference, difference, joint_errors, mean_error
 from graphdyn import InvalidInput
 from graphdyn.identification import Plausibility
 
@@ -46,6 +47,16 @@ def test_deviation_of_a_difference():
     assert apart.deviation == pytest.approx(2 * 0.5e-4 * scipy.stats.sem(pieces[0] - pieces[1]), rel=1e-3)
 
 
+def test_there_are_ten_pieces_or_more():
+    asked, one = [], np.ones((4, 1))
+    trial = SimpleNamespace(
+        squares=lambda count: asked.append(count) or PieceSquares({"m": one}, {"m": one}, one, one, np.ones(1))
+    )
+    candidate = SimpleNamespace(model=SimpleNamespace(trials=[trial] * 3), result=SimpleNamespace(name="m"))
+    difference(candidate, candidate)
+    assert asked == [4] * 6
+
+
 class TestRecommendation:
     def test_the_smallest_error_among_real_robots(self):
         found = compared()
@@ -72,6 +83,23 @@ class TestRecommendation:
             preparation=CUTOFF, held_out=OtherRecordings((noisy(arm.held_out),)), poses=POSES,
         )  # fmt: skip
         assert found.recommendation.best == "CAD links: WLS"
+
+    @pytest.mark.parametrize(("worse", "best"), [(0.99, "CAD links: WLS"), (1.01, "consistent")])
+    def test_a_simpler_one_may_be_worse_by_one_standard_deviation(self, worse, best, monkeypatch):
+        """As Breiman and others have it: not by two."""
+        monkeypatch.setattr(recommending, "difference", lambda first, second: Difference(worse, 1.0))
+        found = compared()
+        assert recommendation([found.candidate(name) for name in ("consistent", "CAD links: WLS")]).best == best
+
+    def test_the_stronger_prior_is_the_simpler_one(self, monkeypatch):
+        monkeypatch.setattr(recommending, "difference", lambda first, second: Difference(0.0, 1.0))
+        good = compared().comparison.of("consistent")
+        weak, strong = (
+            replace(good, name=name, estimate=replace(good.estimate, settings={"strength": strength}))
+            for name, strength in (("weak", 1.0), ("strong", 100.0))
+        )
+        assert answer_of(weak, replace(strong, held_out=scaled(good.held_out, 1.1))).best == "strong"
+        assert answer_of(replace(weak, held_out=scaled(good.held_out, 1.1)), strong).best == "strong"
 
     def test_equal_but_for_rounding_is_a_tie(self):
         good = compared().comparison.of("consistent")
