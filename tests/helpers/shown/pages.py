@@ -50,10 +50,18 @@ def first_cells(text, within=""):
     return [row[0] for row in text_rows(text) if any(within in cell for cell in row)]
 
 
+def all_tables(text, caption):
+    """Texts of the cells, row by row, of every table with this caption."""
+    found = [one for one in parsed(text).iter("table") if caption in "".join(one.xpath("caption//text()"))]
+    return [
+        [[" ".join("".join(cell.itertext()).split()) for cell in row] for row in one.find("tbody")] for one in found
+    ]
+
+
 def table(text, caption):
-    """Texts of the cells of the table with this caption, row by row."""
-    (found,) = [one for one in parsed(text).iter("table") if caption in "".join(one.xpath("caption//text()"))]
-    return [[" ".join("".join(cell.itertext()).split()) for cell in row] for row in found.find("tbody")]
+    """Those of the only one."""
+    (found,) = all_tables(text, caption)
+    return found
 
 
 def rows(text, caption):
