@@ -7,12 +7,11 @@ are Parquet files: sorted, the same bytes however the tasks came about.
 from __future__ import annotations
 
 import json
-import sqlite3
 import time
 import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from importlib.util import find_spec
@@ -28,6 +27,7 @@ from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
+from crosscheck.study.store import Key, Store, opened
 from crosscheck.study.tasks import (
     LIBRARIES,
     Result,
@@ -42,70 +42,6 @@ from crosscheck.study.tasks import (
 from graphdyn import InvalidInput
 from graphdyn.identification import structure
 from urdf.document import write_whole
-
-Key = tuple[str, int]
-"""Name of a scenario, and number of a run."""
-
-LOCK_TIMEOUT = 1.0
-"""Time to wait for another process to leave the file [s]."""
-
-TABLE_DEFINITIONS = """
-CREATE TABLE IF NOT EXISTS inputs (name TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS tasks (
-    scenario TEXT NOT NULL, run INTEGER NOT NULL, outcome TEXT NOT NULL, PRIMARY KEY (scenario, run)
-);
-"""
-
-
-class Database:
-    """The outcome of every task that is done; each is written for good before the next."""
-
-    def __init__(self, connection: sqlite3.Connection) -> None:
-        self._connection = connection
-
-    def inputs(self) -> dict[str, str]:
-        """What the study was begun with; empty where it has just begun."""
-        return dict(self._connection.execute("SELECT name, value FROM inputs"))
-
-    def begin(self, inputs: Mapping[str, str]) -> None:
-        with self._connection:
-            self._connection.executemany("INSERT INTO inputs VALUES (?, ?)", inputs.items())
-
-    def write(self, key: Key, outcome: StudyOutcome) -> None:
-        with self._connection:
-            self._connection.execute("INSERT INTO tasks VALUES (?, ?, ?)", (*key, json.dumps(outcome.as_json())))
-
-    def done(self) -> set[Key]:
-        return set(self._connection.execute("SELECT scenario, run FROM tasks"))
-
-    def outcomes(self) -> Iterator[tuple[Key, StudyOutcome]]:
-        """Sorted by scenario and run."""
-        for scenario, run, outcome in self._connection.execute("SELECT * FROM tasks ORDER BY scenario, run"):
-            yield (scenario, run), StudyOutcome.from_json(json.loads(outcome))
-
-
-@contextmanager
-def opened(file: Path) -> Iterator[Database]:
-    """No other process can open it in the meantime.
-
-    Raises InvalidInput where one has, and for other files; OSError where it cannot be written, as on a full disk.
-    """
-    with closing(sqlite3.connect(file, timeout=LOCK_TIMEOUT)) as connection:
-        try:
-            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
-            connection.execute("PRAGMA journal_mode = WAL")
-            connection.executescript(f"BEGIN IMMEDIATE; {TABLE_DEFINITIONS} COMMIT;")
-        except sqlite3.OperationalError as error:
-            if "locked" not in str(error):
-                raise InvalidInput(f"{file} cannot be opened: {error}") from None
-            raise InvalidInput(f"{file} is in use: a study writes there; wait for it, or name another folder") from None
-        except sqlite3.DatabaseError as error:
-            raise InvalidInput(f"{file} is damaged: {error}; remove it, or name another folder") from None
-        try:
-            yield Database(connection)
-        except sqlite3.OperationalError as error:
-            raise OSError(f"{file} cannot be written: {error}; make room, and go on with --resume") from None
-
 
 RESULTS, SCENARIOS, TIMES = "results.parquet", "scenarios.parquet", "times.parquet"
 
@@ -225,12 +161,12 @@ def run_study(
         before()
         begin(study, folder)
     inputs = {"configuration": study.text, **study.own_files, **(versions or {})}
-    with opened(folder / DATABASE) as database:
-        _same(study, folder, database, inputs)
+    with opened(folder / DATABASE, tell) as store:
+        _same(study, folder, store, inputs)
         if not new:
             before()
-        _compute(study, database, workers, progress or (lambda _: None), tell or (lambda _: None))
-        write_tables(study, database.outcomes(), folder)
+        _compute(study, store, workers, progress or (lambda _: None), tell or (lambda _: None))
+        write_tables(study, store.outcomes(), folder)
 
 
 def refuse_missing_packages(study: Configuration) -> None:
@@ -263,11 +199,12 @@ def begin(study: Configuration, folder: Path) -> None:
     write_whole(folder / CONFIGURATION, study.text.encode())
 
 
-def _same(study: Configuration, folder: Path, database: Database, inputs: Mapping[str, str]) -> None:
+def _same(study: Configuration, folder: Path, store: Store, inputs: Mapping[str, str]) -> None:
     """Raises InvalidInput where the study was begun with other inputs."""
-    before = database.inputs()
+    before = store.inputs()
     if not before:
-        database.begin(inputs)
+        begin(study, folder)  # where the file was removed, the copy may be of another study
+        store.begin(inputs)
         return
     changes = _changes(tomllib.loads(before["configuration"]), tomllib.loads(study.text), "")
     names = sorted({*before, *inputs} - {"configuration"})
@@ -305,12 +242,12 @@ def tasks_of(study: Configuration) -> list[StudyTask]:
 
 def _compute(
     study: Configuration,
-    database: Database,
+    store: Store,
     workers: Workers,
     progress: Callable[[Progress], None],
     tell: Callable[[str], None],
 ) -> None:
-    done, everything = database.done(), tasks_of(study)
+    done, everything = store.done(), tasks_of(study)
     tasks = [task for task in everything if (task.scenario.name, task.run) not in done]
     left = Remaining(tasks)
     progress(Progress(len(done), len(everything)))
@@ -324,11 +261,11 @@ def _compute(
                 tell(f"{_name(task)}: {outcome.reason}; its methods are tried one by one")
                 lost.append(task)
                 continue
-            database.write((task.scenario.name, task.run), outcome)
+            store.write((task.scenario.name, task.run), outcome)
             left.count(task, outcome.total)
             progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
     for task in lost:
-        database.write((task.scenario.name, task.run), _one_by_one(work, task, workers, tell))
+        store.write((task.scenario.name, task.run), _one_by_one(work, task, workers, tell))
         left.count(task, None)
         progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
 

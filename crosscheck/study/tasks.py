@@ -231,10 +231,13 @@ class StudyOutcome:
 
     @classmethod
     def from_json(cls, plain: dict[str, Any]) -> StudyOutcome:
+        """Raises LookupError, TypeError, ValueError or AttributeError for what another version has written."""
         rows: list[dict[str, Any]] = [
             {name: tuple(value) if isinstance(value, list) else value for name, value in row.items()}
             for row in plain["results"]
         ]
+        if any(row.keys() != Result.__dataclass_fields__.keys() for row in rows):
+            raise ValueError("a result with other fields")
         results = tuple(Result(**row) for row in rows)
         return cls(results, tuple(plain["seconds"]), plain["total"])
 

@@ -5,8 +5,10 @@ import os
 import re
 import shutil
 import signal
+import sqlite3
 import sys
 import warnings
+from contextlib import closing
 from pathlib import Path
 
 import pyarrow.parquet as parquet
@@ -18,7 +20,7 @@ from long_check import few
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.distributing import LocalProcesses, Lost, NoWorkers
-from crosscheck.study import running
+from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
 from crosscheck.study.running import (
     DATABASE,
@@ -27,7 +29,6 @@ from crosscheck.study.running import (
     SCENARIOS,
     TIMES,
     Remaining,
-    opened,
     run_study,
     tasks_of,
 )
@@ -37,6 +38,7 @@ from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
 from crosscheck.study.statistics.outcomes import ERRORS
+from crosscheck.study.store import opened
 from crosscheck.study.tasks import validation_metric
 from graphdyn import InvalidInput
 
@@ -214,7 +216,7 @@ class Counts(OrdinaryLeastSquares):
 
 
 def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path, monkeypatch):
-    monkeypatch.setattr(running, "LOCK_TIMEOUT", 0.01)
+    monkeypatch.setattr(store, "LOCK_TIMEOUT", 0.01)
     study = small_study(folder)
     with pytest.raises(InvalidInput, match="holds a study already; go on with it by --resume, or name a new folder"):
         run_study(study, begun, InThisProcess())
@@ -234,11 +236,24 @@ def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path, monkeypa
         run_study(study, begun, InThisProcess(), resume=True)
 
 
+def test_what_is_damaged_is_computed_again(folder, begun, complete):
+    """A row that is lost, and a store that is: the tables are the same."""
+    with closing(sqlite3.connect(begun / DATABASE)) as connection:
+        connection.execute("UPDATE tasks SET outcome = replace(outcome, '1', '2') WHERE rowid = 2")
+        connection.commit()
+    (begun / RESULTS).unlink()
+    told, done = [], []
+    run_study(small_study(folder), begun, InThisProcess(), resume=True, tell=told.append, progress=done.append)
+    assert told == [f"{begun / DATABASE} is damaged: 3 runs can be read, all others are computed again"]
+    assert [one.done for one in done] == [3, 4]
+    assert tables(begun) == tables(complete)
+
+
 def test_a_full_disk(tmp_path):
     full = pytest.raises(OSError, match=r"a\.sqlite cannot be written: .* full; make room, and go on with --resume")
-    with full, opened(tmp_path / "a.sqlite") as database:
-        database._connection.execute("PRAGMA max_page_count = 1")
-        database.begin({"configuration": "x" * 100_000})
+    with full, opened(tmp_path / "a.sqlite") as begun:
+        begun._connection.execute("PRAGMA max_page_count = 1")
+        begun.begin({"configuration": "x" * 100_000})
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,217 @@
+"""The store of a study, one SQLite file: what it was begun with, and the outcome of every task that is done.
+
+Every row has a checksum. What is damaged is left out when the file is opened, so that it is computed again.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sqlite3
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, closing, contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from crosscheck.study.tasks import StudyOutcome
+from graphdyn import InvalidInput
+from graphdyn.errors import counted
+from urdf.document import write_whole
+
+Key = tuple[str, int]
+"""Name of a scenario, and number of a run."""
+
+LOCK_TIMEOUT = 1.0
+"""Time to wait for another process to leave the file [s]."""
+
+FIRST_SCHEMA, STORE_SCHEMA = 0, 2
+"""Numbers of the form of file and outcomes, kept as the user_version of SQLite; the first form has no checksums."""
+
+TABLE_DEFINITIONS = f"""
+CREATE TABLE inputs (content TEXT NOT NULL, checksum TEXT NOT NULL);
+CREATE TABLE tasks (
+    scenario TEXT NOT NULL, run INTEGER NOT NULL, outcome TEXT NOT NULL, checksum TEXT NOT NULL,
+    PRIMARY KEY (scenario, run)
+);
+PRAGMA user_version = {STORE_SCHEMA};
+"""
+
+MIN_ROW_BYTES = 100
+"""No task takes less of the file."""
+
+Row = tuple[Any, ...]
+
+
+class Store:
+    """The outcome of every task that is done; each is written for good before the next."""
+
+    def __init__(self, connection: sqlite3.Connection) -> None:
+        self._connection = connection
+
+    def inputs(self) -> dict[str, str]:
+        """What the study was begun with; empty where it has just begun."""
+        found = self._connection.execute("SELECT content FROM inputs").fetchone()
+        return dict(json.loads(found[0])) if found else {}
+
+    def begin(self, inputs: Mapping[str, str]) -> None:
+        self.insert("inputs", json.dumps(dict(inputs)))
+
+    def write(self, key: Key, outcome: StudyOutcome) -> None:
+        self.insert("tasks", *key, json.dumps(outcome.as_json()))
+
+    def insert(self, table: str, *values: Any) -> None:
+        """A row, with its checksum."""
+        with self._connection:
+            marks = ", ".join("?" * (len(values) + 1))
+            self._connection.execute(f"INSERT INTO {table} VALUES ({marks})", (*values, checksum(*values)))
+
+    def done(self) -> set[Key]:
+        return set(self._connection.execute("SELECT scenario, run FROM tasks"))
+
+    def outcomes(self) -> Iterator[tuple[Key, StudyOutcome]]:
+        """Sorted by scenario and run."""
+        found = self._connection.execute("SELECT scenario, run, outcome FROM tasks ORDER BY scenario, run")
+        for scenario, run, outcome in found:
+            yield (scenario, run), StudyOutcome.from_json(json.loads(outcome))
+
+
+def checksum(*values: Any) -> str:
+    return hashlib.sha256(repr(values).encode()).hexdigest()
+
+
+@contextmanager
+def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[Store]:
+    """No other process can open it in the meantime.
+
+    tell: called with a line where something in the file is damaged, and is left out
+
+    Raises InvalidInput where another process has it open, for other files, and where it is damaged beyond what it was
+    begun with; OSError where it cannot be written, as on a full disk.
+    """
+    with ExitStack() as opened_now:
+        connection = opened_now.enter_context(_connected(file))
+        kept = _kept(connection, file)
+        if kept is not None:
+            opened_now.close()
+            _rewrite(file, kept)
+            if tell is not None:
+                whole = counted(len(kept.tasks), "run")
+                tell(f"{file} {kept.why}: {whole} can be read, all others are computed again")
+            connection = opened_now.enter_context(_connected(file))
+        try:
+            yield Store(connection)
+        except sqlite3.OperationalError as error:
+            raise OSError(f"{file} cannot be written: {error}; make room, and go on with --resume") from None
+        except sqlite3.DatabaseError as error:
+            raise OSError(f"{file} has been damaged: {error}; go on with --resume") from None
+
+
+@contextmanager
+def _connected(file: Path) -> Iterator[sqlite3.Connection]:
+    """Raises InvalidInput where it cannot be opened, and for what is no database."""
+    with closing(sqlite3.connect(file, timeout=LOCK_TIMEOUT)) as connection:
+        connection.text_factory = partial(str, encoding="utf-8", errors="replace")
+        try:
+            connection.execute("PRAGMA locking_mode = EXCLUSIVE")
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.executescript("BEGIN IMMEDIATE; COMMIT;")
+            if not connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                connection.executescript(f"BEGIN IMMEDIATE; {TABLE_DEFINITIONS} COMMIT;")
+        except sqlite3.OperationalError as error:
+            if "locked" not in str(error):
+                raise InvalidInput(f"{file} cannot be opened: {error}") from None
+            raise InvalidInput(f"{file} is in use: a study writes there; wait for it, or name another folder") from None
+        except sqlite3.DatabaseError as error:
+            raise _damaged(file, str(error)) from None
+        yield connection
+
+
+def _damaged(file: Path, problem: str) -> InvalidInput:
+    return InvalidInput(f"{file} is damaged: {problem}; remove it, or name another folder")
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What can be read of a file that is not as it should be.
+
+    why: in words; inputs: as JSON; tasks: scenario, run and outcome of each
+    """
+
+    why: str
+    inputs: str
+    tasks: list[Row]
+
+
+def _kept(connection: sqlite3.Connection, file: Path) -> _Kept | None:
+    """None where the file is as it should be. Raises InvalidInput for unknown forms, and where its inputs are lost."""
+    (schema,) = connection.execute("PRAGMA user_version").fetchone()
+    if schema not in (FIRST_SCHEMA, STORE_SCHEMA):
+        raise InvalidInput(
+            f"{file} has form {schema}, and this graphdyn reads form {STORE_SCHEMA}; go on with the one that began it, "
+            "or name another folder"
+        )
+    try:
+        whole = connection.execute("PRAGMA integrity_check(1)").fetchone()[0] == "ok"
+    except sqlite3.DatabaseError:
+        whole = False
+    try:
+        return (_first_form if schema == FIRST_SCHEMA else _current_form)(connection, whole)
+    except (sqlite3.DatabaseError, LookupError, ValueError):
+        raise _damaged(file, "what the study was begun with cannot be read") from None
+
+
+def _current_form(connection: sqlite3.Connection, whole: bool) -> _Kept | None:
+    inputs = connection.execute("SELECT content, checksum FROM inputs").fetchall()
+    rows = list(_rows(connection, "scenario, run, outcome, checksum", whole))
+    if whole and not inputs and not rows:
+        return None  # just begun
+    ((content,),) = _unchanged(inputs)
+    tasks = _unchanged(rows)
+    return None if whole and len(tasks) == len(rows) else _Kept("is damaged", content, tasks)
+
+
+def _first_form(connection: sqlite3.Connection, whole: bool) -> _Kept:
+    inputs = dict(connection.execute("SELECT name, value FROM inputs"))
+    tomllib.loads(inputs["configuration"])
+    rows = _rows(connection, "scenario, run, outcome", whole)
+    return _Kept("has an earlier form", json.dumps(inputs), [row for row in rows if _is_outcome(row[-1])])
+
+
+def _unchanged(rows: list[Row]) -> list[Row]:
+    """Those whose last column is the checksum of the others, without it."""
+    return [row[:-1] for row in rows if row[-1] == checksum(*row[:-1])]
+
+
+def _is_outcome(text: Any) -> bool:
+    try:
+        StudyOutcome.from_json(json.loads(text))
+    except (LookupError, TypeError, ValueError, AttributeError):
+        return False
+    return True
+
+
+def _rows(connection: sqlite3.Connection, columns: str, whole: bool) -> Iterator[Row]:
+    """All tasks; of a damaged file those that can be read, one by one."""
+    if whole:
+        yield from connection.execute(f"SELECT {columns} FROM tasks")
+        return
+    sizes = [connection.execute(f"PRAGMA {what}").fetchone()[0] for what in ("page_count", "page_size")]
+    for number in range(1, sizes[0] * sizes[1] // MIN_ROW_BYTES):
+        with suppress(sqlite3.DatabaseError):
+            yield from connection.execute(f"SELECT {columns} FROM tasks WHERE rowid = ?", (number,))
+
+
+def _rewrite(file: Path, kept: _Kept) -> None:
+    """The file in today's form, with what was kept. Raises OSError."""
+    with closing(sqlite3.connect(":memory:")) as connection:
+        connection.executescript(TABLE_DEFINITIONS)
+        store = Store(connection)
+        store.insert("inputs", kept.inputs)
+        for row in kept.tasks:
+            store.insert("tasks", *row)
+        content = connection.serialize()
+    file.with_name(f"{file.name}-wal").unlink(missing_ok=True)  # which belongs to the file before
+    write_whole(file, content)
