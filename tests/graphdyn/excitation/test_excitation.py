@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.stats
 from identified.excited_robot import AT_REST, followed
 from planting import mixed_tree
 from robots.mechanisms import four_bar
 
-from graphdyn import Coupling, InvalidInput, frame_placement
+from graphdyn import Coupling, InvalidInput, frame_placement, joint_torques
 from graphdyn.excitation import (
     ConditionNumber,
     ExcitationProblem,
@@ -19,6 +20,7 @@ from graphdyn.excitation import (
     Plane,
     SplineBasis,
     TabulatedCourse,
+    Trajectory,
     Usage,
     excitation_plan,
     log_det,
@@ -32,8 +34,10 @@ from graphdyn.excitation import (
 from graphdyn.excitation import optimizing as optimizing
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.information import Information
-from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_slope
+from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_slope, usage
 from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
+from graphdyn.identification.problem.prior import model_prior
+from graphdyn.identification.problem.torque_model import STATES_PER_PARAMETER, random_samples, structure
 from graphdyn.identification.terms import Coulomb, CoupledWrist, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -244,6 +248,46 @@ def test_plan_of_a_poor_motion(found):
     assert good.only_in_sums
 
 
+def test_criteria_of_a_matrix_by_its_eigenvalues():
+    """Semi-axes 1 / √λ of the ellipsoid of errors, deviations of x by 10⁵ draws, singular values of the regressor."""
+    rng = np.random.default_rng(0)
+    w = rng.normal(size=(40, 3)) * [1.0, 5.0, 0.2]
+    information = w.T @ w
+    axes = 1 / np.sqrt(np.linalg.eigvalsh(information))
+    assert log_det(information)[0] == pytest.approx(np.log(axes).mean())
+    drawn = np.linalg.lstsq(w, rng.normal(size=(40, 100_000)), rcond=None)[0].std(axis=1)
+    assert mean_sigma(information)[0] == pytest.approx(np.log(drawn).mean(), abs=0.01)
+    scale = np.array([2.0, 0.3, 7.0])
+    assert ConditionNumber(scale)(information)[0] == pytest.approx(np.log(np.linalg.cond(w * scale)))
+
+
+def test_numbers_of_a_plan(found):
+    """A regressor of which singular values tell the condition, and what its least squares says of each parameter."""
+    plan = excitation_plan(found[0].torque_model, found[0].total_information(found[1].trajectory))
+    size, rng = len(plan.sigma), np.random.default_rng(0)
+    w = rng.normal(size=(60, size)) * np.linspace(1, 30, size)
+    plan = replace(plan, information=w.T @ w, prior=rng.normal(size=size), spread=rng.uniform(0.1, 2.0, size))
+    assert plan.sigma == pytest.approx(np.linalg.norm(np.linalg.pinv(w), axis=1))
+    assert plan.condition_number == pytest.approx(np.linalg.cond(w * plan.spread))
+    assert plan.geometric_mean == pytest.approx(scipy.stats.gmean(plan.sigma / plan.spread))
+    larger = [max(abs(x), spread) for x, spread in zip(plan.prior, plan.spread, strict=True)]
+    assert plan.relative == pytest.approx(plan.sigma / larger)
+    sizes = 1 / np.resize([0.099, 0.101, 0.499, 0.501], size)
+    exact = replace(plan, information=np.eye(size), prior=-sizes, spread=0 * sizes)
+    assert exact.verdicts == tuple(np.resize(["well", "roughly", "roughly", "not"], size))
+
+
+def test_spread_of_drives_and_sums():
+    """A tenth of the torque of the joint's own bodies; summands of a base parameter are drawn independently."""
+    torque_model = TorqueModel(mixed_tree(), (RigidBodies(), Viscous()))
+    known, samples = structure(torque_model).base, random_samples(torque_model, STATES_PER_PARAMETER * 33, 0)
+    torque = torque_model.torque(samples, torque_model.prior())
+    drives = 0.1 * np.sqrt(np.mean(torque**2, axis=0) / np.mean(samples.v**2, axis=0))
+    scale = np.concatenate([model_prior(torque_model).scale[:30], drives])
+    drawn = (known.matrix @ (scale[:, None] * np.random.default_rng(0).normal(size=(33, 40_000)))).std(axis=1)
+    assert prior_spread(torque_model) == pytest.approx(drawn, rel=0.02)
+
+
 def test_motion_from_a_table(found):
     """Rows at 100 Hz give the motion back."""
     problem, best = found
@@ -339,3 +383,29 @@ def test_no_motion_within_limits(monkeypatch):
         match=r"no motion within all limits was found from seed 4: the torque of joint. needs .* times its",
     ):
         optimized(problem, 4)
+
+
+def test_nearness_is_told_in_millimeters(monkeypatch):
+    """1 - (d - distance) / 10 mm = 2.5."""
+    monkeypatch.setattr(optimizing, "_searched", lambda *_: Usage("clearance", "arm - base", 2.5))
+    with pytest.raises(NoFeasibleMotion, match="the spheres around arm - base come 15 mm nearer to each other"):
+        optimized(problem_of(), 0)
+
+
+def test_torques_have_the_friction_that_the_file_states():
+    """|τ + d v| + f, relative to the part of the effort that may be used."""
+    model = mixed_tree()
+    joints = [
+        replace(joint, damping=1.0 + k, friction=3.0 - k, limits=replace(joint.limits, effort=400.0, velocity=2.0))
+        for k, joint in enumerate(model.joints)
+    ]
+    model = replace(model, joints=tuple(joints))
+    limits = MotionLimits.of_model(model, torque_share=0.5, velocity_share=0.25)
+    assert (limits.torque.tolist(), limits.velocity.tolist()) == ([200.0] * 3, [0.5] * 3)
+    basis = FourierBasis(5.0, 3)
+    course = Trajectory(basis, np.random.default_rng(0).normal(size=(3, basis.size)))
+    q, v, a, _ = motion = course.motion(np.linspace(0.0, 5.0, 200))
+    damping, friction = np.array([[1.0, 2.0, 3.0], [3.0, 2.0, 1.0]])
+    needed = np.abs(joint_torques(model, q, v, a) + damping * v) + friction
+    used = [usage(one).used for one in signals(model, limits, (), motion) if one.kind == "torque"]
+    assert used == pytest.approx(needed.max(axis=0) / 200.0)

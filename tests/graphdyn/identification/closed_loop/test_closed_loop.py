@@ -2,9 +2,11 @@
 
 import functools
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.stats
 from identified import closed_loop_data
 
 import graphdyn
@@ -22,6 +24,7 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.closed_loop import Exogeneity, SimulatedLoop, held_torque
 from graphdyn.identification.closed_loop.equations import CrossedEquations, beside
+from graphdyn.identification.closed_loop.exogeneity_test import exogeneity
 from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
@@ -304,6 +307,45 @@ class TestRefusals:
             ClosedLoop(run.loop.controller, step=0.0)
         with pytest.raises(InvalidInput, match=r"time of the samples has shape \(3,\), expected \(4001,\)"):
             Samples(run.exact.q, run.exact.v, run.exact.a, run.exact.tau, time=np.zeros(3))
+
+
+def test_probability_of_an_exogenous_regressor():
+    """F of what the unexplained regressor adds, over the rows that are independent: every one, or every third."""
+    rng, support = np.random.default_rng(0), np.array([[1, 1, 0, 0, 0], [1, 1, 1, 1, 1], [0, 0, 1, 1, 1]], dtype=bool)
+    z = rng.normal(size=(900, 3, 5)) * support
+    w = z + 0.3 * rng.normal(size=z.shape) * support
+    noise = rng.normal(size=(900, 3))
+    noise[:, 1] = np.repeat(noise[:300, 1], 3)
+    noise[:, 2] = np.repeat(noise[:300, 2], 3) * (-1.0) ** np.arange(900)
+    x = np.array([1.0, -2.0, 0.5, 3.0, 0.1])
+
+    class Equations:
+        def __init__(self, matrix):
+            self.matrix, self.right, self.kept = matrix, w @ x + noise, np.ones((900, 3), dtype=bool)
+
+        def __len__(self):
+            return 900
+
+        def rows(self):
+            return [self]
+
+    problem = SimpleNamespace(
+        n_joints=3,
+        rows=Equations(w).rows,
+        reduced=lambda rows: rows.matrix,
+        support=[np.flatnonzero(s) for s in support],
+    )
+    found = exogeneity(SimpleNamespace(problem=problem, as_measured=lambda simulated: Equations(z)), x, [])
+    assert found.rows.tolist() == [900, 300, 300]
+    for g, own in enumerate(problem.support):
+        every = slice(None, None, 900 // found.rows[g])
+        regressor, instruments, tau = w[every, g][:, own], z[every, g][:, own], (w @ x + noise)[every, g]
+        unexplained = regressor - instruments @ np.linalg.lstsq(instruments, regressor, rcond=None)[0]
+        both = np.hstack([regressor, unexplained])
+        without, squares = (np.linalg.lstsq(matrix, tau, rcond=None)[1][0] for matrix in (regressor, both))
+        degrees = len(own), len(tau) - 2 * len(own)
+        ratio = (without - squares) / degrees[0] / (squares / degrees[1])
+        assert found.p[g] == pytest.approx(scipy.stats.f(*degrees).sf(ratio), rel=1e-6)
 
 
 def test_which_joints_are_not_exogenous():
