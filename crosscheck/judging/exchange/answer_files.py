@@ -72,11 +72,11 @@ def _csv(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
 
 
 def _json(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
+    form = '[{"id": …, "answer": […]}, …]'
     try:
         rows = read_json(path.read_bytes())
     except UnreadableAnswer as error:
-        raise BadAnswers(f"{path}: {error}") from None
-    form = '[{"id": …, "answer": […]}, …]'
+        raise BadAnswers(f"{path}: {error}; the form is {form}") from None
     if not isinstance(rows, list):
         raise BadAnswers(f"{path}: holds no list; the form is {form}")
     for number, row in enumerate(rows, start=1):

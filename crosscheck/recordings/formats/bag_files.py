@@ -50,9 +50,9 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
             (received, reader.deserialize(raw, connection.msgtype))
             for connection, received, raw in reader.messages(wanted)
         ]
-    if not messages:
-        raise BadRecordingFile(f"{path}: no messages on {topic}; record at least one")
-    return _table(path, topic, messages, joints)
+        if not messages:
+            raise BadRecordingFile(f"{path}: no messages on {topic}; record at least one")
+        return _table(path, topic, messages, joints)
 
 
 def _topic(path: Path, topics: list[str], wanted: str | None) -> str:

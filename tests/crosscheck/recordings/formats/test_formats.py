@@ -251,6 +251,13 @@ def test_bags_with_one_topic(tmp_path, storage):
     assert load_recording(file).joint_names == ("joint_2", "joint_1")
 
 
+def test_a_message_whose_definition_is_damaged(tmp_path):
+    (path,) = write_bag(tmp_path / "bag", {"/joint_states": ARM}).glob("*.mcap")
+    path.write_bytes(path.read_bytes().replace(b"] position", b"] xosition"))
+    with pytest.raises(BadRecordingFile, match=r"mcap: not a readable bag \(.* no attribute 'position'\); record it"):
+        load_recording(path)
+
+
 def test_messages_of_other_joints_on_the_same_topic(tmp_path):
     both = [message for pair in zip(ARM, GRIPPER, strict=False) for message in pair]
     folder = write_bag(tmp_path / "bag", {"/joint_states": both})
