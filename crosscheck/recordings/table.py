@@ -80,7 +80,7 @@ def cells_of_column(column: Any) -> Cells | str:
         return Cells(np.full(len(column), np.nan))
     if not (pa.types.is_string(kind) or pa.types.is_large_string(kind)):
         return TRUTH_VALUES if pa.types.is_boolean(kind) else NO_NUMBERS
-    text = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+", "")
+    text = compute.replace_substring_regex(compute.utf8_trim_whitespace(column), r"^\+([0-9.])", r"\1")
     nothing = pa.scalar(None, text.type)
     if compute.all(compute.match_substring_regex(text, DURATION_PATTERN)).as_py():
         text = compute.replace_substring(text, " sec", "")

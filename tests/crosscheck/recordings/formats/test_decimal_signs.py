@@ -111,7 +111,7 @@ def test_a_column_without_a_decimal_sign_in_the_head_is_read_as_a_stream_alike(t
         assert part.tau[:, 0].tolist() == [1677.0, -975.0, -1100.0]
 
 
-@pytest.mark.parametrize("cell", ["1_0", "0x10", "1e400", "١٢", "nan", "inf", "1.2.3", "- 1", "1e", "0,5,1"])
+@pytest.mark.parametrize("cell", ["1_0", "0x10", "1e400", "١٢", "nan", "inf", "1.2.3", "- 1", "+-1", "1e", "0,5,1"])
 def test_what_is_no_number_is_refused(tmp_path, cell):
     path = written(tmp_path, f"t;q1;tau1\n0;0.5;1.5\n1;0.25;{cell}\n")
     with pytest.raises(BadRecordingFile, match=r"column 'tau1', row 1 \(line 3\): .* is not a finite number"):
