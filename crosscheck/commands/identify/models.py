@@ -91,6 +91,7 @@ def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[Kno
 
     from graphdyn.identification.terms import KnownPayload, Payload, PayloadMass
     from graphdyn.model import parameters_from_inertia
+    from urdf.document import finite_number
 
     if text is None:
         if link is not None:
@@ -104,10 +105,9 @@ def payload_of(text: str | None, link: str | None) -> tuple[list[Term], list[Kno
         raise typer.BadParameter(f"--payload {text}: give unknown, unknown@X,Y,Z or M@X,Y,Z [kg, m]")
     if mass == "unknown":
         return [PayloadMass(center, body=link)], []
-    try:
-        kilograms = float(mass)
-    except ValueError:
-        raise typer.BadParameter(f"--payload {text}: '{mass}' is neither unknown nor a mass in kg") from None
+    kilograms = finite_number(mass)
+    if kilograms is None:
+        raise typer.BadParameter(f"--payload {text}: '{mass}' is neither unknown nor a mass in kg")
     return [], [KnownPayload(parameters_from_inertia(kilograms, np.array(center), np.zeros((3, 3))), link)]
 
 

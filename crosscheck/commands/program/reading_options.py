@@ -113,26 +113,28 @@ def pairs(option: str, texts: list[str] | None, form: str) -> list[tuple[str, st
 
 
 def _locked(text: str) -> tuple[str, float]:
+    from urdf.document import finite_number
+
     name, _, value = text.partition("=")
-    try:
-        return name, float(value) if value else 0.0
-    except ValueError:
-        raise typer.BadParameter(f"--lock {text}: '{value}' is not a number") from None
+    position = finite_number(value or "0")
+    if position is None:
+        raise typer.BadParameter(f"--lock {text}: '{value}' is not a number")
+    return name, position
 
 
 def _repair(text: str) -> str | InertialsFromMeshes:
     from urdf import InertialsFromMeshes
+    from urdf.document import finite_number
 
     name, _, value = text.partition("=")
     if name != FROM_MESHES:
         return text
     size, *links = value.split(",")
-    try:
-        number = float(size.removesuffix("kg"))
-    except ValueError:
+    number = finite_number(size.removesuffix("kg"))
+    if number is None:
         raise typer.BadParameter(
             f"--repair {text}: give {FROM_MESHES}=2700 for a density [kg/m³], or {FROM_MESHES}=20kg for a total mass"
-        ) from None
+        )
     chosen = "all" if links == ["all"] else links or "missing"
     if size.endswith("kg"):
         return InertialsFromMeshes(total_mass=number, links=chosen)

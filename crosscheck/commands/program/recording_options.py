@@ -118,7 +118,9 @@ def files_per_recording(mapping: ColumnMapping | None) -> int:
 
 def numbers(option: str, text: str) -> list[float]:
     """Numbers between commas. Raises typer.BadParameter."""
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise typer.BadParameter(f"{option} {text}: give numbers with commas between them") from None
+    from urdf.document import finite_number
+
+    found = [finite_number(part.strip()) for part in text.split(",")]
+    if None in found:
+        raise typer.BadParameter(f"{option} {text}: give numbers with commas between them")
+    return [number for number in found if number is not None]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -121,19 +120,23 @@ def _written(text: str, n: int) -> tuple[Any, Any]:
 
 
 def _numbers(text: str, part: str) -> list[float]:
-    try:
-        return [float(number) for number in part.split(",")]
-    except ValueError:
+    from crosscheck.judging.exchange.printed_numbers import printed_number
+
+    found = [printed_number(number.strip()) for number in part.split(",")]
+    if None in found:
         wanted = "give numbers with commas, a JSON file with q and v, or random"
-        raise typer.BadParameter(f"--state {text}: '{part}' is not a row of numbers; {wanted}") from None
+        raise typer.BadParameter(f"--state {text}: '{part}' is not a row of numbers; {wanted}")
+    return [number for number in found if number is not None]
 
 
 def _from_file(file: Path, n: int) -> tuple[Any, Any]:
     """Fields q and v of the one object in a JSON file. Raises OSError too."""
+    from crosscheck.judging.exchange.printed_numbers import UnreadableAnswer, read_json
+
     try:
-        record = json.loads(file.read_text(encoding="utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise typer.BadParameter(f"--state {file}: is not a JSON file ({error})") from None
+        record = read_json(file.read_bytes())
+    except UnreadableAnswer as error:
+        raise typer.BadParameter(f"--state {file}: {error}") from None
     if not isinstance(record, dict) or "q" not in record:
         raise typer.BadParameter(f"""--state {file}: has no field q; write {{"q": […], "v": […]}}""")
     return record["q"], record.get("v", [0.0] * n)

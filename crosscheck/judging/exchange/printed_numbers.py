@@ -63,7 +63,7 @@ def read_json(content: bytes | str) -> Any:
     try:
         return json.loads(content, parse_int=_integer, parse_float=_decimal, object_pairs_hook=_object)
     except RecursionError:
-        raise UnreadableAnswer("is nested too deeply") from None
+        raise UnreadableAnswer("is nested too deeply; give lists of numbers") from None
     except ValueError as error:
         raise UnreadableAnswer(f"is no JSON: {error}") from None
 

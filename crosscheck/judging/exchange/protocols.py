@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -64,7 +65,7 @@ def _json_answer(line: str, number: int, shape: Shape) -> Array | Refusal:
     try:
         found = read_json(line)
     except UnreadableAnswer as error:
-        raise UnreadableAnswer(f"{shown(line)}, which {str(error).partition(':')[0]}; an answer is {form}") from None
+        raise UnreadableAnswer(f"{shown(line)}, which {re.split('[:;]', str(error))[0]}; an answer is {form}") from None
     if not isinstance(found, dict) or not ("answer" in found or "error" in found):
         raise UnreadableAnswer(f"{shown(line)}; an answer is {form}")
     if whole_number(found.get("id")) != number:

@@ -372,10 +372,13 @@ class TestState:
             ("home", "--state home: 'home' is not a row of numbers; give numbers with commas, a JSON file"),
             ("random:x", "--state random:x: 'x' is not a seed, a whole number from 0 on"),
             ("missing.json", "error: missing.json: no such file or directory; check the name and the folder"),
-            ("empty.json", "--state empty.json: is not a JSON file (Expecting value"),
-            ("nested.json", "--state nested.json: is not a JSON file (maximum recursion depth"),
+            ("empty.json", "--state empty.json: is no JSON: Expecting value"),
+            ("nested.json", "--state nested.json: is nested too deeply; give lists of numbers"),
             ("list.json", '--state list.json: has no field q; write {"q": […], "v": […]}'),
             ("text.json", "q is not an array of real numbers"),
+            ("long.json", "q is not an array of real numbers"),
+            ("1_0,0,0,0,0,0", "--state 1_0,0,0,0,0,0: '1_0,0,0,0,0,0' is not a row of numbers; give numbers with"),
+            ("1e400", "--state 1e400: '1e400' is not a row of numbers; give numbers with"),
             ("many.json", "one state expected, got leading dimensions (2,)"),
         ],
     )
@@ -385,6 +388,7 @@ class TestState:
         (tmp_path / "nested.json").write_text("[" * 100_000, encoding="utf-8")
         (tmp_path / "list.json").write_text("[1, 2]", encoding="utf-8")
         (tmp_path / "text.json").write_text('{"q": "home"}', encoding="utf-8")
+        (tmp_path / "long.json").write_text('{"q": [9007199254740993]}', encoding="utf-8")
         (tmp_path / "many.json").write_text(json.dumps({"q": [self.Q, self.Q]}), encoding="utf-8")
         self.refused(["--state", given], message)
 
