@@ -31,6 +31,11 @@ class WorstCall:
     answer: tuple[float, ...]
 
 
+def infinite_where_nan(errors: Array) -> Array:
+    """Errors that are no numbers count as infinite."""
+    return np.where(np.isnan(errors), np.inf, errors)
+
+
 def largest_errors(errors: Mapping[str, Array], backward_errors: Mapping[str, Array]) -> Array:
     """Against graphdyn, the larger one of error and backward error of each state (N,)."""
     ours = errors["graphdyn"]

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from crosscheck.judging.judgment import JudgedFunction, Judgment
+from crosscheck.judging.judgment import JudgedFunction, Judgment, infinite_where_nan
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.error_tables import ERROR_FORMAT, distribution, over_states, verdict_of
 from crosscheck.report.pictures.spread import SpreadRow
@@ -18,11 +18,6 @@ from graphdyn.layout import Array
 
 MAX_SHOWN_ENTRIES = 12
 """Largest number of entries of a matrix that are shown, those that differ most; the code to reproduce them has all."""
-
-
-def infinite_where_nan(errors: Array) -> Array:
-    """Errors that are no numbers count as infinite."""
-    return np.where(np.isnan(errors), np.inf, errors)
 
 
 def function_section(judgment: Judgment, function: JudgedFunction) -> Section:

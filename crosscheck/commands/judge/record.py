@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from crosscheck.judging.judgment import Diagnosis, FittedNumber, JudgedFunction, Judgment, WorstCall
+from crosscheck.judging.judgment import (
+    Diagnosis,
+    FittedNumber,
+    JudgedFunction,
+    Judgment,
+    WorstCall,
+    infinite_where_nan,
+)
 from crosscheck.report.records.record import CommandRecord, Keywords, Number, Record, attribute, written
 from graphdyn.layout import Array
 
@@ -104,4 +112,6 @@ def _function(function: JudgedFunction) -> dict[str, Any]:
 
 
 def _quantiles(errors: Array) -> dict[str, float]:
-    return {level: float(np.quantile(errors, float(level), method="higher")) for level in LEVELS}
+    """Errors that occurred; those that are no numbers are larger than all others."""
+    ordered = np.sort(infinite_where_nan(errors))
+    return {level: float(ordered[math.ceil(float(level) * (len(ordered) - 1))]) for level in LEVELS}

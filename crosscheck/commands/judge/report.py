@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
-from crosscheck.commands.judge.function_report import function_section, infinite_where_nan
+from crosscheck.commands.judge.function_report import function_section
 from crosscheck.commands.judge.record import record
-from crosscheck.judging.judgment import Diagnosis, Judgment
+from crosscheck.judging.judgment import Diagnosis, Judgment, infinite_where_nan
 from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
