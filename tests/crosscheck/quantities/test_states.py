@@ -6,11 +6,18 @@ import numpy as np
 import pytest
 from planting import mixed_tree
 from random_trees import random_placement
+from robots.mechanisms import four_bar
 
 import urdf
+from crosscheck.comparing.coupled import coupled_case
+from crosscheck.comparing.looped import looped_case
+from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities.states import ACCELERATION_RANGE, AWKWARD, FAST, cases, turned, unit_turn
 from graphdyn import inverse_dynamics, kr500, maximal_state
 from graphdyn.equations.kinematics import joint_axes
+from graphdyn.identification import TorqueModel
+from graphdyn.identification.problem.torque_model import random_samples
+from graphdyn.identification.terms import RigidBodies
 from graphdyn.model.spatial import cos_beta
 
 ALIGNED = 1e-14
@@ -129,6 +136,22 @@ def test_seed(model):
         assert all(np.array_equal(x, y) for x, y in zip(first[name], again[name], strict=True))
         assert not np.array_equal(first[name][3], other[name][3])
     assert not np.array_equal(first["random"][0], other["random"][0])
+
+
+@pytest.mark.parametrize(
+    "draw",
+    [
+        lambda seed: looped_case(four_bar(), 4, seed),
+        lambda seed: coupled_case(ROBOTS["tree"], 4, seed),
+        lambda seed: JudgedStates.draw(ROBOTS["tree"], 4, seed, needs_tau=False, beyond_limits=True),
+        lambda seed: random_samples(TorqueModel(ROBOTS["tree"], (RigidBodies(),)), 4, seed),
+    ],
+    ids=["loops", "couplings", "judged", "identification"],
+)
+def test_seed_of_further_states(draw):
+    first, again, other = (draw(seed).q[:4] for seed in (3, 3, 4))
+    assert np.array_equal(first, again)
+    assert not np.isclose(first, other).all(axis=1).any()
 
 
 def test_cases_are_independent_draws(model):
