@@ -14,6 +14,7 @@ from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.data_quality import Change, Piece, RecordedColumns, assess_recording, excitation
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.channels import rate_gain
+from graphdyn.identification.data_quality.measured_torque import gains
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -111,6 +112,27 @@ class TestClean:
         assert heavy.sum() >= 3
         np.testing.assert_allclose(g.gain[heavy], 1.0, atol=0.05)
         assert np.all(np.abs(g.gain - 1)[heavy] < 6 * g.deviation[heavy])
+
+    def test_gains_by_leaving_out_twentieths(self):
+        """Torque of the bodies, drives and acceleration, fitted to all rows and to all but each block of them."""
+        samples = recording().samples[::10]
+        fit = BoundedFit.of(torque_model(), samples, np.abs(samples.v) > 0.05)
+        found, x = gains(torque_model(), samples, fit), torque_model().prior()
+        for j in range(N):
+            kept = fit.kept[:, j]
+            drives = fit.matrix[kept, j][:, 10 * N + j :: N]
+            own = np.column_stack([drives, samples.a[kept, j]])
+            predicted, tau = fit.matrix[kept, j] @ x, samples.tau[kept, j]
+            columns = np.column_stack([predicted, own])
+            blocks = np.array_split(np.arange(len(tau)), np.linspace(0, len(tau), 21).astype(int)[1:-1])
+            every = [np.delete(np.arange(len(tau)), block) for block in blocks]
+            without = [np.linalg.lstsq(columns[rows], tau[rows], rcond=None)[0][0] for rows in every]
+            gain = np.linalg.lstsq(columns, tau, rcond=None)[0][0]
+            assert found.gain[j] == pytest.approx(gain, rel=1e-6)
+            assert found.deviation[j] == pytest.approx(np.sqrt(19 * np.var(without)), rel=1e-4)
+            assert found.share[j] == pytest.approx(gain * np.linalg.norm(predicted) / np.linalg.norm(tau), rel=1e-6)
+            left = tau - predicted - own @ np.linalg.lstsq(own, tau - predicted, rcond=None)[0]
+            assert found.without_gain[j] == pytest.approx(np.linalg.norm(left) / np.linalg.norm(tau), rel=1e-6)
 
     def test_errors_are_the_noise(self):
         """The low-pass takes most of it, and rounds the friction where a joint turns back."""
@@ -218,6 +240,8 @@ class TestChannels:
         v[:, 0] = 0.0
         tau = np.minimum(samples.tau, np.where(np.arange(N) == 2, bound, np.inf))
         found = assess_recording(torque_model(), [Piece(Samples(samples.q, v, samples.a, tau), PERIOD)])
+        held = np.diff(np.flatnonzero(np.diff(np.concatenate([[False], tau[:, 2] == bound, [False]]))))[::2]
+        assert found.channels.clipped[2] == held[held >= 5].sum() / len(tau)
         assert found.channels.clipped[2] == pytest.approx(0.1, abs=0.06)
         assert np.all(found.channels.clipped[[0, 1, 3]] == 0)
         assert found.channels.standstill[0] == 1.0
