@@ -21,6 +21,7 @@ from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.loops import loop_spaces
+from graphdyn.model.spatial import apply
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
 from graphdyn.verbs.dynamics import joint_torques
@@ -188,41 +189,42 @@ class LoopEquations(Equations):
 
         Raises IntegrationFailed where Newton steps do not close them.
         """
-        for _ in range(MAX_PROJECTION_STEPS):
-            gaps = self._loops.gaps(q)
-            inverse, _ = self._spaces(self._loops.jacobian(self._loops.links(q)))
-            q = q - inverse @ gaps
-            if np.abs(gaps).max() < LAST_STEP_GAP:
-                break
-        else:
+        q, v, gap = self._projected(q, v)
+        if not gap < LAST_STEP_GAP:
             raise IntegrationFailed(
-                f"the loops are open by {np.abs(gaps).max():.2g} m or rad after a step, and do not close; "
+                f"the loops are open by {gap:.2g} m or rad after a step, and do not close; "
                 "take smaller steps, or smaller torques"
             )
-        jacobian = self._loops.jacobian(self._loops.links(q))
-        inverse, _ = self._spaces(jacobian)
-        return q, v - inverse @ (jacobian @ v)
+        return q, v
 
     def nearly_closed(self, q: Array, v: Array) -> tuple[Array, Array]:
         """The same of states (…, n) between steps; those that Newton steps do not close are left as they are."""
-        states = zip(q.reshape(-1, q.shape[-1]), v.reshape(-1, v.shape[-1]), strict=True)
-        found = np.array([self._closed_or_not(*state) for state in states])
-        return found[:, 0].reshape(q.shape), found[:, 1].reshape(v.shape)
+        closed_q, closed_v, gap = self._projected(q, v)
+        is_closed = (gap < LAST_STEP_GAP)[..., None]
+        return np.where(is_closed, closed_q, q), np.where(is_closed, closed_v, v)
 
-    def _closed_or_not(self, q: Array, v: Array) -> tuple[Array, Array]:
-        try:
-            return self.closed(q, v)
-        except IntegrationFailed:
-            return q, v
+    def _projected(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
+        """The states (…, n) after Newton steps, and by how much they were open before the last (…)."""
+        for _ in range(MAX_PROJECTION_STEPS):
+            gaps = self._loops.gaps(q)
+            inverse, _ = self._spaces(self._loops.jacobian(self._loops.links(q)))
+            q = q - apply(inverse, gaps)
+            gap = np.abs(gaps).max(axis=-1)
+            if np.all(gap < LAST_STEP_GAP):
+                break
+        jacobian = self._loops.jacobian(self._loops.links(q))
+        inverse, _ = self._spaces(jacobian)
+        return q, v - apply(inverse, apply(jacobian, v)), gap
 
     def _spaces(self, jacobian: Array) -> tuple[Array, Array]:
-        """J⁺ (n, m) of the usual rank, and the motions that keep the loops closed (n, n - rank)."""
+        """J⁺ (…, n, m) of the usual rank, and the motions that keep the loops closed (…, n, n - rank)."""
         left, values, right = np.linalg.svd(jacobian)
         rank = self._rank
-        self.distance = float(values[rank - 1] / values[0]) if rank else 1.0
-        kept = values[:rank] > SINGULAR_DIRECTION_SHARE * values[:1]
-        inverse = np.where(kept, 1.0 / np.where(kept, values[:rank], 1.0), 0.0)
-        return (right[:rank].T * inverse) @ left[:, :rank].T, right[rank:].T
+        self.distance = float(np.min(values[..., rank - 1] / values[..., 0])) if rank else 1.0
+        kept = values[..., :rank] > SINGULAR_DIRECTION_SHARE * values[..., :1]
+        factors = np.where(kept, 1.0 / np.where(kept, values[..., :rank], 1.0), 0.0)
+        along, motions = np.swapaxes(right, -1, -2)[..., :rank], np.swapaxes(right, -1, -2)[..., rank:]
+        return (along * factors[..., None, :]) @ np.swapaxes(left[..., :rank], -1, -2), motions
 
 
 def equations_of(plant: PlantConstants) -> Equations:

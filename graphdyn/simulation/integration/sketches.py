@@ -60,7 +60,7 @@ class RowSteps:
 
     @cached_property
     def _coefficients(self) -> tuple[Array, Array, Array, Array]:
-        """Those of the first to the fourth power of the share of a step that is past (m, n) each."""
+        """The coefficients of the first to the fourth power of the share of a step that is past, (m, n) each."""
         h, q, v = np.diff(self.edges)[:, None], self.q, self.v
         first, second = h * v[:-1], h**2 * self.a / 2
         rest, turn = q[1:] - q[:-1] - first - second, h * (v[1:] - v[:-1]) - 2 * second

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from grazed_limits import KINDS, problems
+from grazed_limits import METHODS as INTEGRATORS
 from long_check import few
 from robots.mechanisms import four_bar
 from robots.moving_robots import pendulum, slider
@@ -169,6 +171,23 @@ def grazing(seed, settings):
 def test_random_grazing_limits_and_events(settings, dozen):
     for seed in range(2) if dozen == 0 else range(12 * dozen, 12 * dozen + 12):
         grazing(seed, settings)
+
+
+@pytest.mark.parametrize(
+    ("kind", "method"),
+    few(
+        [(kind, method) for kind in KINDS for method in INTEGRATORS],
+        ("arm", "rk8"),
+        ("coupled", "dop853"),
+        ("swing", "rk4"),
+        ("sampled", "euler"),
+    ),
+)
+def test_random_motions_that_graze_a_height(kind, method):
+    """Against splines of fine steps; tests/tools/missed_crossings.py asks for ten thousand."""
+    asked, wrong = problems(kind, method, 1, heights=2)
+    assert asked > 0
+    assert not wrong
 
 
 def test_a_swing_that_grazes_a_limit(settings):
