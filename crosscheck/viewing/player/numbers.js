@@ -20,7 +20,7 @@ function roundedUp(x) {
 // Four significant digits.
 function written(x) {
   const size = Math.abs(x);
-  if (size !== 0 && (size >= 1e6 || size < 1e-4)) return x.toExponential(2).replace("-", "−");
+  if (size !== 0 && (size >= 1e6 || size < 1e-4)) return x.toExponential(2).replaceAll("-", "−");
   return String(Number(x.toPrecision(4))).replace("-", "−");
 }
 

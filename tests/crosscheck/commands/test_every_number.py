@@ -11,10 +11,14 @@ from typer.testing import CliRunner
 import urdf
 from crosscheck.commands import app
 from crosscheck.commands.program.exits import AGREED
+from crosscheck.commands.simulate.record import SimulatedRun
+from crosscheck.commands.simulate.report import simulate_report
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import document, slides
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
-from graphdyn import inverse_dynamics, joint_torque_regressor, mass_matrix, maximal_state
+from crosscheck.report.records.record import plain
+from crosscheck.report.text import as_text
+from graphdyn import inverse_dynamics, joint_torque_regressor, mass_matrix, maximal_state, simulate
 from graphdyn.excitation import FourierBasis, Trajectory
 from graphdyn.identification.terms.bodies import PARAMETER_SYMBOLS
 
@@ -144,6 +148,17 @@ class TestSimulate:
                 curves["energy"][shown], e[name], rtol=0, atol=SINGLE * np.abs(e["kinetic"]).max() * 10
             )
         assert np.all(curves["energy"]["dissipated by friction and stops"] == 0)
+
+
+def test_the_largest_closure_error_is_told(driven_arm, monkeypatch):
+    """Of all rows, on the page and in the JSON."""
+    model = urdf.load(driven_arm, mimic="coupled")
+    motion = simulate(model, [0.2, 0.1], [0, 0], 0.01, method="euler", step=STEP)
+    run = SimulatedRun(motion, "driven", urdf.Reading(), "zero", "euler", STEP, None)
+    monkeypatch.setattr(type(motion), "closure_error", lambda _: np.array([1e-3, 2.5e-3, 5e-4]))
+    report = simulate_report(run)
+    assert plain(report.record([]))["closure_error"] == 2.5e-3
+    assert "closed to 2.5e-03 (m, cosines)" in as_text(report)
 
 
 SECONDS, RATE, NOISE = 4, 100, np.array([0.5, 0.4, 2.0])

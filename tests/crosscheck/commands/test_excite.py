@@ -179,9 +179,17 @@ def test_motion_beyond_a_limit(program, small_arm, tmp_path):
     model = urdf.load(small_arm)
     path = tmp_path / "fast.csv"
     path.write_bytes(document(timed(model), path, SETTINGS))
-    done = program("excite", "--robot", small_arm, *LIMITS, "--velocity", 0.01, "--motion", path, "--random", 0)
+    file, fast = tmp_path / "r.json", ("--velocity", 0.01, "--motion", path, "--random", 0)
+    done = program("excite", "--robot", small_arm, *LIMITS, *fast, "--json", file)
     assert done.code == DISAGREED
     assert "VIOLATES LIMITS" in done.out
+    (motion,) = json.loads(file.read_text(encoding="utf-8"))["motions"]
+    beyond = [limit for limit in motion["limits"] if limit["used"] > 1]
+    assert len(beyond) == 3
+    worst = max(beyond, key=lambda limit: limit["used"])
+    assert f"velocity of {worst['name']}: {100 * worst['used']:.4g} % of its limit" in done.out
+    largest = np.abs(timed(model, 1000.0).v).max(axis=0) / 0.01
+    assert [limit["used"] for limit in beyond] == pytest.approx(largest, rel=1e-3)
 
 
 @pytest.mark.parametrize(

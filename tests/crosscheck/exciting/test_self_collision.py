@@ -1,6 +1,7 @@
 """Links that must not hit each other: spheres around them, pairs, meshes, and `graphdyn excite` with them."""
 
 import json
+import re
 from functools import cache
 from itertools import pairwise
 
@@ -12,7 +13,10 @@ import urdf
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.exciting import self_collision as pairing
+from crosscheck.exciting.excited import random_plans
 from crosscheck.exciting.mesh_contacts import link_meshes
+from crosscheck.exciting.motion_formats.krl import AxisSettings
+from crosscheck.exciting.motion_formats.motion_file import read_motion
 from crosscheck.exciting.self_collision import Hit, collision_free, self_collision
 from crosscheck.exciting.sphere_cover import sphere_cover
 from crosscheck.exciting.srdf import disabled_pairs
@@ -27,6 +31,8 @@ from graphdyn.excitation import (
     Poses,
     Sphere,
     TabulatedCourse,
+    excitation_plan,
+    random_trajectory,
 )
 from graphdyn.excitation.constraints import clearance_signal, smallest_distances
 from graphdyn.excitation.trajectory import smooth_maximum, smooth_slope
@@ -283,7 +289,14 @@ def test_the_program(program, folding_arm, tmp_path, monkeypatch):
     done = program("excite", "--robot", folding_arm, "--motion", folded, "--random", 0, "--json", file)
     assert done.code == DISAGREED, done.err
     assert "LINKS COLLIDE" in done.out
-    assert any(hit["links"] == "a - c" for hit in json.loads(file.read_text())["motions"][0]["collisions"])
+    (hit,) = [hit for hit in json.loads(file.read_text())["motions"][0]["collisions"] if hit["links"] == "a - c"]
+    known = known_of(folding_arm)
+    with pytest.warns(UserWarning, match="all-zero-channel"):
+        course = read_motion(folded, urdf.load(folding_arm), AxisSettings())
+    instants = np.array([hit["first"] - 1e-3, hit["first"]])
+    before, first = ({one.name for one in known.hits(course.motion(instants[k : k + 1]).q)} for k in (0, 1))
+    assert "a - c" in first - before
+    assert re.search(rf"a - c +│ +{hit['poses']} +│ +{hit['first']:.3f} ", done.out)
     done = program("excite", "--robot", folding_arm, "--motion", folded, "--random", 0, "--no-collisions")
     assert done.code == AGREED, done.err
     assert "not looked at (--no-collisions)" in done.out
@@ -308,6 +321,19 @@ def motion_file(folder, far):
     path = folder / "motion.csv"
     path.write_text("\n".join([names, *(",".join(map(repr, row)) for row in rows)]), encoding="utf-8")
     return path
+
+
+def test_best_and_median_of_random_motions(folding_arm):
+    """Of five, the one with the smallest value of the criterion, and the third."""
+    problem = problem_of(urdf.load(folding_arm))
+    model, rng = problem.torque_model.model, np.random.default_rng([0, 2])
+    courses = [random_trajectory(model, problem.limits, problem.checked_spheres, problem.basis, rng) for _ in range(5)]
+    totals = [problem.total_information(course) for course in courses]
+    order = sorted(totals, key=lambda total: problem.criterion(total)[0])
+    best, median = random_plans(problem, 1, 5, None)
+    for found, total in ((best, order[0]), (median, order[2])):
+        expected = excitation_plan(problem.torque_model, total)
+        assert found.sigma.tolist() == expected.sigma.tolist()
 
 
 def test_links_without_shapes(program, tmp_path):

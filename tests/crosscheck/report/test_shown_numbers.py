@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from crosscheck.bench.contender import SpeedRatio
 from crosscheck.bench.machine.timing import Ratio
 from crosscheck.commands.bench import report as ratio_bars
 from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.commands.excite import report as excite_report
 from crosscheck.commands.identify import methods_report as method_errors
 from crosscheck.commands.identify import model_report as parameter_bars
 from crosscheck.commands.identify.report import identify_report
@@ -194,6 +196,9 @@ def drawn(monkeypatch):
     return axes_of
 
 
+OTHER_SIGMA = {"best_random": [0.8, 0.6], "median_random": [1.0, 0.9], "recorded": [1.2, 1.0]}
+
+
 def curve(axes, label):
     (line,) = (line for line in axes.lines if line.get_label() == label)
     return line.get_xdata(), line.get_ydata()
@@ -221,6 +226,18 @@ class TestPictures:
         ((left, right),) = bars.lines[2][0].get_segments()
         assert (left[0], right[0]) == (5.0, 7.0)
         assert "[N m]" in axes.get_xlabel()
+
+    def test_sigma_bars(self, drawn):
+        """σ 0.5 of 2 is 25 %, of 0.1 beside a spread of 1 is 50 %; σ of others as parts of the same."""
+        others = {name: SimpleNamespace(sigma=np.array(sigma)) for name, sigma in OTHER_SIGMA.items()}
+        own = {"sigma": np.array([0.5, 0.5]), "relative": np.array([0.25, 0.5]), "names": ("a", "b")}
+        plan = SimpleNamespace(**own, prior=np.array([-2.0, 0.1]), spread=np.array([1.0, 1.0]))
+        axes = drawn(excite_report, "sigma_bars", SimpleNamespace(plan=plan, random=7, **others))
+        left = axes.get_xlim()[0]
+        assert [left + bar.get_width() for bar in axes.patches[:2]] == pytest.approx([25, 50])
+        assert curve(axes, "best of 7 random")[0] == pytest.approx([40, 60])
+        assert curve(axes, "median random")[0] == pytest.approx([50, 90])
+        assert curve(axes, "recorded")[0] == pytest.approx([60, 100])
 
     def test_method_errors(self, drawn):
         axes = drawn(method_errors, "method_errors", ["WLS"], ["a", "b"], np.array([[0.02, 0.06]]))

@@ -213,6 +213,86 @@ def test_curves_of_multipliers(shown, figures):
     assert np.abs(found.transpose(2, 0, 1) - expected).max() < DRAWN * np.abs(expected).max()
 
 
+def test_curves(shown, figures):
+    """Torques of the bodies and as recorded, positions, sizes of reactions, over all instants."""
+    recording, (figure, *_) = figures
+    loads = inverse_dynamics(figure.robot.model, recording.q, recording.v, recording.a)
+    forces, moments = (np.linalg.norm(loads.joint_wrenches[..., part], axis=-1) for part in (LINEAR, ANGULAR))
+    expected = {
+        "torque of the rigid bodies": loads.tau, "torque, recorded": recording.tau, "position": recording.q,
+        "reaction force": forces, "reaction moment": moments,
+    }  # fmt: skip
+    for title, values in expected.items():
+        found = shown.value(f"Object.values(quantities(player.figures[0]).find(([title]) => title === {title!r})[2]())")
+        assert np.abs(np.transpose(found) - values).max() < DRAWN * np.abs(values).max(), title
+
+
+def test_between_two_instants(shown, figures):
+    """A quarter of the way from the fourth to the fifth: straight lines between both."""
+    recording = figures[0]
+    t = recording.t - recording.t[0]
+    shown.value(f"player.seek({0.75 * t[3] + 0.25 * t[4]})")
+    q, tau = (shown.value(f"player.figures[0].shown.{name}") for name in ("q", "recorded"))
+    assert np.abs(q - (0.75 * recording.q[3] + 0.25 * recording.q[4])).max() < DRAWN
+    size = np.abs(recording.tau).max()
+    assert np.abs(tau - (0.75 * recording.tau[3] + 0.25 * recording.tau[4])).max() < DRAWN * size
+
+
+def test_what_bodies_carry(shown, figures):
+    """Centers of mass, axes of joints, ellipsoids with their half axes, and pushes of sliding joints, in the world."""
+    recording, (figure, *_) = figures
+    model = figure.robot.model
+    shown.value("player.seek(0)")
+    state = maximal_state(model, recording.q[0])
+    shift, centers, ellipsoids, axes = shown.value(
+        """(() => {
+          const figure = player.figures[0], layers = ["centers", "ellipsoids", "axes"];
+          const matrix = (part) => (part.updateWorldMatrix(true, false), part.matrixWorld.elements);
+          return [figure.place.position.toArray(), ...layers.map((layer) => figure.layers[layer].map(matrix))];
+        })()"""
+    )
+    centers, ellipsoids, axes = (
+        np.array(part).reshape(-1, 4, 4).transpose(0, 2, 1) for part in (centers, ellipsoids, axes)
+    )
+    size = max(1.0, np.abs(state.position).max())
+    for found in (centers, ellipsoids):
+        assert np.abs(found[:, :3, 3] - shift - state.position).max() < DRAWN * size
+    for found, body, rotation in zip(ellipsoids, model.bodies, state.rotation, strict=True):
+        second = np.trace(body.inertia) / 2 * np.eye(3) - body.inertia  # m diag(a²) / 5 along the half axes a
+        expected = rotation @ (5 * second / body.mass) @ rotation.T
+        assert np.abs(found[:3, :3] @ found[:3, :3].T - expected).max() < DRAWN * np.abs(expected).max()
+    along = shown.value("ALONG")
+    for found, joint, rotation in zip(axes, model.joints, state.rotation, strict=True):
+        assert np.abs(found[:3, :3] @ along - rotation @ joint.axis).max() < DRAWN
+    loads = inverse_dynamics(model, recording.q[0], recording.v[0], recording.a[0]).joint_wrenches
+    scale = shown.value("player.scales().force")
+    for j, joint in enumerate(model.joints):
+        start, end = np.array(shown.value(f"player.figures[0].slide.ends({j})"))
+        push = (loads[j, LINEAR] @ joint.axis) * (state.rotation[j] @ joint.axis) if joint.is_prismatic else np.zeros(3)
+        assert np.abs(end - start - scale * push).max() < DRAWN * max(1.0, np.abs(scale * push).max())
+
+
+def test_numbers_as_they_are_written(shown):
+    numbers = {0: "0", 1234.56: "1235", -0.0123456: "−0.01235", 2.5e7: "2.50e+7", -3.21e-5: "−3.21e−5"}
+    assert shown.value(f"[{', '.join(map(str, numbers))}].map(written)") == list(numbers.values())
+    units = {2500.0: "2.5 kN", 3.2e6: "3.2 MN", 0.05: "50 mN", 12.0: "12 N"}
+    assert shown.value(f"[{', '.join(map(str, units))}].map((x) => withUnit(x, 'N'))") == list(units.values())
+    assert shown.value("[0.3, 1, 4.2, 0.05].map(roundedUp)") == pytest.approx([0.5, 1, 5, 0.05])
+
+
+def test_ranges_of_sliders(shown):
+    """Limits of the joint; without, half a turn or half a meter both ways; with one of the two, a turn from it."""
+    cases = {
+        "{ kind: 'revolute', lower: -1, upper: 2 }": (-1, 2), "{ kind: 'continuous' }": (-np.pi, np.pi),
+        "{ kind: 'prismatic' }": (-0.5, 0.5), "{ kind: 'revolute', lower: 1 }": (1, 1 + 2 * np.pi),
+        "{ kind: 'prismatic', upper: 2 }": (1, 2),
+    }  # fmt: skip
+    for joint, expected in cases.items():
+        middle = sum(expected) / 2
+        assert shown.value(f"sliderRange({joint}, {middle})") == pytest.approx(list(expected))
+    assert shown.value("sliderRange({ kind: 'revolute', lower: -1, upper: 2 }, 5)") == [-1, 5]
+
+
 def test_the_legend_tells_the_scale(shown):
     """A bar is as long as an arrow of the load beside it would be at the middle of the view."""
     rows = shown.value(

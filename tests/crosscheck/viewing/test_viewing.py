@@ -21,12 +21,13 @@ from crosscheck.comparing import compare as comparing
 from crosscheck.quantities.states import cases
 from crosscheck.recordings import Recording
 from crosscheck.recordings.recording import recording_of
-from crosscheck.viewing.figures import Figure, ShownRobot, inertia_ellipsoid, standing_position
-from crosscheck.viewing.motions import MAX_INSTANTS, closed_instant, recorded_motion, shown_rows
+from crosscheck.viewing.figures import BodyShape, Figure, ShownRobot, inertia_ellipsoid, standing_position
+from crosscheck.viewing.motions import MAX_INSTANTS, closed_instant, planned_motion, recorded_motion, shown_rows
 from crosscheck.viewing.robots import stand_ins
-from crosscheck.viewing.scene import usual_loads
+from crosscheck.viewing.scene import NumberStore, scene, usual_loads
 from crosscheck.viewing.server import MAX_QUESTION_BYTES, SIMULATION_STEP, PageServer
 from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
+from graphdyn.excitation import FourierBasis, Trajectory
 
 ROUNDING = 1e-12
 
@@ -82,6 +83,21 @@ class TestFigures:
         assert 0.98 < volume / (np.pi * radius**2 * 0.8) < 1.0
         assert abs(2.0 * radius**2 / 2 - 0.001) < ROUNDING  # m r² / 2 = J_zz
 
+    def test_shapes_as_they_are_sent(self):
+        """Vertices within half a step of 65535 of the box, on each axis; colors to a thousandth."""
+        rng = np.random.default_rng(4)
+        vertices = rng.normal(size=(30, 3)) * [1.0, 0.1, 20.0]
+        faces = np.arange(30).reshape(10, 3)
+        shape = BodyShape(1, vertices, faces, (0.12345, 0.5, 1.0, 0.25))
+        store = NumberStore()
+        (sent,) = scene("one", [Figure("a", ShownRobot(pendulum(), (shape,)))], store)["robots"][0]["shapes"]
+        numbers = gzip.decompress(b64decode(store.text()))
+        kind, first, length = sent["vertices"]
+        steps = np.frombuffer(numbers, f"<{kind}", length, first).reshape(-1, 3)
+        found, half = np.array(sent["low"]) + steps * sent["step"], np.ptp(vertices, axis=0) / 65535 / 2
+        assert (np.abs(found - vertices) <= half * (1 + 1e-6)).all()
+        assert sent["color"] == [0.123, 0.5, 1.0, 0.25]
+
     def test_usual_loads(self):
         """2.5 kg at 0.8 m and 0.1 m; without gravity on Earth; without mass the efforts, apart."""
         model = pendulum()
@@ -121,6 +137,17 @@ class TestMotions:
             assert np.abs(found.tau).max() < ROUNDING * size
         assert computed.recorded_tau is None
         assert recorded.recorded_tau.shape == (11, 2)
+
+    def test_loads_of_a_planned_motion(self):
+        """Fifty instants a second, with the torques that the bodies need."""
+        model, rng = pendulum(), np.random.default_rng(2)
+        course = Trajectory(FourierBasis(2.0, 3), 0.3 * rng.normal(size=(2, 5)))
+        motion, told = planned_motion(model, course)
+        assert motion.time == pytest.approx(np.arange(101) / 50)
+        q, v, a, _ = course.motion(motion.time)
+        assert np.array_equal(motion.q, q)
+        assert np.abs(motion.tau - inverse_dynamics(model, q, v, a).tau).max() < 1e-9
+        assert told == ("as planned", "loads by inverse dynamics of q, v and a")
 
     def test_pieces_are_told(self):
         model = pendulum()
