@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 from long_check import LONG
 from robots.mesh_files import box, mesh, one_link, stl, visual
 from shared_data import REPOSITORY
+from shown.blocks import blocks, tables, texts
 from shown.browser import CHROMIUM, document
 from shown.pages import parsed
 from typer.testing import CliRunner
@@ -25,6 +26,9 @@ from crosscheck.commands.inspect.report import MAX_UNFOLDED_FILES, inspect_repor
 from crosscheck.commands.program import console
 from crosscheck.report.html import MAX_NOTES_PER_CODE, page
 from crosscheck.report.records.record import plain, written
+from crosscheck.report.report import Group
+from urdf.inspection.findings import Finding
+from urdf.inspection.findings import report as findings_report
 
 SCHEMA = json.loads((REPOSITORY / "docs/schemas/inspect-1.schema.json").read_text(encoding="utf-8"))
 NARROW = 80
@@ -352,3 +356,70 @@ def test_worst_findings_come_from_the_worst_severity(folder):
     assert worst(urdf.inspect(folder / "a_dynamics.urdf")) == []
     assert worst(urdf.inspect(folder / "b_kinematics.urdf")) == ["mass-matrix-singular", "missing-inertial"]
     assert worst(urdf.inspect(folder / "more" / "c_refused.urdf")) == ["missing-mass", "missing-type"]
+
+
+def finding(severity, code, k, line=None):
+    return Finding(code, severity, f"<x> of link '{k}'", line, f"{code} {k}", "mend it")
+
+
+class TestEveryNumber:
+    """Of the report and the record, counted by hand."""
+
+    @pytest.fixture
+    def inspected(self):
+        refused = [finding("error", "no-mass", k, 10 + k) for k in range(5)]
+        refused += [finding("error", "bad-axis", k, 30) for k in range(2)] + [finding("error", "no-joint", 0)]
+        refused += [finding("error", "twice", 0), finding("warning", "flat", 0), finding("warning", "flat", 1)]
+        fit = [finding("warning", "flat", k, 7 + k) for k in range(3)] + [finding("note", "long", 0)]
+        return [
+            findings_report("/robots/a.urdf", "/robots/a.urdf", refused),
+            findings_report("/robots/more/b.urdf", "/robots/more/b.urdf", fit),
+            findings_report("/robots/c.urdf", "/robots/c.urdf", []),
+        ]
+
+    def test_one(self, inspected):
+        report = inspect_report(inspected[:1], [])
+        assert report.verdict.words == "refused"
+        told = "; ".join(f"<x> of link '0': {code} 0" for code in ("no-joint", "twice", "no-mass"))
+        assert report.verdict.reason == f"9 errors, 2 warnings, 0 notes: {told}; and 6 more"
+        (table,) = tables(report, "findings")
+        rows = {row[1]: row for row in texts(table)}
+        assert set(rows) == {"no-mass 5×", "bad-axis 2×", "no-joint", "twice", "flat 2×"}
+        places = [f"<x> of link '{k}', line {10 + k}" for k in range(3)]
+        assert rows["no-mass 5×"][2].split("\n") == [*places, "and 2 more"]
+        assert rows["bad-axis 2×"][2].split("\n") == [f"<x> of link '{k}', line 30" for k in range(2)]
+        every = next(block for block in blocks(report, "findings") if block.title.startswith("Every finding"))
+        assert len(every.notes) == 5 + 2 + 2
+
+    def test_several(self, inspected):
+        report = inspect_report(inspected, [{"robot": "x", "message": "no"}, {"robot": "y", "message": "no"}])
+        assert report.title == "3 robot files"
+        assert report.verdict.words == "1 refused, 2 good for dynamics, 2 could not be inspected"
+        assert texts(tables(report, "refused")[0]) == [["a.urdf", "9", "2", "0", "no-joint, twice, no-mass, bad-axis"]]
+        assert texts(tables(report, "dynamics")[0]) == [
+            ["more/b.urdf", "0", "3", "1", "flat"], ["c.urdf", "0", "0", "0", ""],
+        ]  # fmt: skip
+        titles = [group.title for group in blocks(report, "dynamics") if isinstance(group, Group)]
+        assert titles == ["more/b.urdf: 0 errors, 3 warnings, 1 note", "c.urdf: 0 errors, 0 warnings, 0 notes"]
+        often = dict(texts(tables(report, "occurrences")[0]))
+        assert often.pop("flat") == "2"
+        assert often == dict.fromkeys(("no-mass", "bad-axis", "no-joint", "twice", "long"), "1")
+        record = plain(report.record(["inspect"]))
+        assert record["occurrences"] == {code: int(count) for code, count in often.items()} | {"flat": 2}
+        assert next(iter(record["occurrences"])) == "flat"
+        assert record["usable"] is False
+        assert [len(file["findings"]) for file in record["files"]] == [11, 4, 0]
+
+    def test_lines_of_a_file(self, folder, tmp_path):
+        """Each finding that has a line names that of its element in the text."""
+        file = folder / "more" / "c_refused.urdf"
+        record, _ = recorded(tmp_path / "r.json", file)
+        lines = file.read_text(encoding="utf-8").splitlines()
+        (found,) = record["files"]
+        with_line = [one for one in found["findings"] if one["line"]]
+        assert len(with_line) >= 2
+        for one in with_line:
+            tag, name = re.fullmatch(r"<?(\w+)>?(?: of \w+)? '(.*)'", one["element"]).groups()
+            at = one["line"] - 1
+            assert f"<{tag}" in lines[at]
+            assert f'"{name}"' in "".join(lines[max(0, at - 3) : at + 1])

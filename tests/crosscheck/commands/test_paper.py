@@ -271,3 +271,133 @@ class TestPage:
     @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
     def test_never_wider_than_its_window(self, tmp_path, page):
         assert too_wide({"page.html": page}, tmp_path) == []
+
+
+DENSITY = 7801.0
+"""Of steel, as in the paper [kg/m³]."""
+
+
+def significant(printed, ours):
+    """Leading digits of seven that a number shares with the printed one, up to half a unit of the last."""
+    size = abs(ours - printed) / 10 ** math.floor(math.log10(abs(printed)))
+    return next((digits for digits in range(7, 0, -1) if size <= 0.5001 * 10.0 ** (1 - digits)), 0)
+
+
+def as_read(number):
+    """A printed number, misprints corrected; NaN where there is none."""
+    return math.nan if number["printed"] is None else float(number["reading"] or number["printed"])
+
+
+class TestEveryNumber:
+    """Of the record and the page, from cylinders, from the printed tables, and from each other's parts."""
+
+    @pytest.fixture
+    def record(self, found):
+        return plain(record_of(found, COMMAND))
+
+    def test_cylinders(self, record):
+        rows = {row["name"].split()[0]: row["ours"] for row in record["table_2"]["rows"]}
+        (length, radius), others = list(rows.values())[:2], list(rows.values())[2:]
+        length, radius = np.array(length), np.array(radius)
+        mass = DENSITY * np.pi * radius**2 * length
+        along, across = mass * radius**2 / 2, mass * (3 * radius**2 + length**2) / 12
+        for ours, wanted in zip(others, (mass, along, across, across), strict=True):
+            assert ours == pytest.approx(wanted.tolist())
+        true = record["identification"]["true"]
+        for ours, wanted in zip(true.values(), (*3 * [mass], along, across, across), strict=True):
+            assert ours == pytest.approx(wanted.tolist())
+
+    def test_identifications(self, record, page):
+        """Errors, their largest and root mean square over what is compared, and the rows of the tables."""
+        of = record["identification"]
+        names = list(of["true"])
+        true = np.array([of["true"][name] for name in names])
+        printed = {
+            key: np.array([list(map(as_read, of[key][name])) for name in names]) for key in ("table_3", "table_4")
+        }
+        exact = np.array([of["trials"][0]["values"][name] for name in names], float)
+        compared = np.isfinite(exact) & np.isfinite(printed["table_3"])
+        assert of["compared"] == compared.sum() == 33
+        errors = np.abs(printed["table_4"][compared])
+        assert (of["printed_largest"], of["printed_rms"]) == pytest.approx((errors.max(), np.sqrt((errors**2).mean())))
+        rows = table(page, "Over the 33 entries")
+        assert rows[0][:3] == ["Table 4", f"{errors.max():.4f}", f"{np.sqrt((errors**2).mean()):.4f}"]
+        for k, (trial, row) in enumerate(zip(of["trials"], rows[1:], strict=True)):
+            values = np.array([trial["values"][name] for name in names], float)
+            own = np.array([trial["errors"][name] for name in names], float)
+            np.testing.assert_allclose(own, values - true, atol=1e-12)
+            size = np.abs(own[compared])
+            largest, rms = size.max(), np.sqrt((size**2).mean())
+            assert (trial["largest"], trial["rms"]) == pytest.approx((largest, rms))
+            form = ".1e" if k < 2 else ".4f"
+            assert row[:4] == [trial["data"], f"{largest:{form}}", f"{rms:{form}}", str(trial["rank"])]
+            assert float(row[4]) == pytest.approx(trial["condition_number"], rel=6e-3)
+            assert row[5] == ", ".join(trial["undetermined"])
+        for caption, what, form in (("Table 3 [kg", "values", ".4f"), ("Table 4 [kg", "errors", ".0e")):
+            lines = table(page, caption)
+            for k, name in enumerate(names):
+                for line, trial, shape in ((3 * k + 1, of["trials"][0], form), (3 * k + 2, of["trials"][2], ".4f")):
+                    for text, value in zip(lines[line][2:], trial[what][name], strict=True):
+                        assert (text == "–") if value is None else float(text) == float(f"{value:{shape}}")
+
+    def test_multipliers_as_printed(self, record, page):
+        rows = {row[0]: row[1:] for row in table(page, "Eq. (113)-(118)")}
+        for number in record["as_printed"]["multipliers"]:
+            printed, ours = number["reading"] or number["printed"], number["ours"]
+            _, text, digits, meaning = rows[number["name"]]
+            assert meaning == number["meaning"]
+            if ours is None:
+                assert (text, digits) == ("–", "")
+                continue
+            if number["kind"] == "reproduced":
+                assert number["digits"] == significant(float(printed), ours) >= 6
+                assert text == f"{ours:.6e}"
+            assert digits == (str(number["digits"]) if number["digits"] else "")
+        for ratio, row in zip(record["as_printed"]["ratios"], table(page, "tan 33.75°"), strict=True):
+            of = {n["name"]: float(n["reading"] or n["printed"]) for n in record["as_printed"]["multipliers"]}
+            quotient = of[f"λ_{ratio['joint']}4"] / of[f"λ_{ratio['joint']}5"]
+            assert ratio["printed"] == pytest.approx(quotient)
+            assert row == [str(ratio["joint"]), f"{quotient:.7f}", f"{ratio['null_vector']:.7f}"]
+            assert abs(ratio["null_vector"]) == pytest.approx(np.tan(np.radians(33.75)), rel=1e-6)
+
+    def test_corrected_multipliers(self, record, page):
+        ours, there = (np.array(record["corrected"][name]) for name in ("multipliers", "rnea"))
+        rows = table(page, "All thirty multipliers")
+        for j in range(6):
+            for row, values in ((rows[2 * j], ours[j]), (rows[2 * j + 1], there[j])):
+                assert row[2:] == [f"{value:.3f}" for value in values]
+        parts = [(ours[:, part], there[:, part]) for part in (slice(3), slice(3, 5))]
+        differences = [np.abs(x - y).max() / np.abs(y).max() for x, y in parts]
+        assert record["corrected"]["difference"] == pytest.approx(max(differences), rel=0.5, abs=1e-14)
+        assert f"largest relative difference {record['corrected']['difference']:.1e}" in page
+
+    def test_effects(self, found, record, page):
+        rows = table(page, "Quantiles of the printed form")
+        for effect, one, row in zip(found.effects, record["errata"]["effects"], rows, strict=True):
+            ordered = np.sort(effect.errors)
+            place = 0.9 * (len(ordered) - 1)
+            low = ordered[int(place)]
+            upper = low + (place - int(place)) * (ordered[min(int(place) + 1, len(ordered) - 1)] - low)
+            half = (ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2
+            wanted = (half, upper, ordered[-1], effect.corrected_errors.max())
+            assert [one[name] for name in ("median", "upper", "largest", "corrected")] == pytest.approx(wanted)
+            assert [float(text) for text in row[3:]] == pytest.approx(wanted, rel=0.051)
+
+    def test_checks(self, record, page):
+        of, rows = (
+            {(check["where"], check["what"]): check["measured"] for check in record["checks"]},
+            table(page, "Each number"),
+        )
+        trials = record["identification"]["trials"]
+        measured = {
+            ("Table 4", "7-digit data, worst trial: largest absolute error"): max(t["largest"] for t in trials[2:]),
+            ("Table 4", "7-digit data, worst trial: root mean square error"): max(t["rms"] for t in trials[2:]),
+            ("section 3", "the experiment against rnea at 101 times, relative"): record["over_time"]["difference"],
+        }
+        for key, value in measured.items():
+            assert of[key] == value
+        for check, row in zip(record["checks"], rows, strict=True):
+            assert row[3] == f"{check['measured']:.2g}"
+            assert row[4] == f"{'≥' if check['at_least'] else '≤'} {check['bound']:.3g}"
+            sign = 1 if check["at_least"] else -1
+            assert check["agrees"] == (sign * (check["measured"] - check["bound"]) >= 0)
