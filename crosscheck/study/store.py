@@ -181,7 +181,7 @@ def _first_form(connection: sqlite3.Connection, whole: bool) -> _Kept:
 
 
 def _unchanged(rows: list[Row]) -> list[Row]:
-    """Those whose last column is the checksum of the others, without it."""
+    """Rows whose last column is the checksum of the others, without it."""
     return [row[:-1] for row in rows if row[-1] == checksum(*row[:-1])]
 
 

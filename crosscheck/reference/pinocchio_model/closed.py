@@ -34,7 +34,7 @@ are off by themselves."""
 REFINEMENTS = 3
 """Each leaves some 1e-6 of the error that it finds; what remains is the rounding of the residuals."""
 
-RANK_TOLERANCE = 1e-8
+POINT_RANK_TOLERANCE = 1e-8
 """Singular values of the Jacobian of the points below this part of the largest count as zero: far above rounding, far
 below those of points a hundredth of a link apart."""
 
@@ -106,7 +106,7 @@ def _refined(
     mass = np.triu(mass) + np.triu(mass, 1).T
     jacobian = _jacobian(robot, points, state.q)
     left, values, right = np.linalg.svd(jacobian)
-    rank = int(np.count_nonzero(values > RANK_TOLERANCE * values[0]))
+    rank = int(np.count_nonzero(values > POINT_RANK_TOLERANCE * values[0]))
     inverse, free = (right[:rank].T / values[:rank]) @ left[:, :rank].T, right[rank:].T
     for number in range(REFINEMENTS + 1):
         apart = _moved_apart(robot, points, state, a)
@@ -122,7 +122,7 @@ def _refined(
 
 
 def _ends(robot: PinocchioModel, point: pin.RigidConstraintModel) -> tuple[pin.SE3, pin.SE3]:
-    """Where the point is in the world, with the axes of both ends."""
+    """Placements of the point's two ends in the world."""
     at = robot.data.oMi
     return at[point.joint1_id] * point.joint1_placement, at[point.joint2_id] * point.joint2_placement
 
@@ -147,7 +147,7 @@ def _moved_apart(
 
 
 def _jacobian(robot: PinocchioModel, points: tuple[pin.RigidConstraintModel, ...], q: Array) -> Array:
-    """Of the velocities at which the points move apart, in axes of i (3 n_points, nv)."""
+    """Jacobian of the velocities at which the points move apart, in axes of i (3 n_points, nv)."""
     pin.computeJointJacobians(robot.native, robot.data, q)
     rows = []
     for point in points:
@@ -190,7 +190,7 @@ def _points(robot: PinocchioModel, chords: tuple[Chord, ...], apart: float) -> I
 
 
 def _held_together(chord: Chord, apart: float) -> list[Array]:
-    """What both bodies share, in axes of the chord [m]: the origin, and points apart from it.
+    """Points that both bodies share, in axes of the chord [m]: the origin, and others apart from it.
 
     Not six constraints for a weld, which are NaN where a closing body has no mass.
     """
@@ -199,5 +199,5 @@ def _held_together(chord: Chord, apart: float) -> list[Array]:
 
 
 def _on_body(robot: PinocchioModel, body: int, placement: pin.SE3) -> pin.SE3:
-    """On the ground the frame of the robot's mounting, which Pinocchio's universe does not have."""
+    """Placement on the body; on the ground from the robot's mounting, which Pinocchio's universe does not have."""
     return placement if body else se3(robot.model.base) * placement
