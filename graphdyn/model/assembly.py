@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from graphdyn.errors import InconsistentState, in_row
 from graphdyn.layout import Array
-from graphdyn.model.loops import CLOSED_TOLERANCE, Loops, loop_spaces
+from graphdyn.model.loops import CLOSED_TOLERANCE, Loops
 from graphdyn.model.spatial import apply
 
 MAX_ASSEMBLY_STEPS = 200
@@ -17,7 +17,7 @@ WALK_STEPS = 12
 """Steps of a walk from one closed pose to another: a turn by π in steps of 15°."""
 
 GAP_ROUNDING = 1e-13
-"""Gaps [m, rad] at which steps no longer help an arm of a few meters."""
+"""Gaps [rad, m in the unit of their loop] at which steps no longer help an arm of a few meters."""
 
 
 def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> tuple[Array, Array]:
@@ -32,80 +32,84 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
     moving = np.ones(x.shape[-1])
     if held is not None:
         moving[held] = 0.0
-    gaps, damping = loops.gaps(x), np.full(len(x), 1.0)
+    gaps, damping = loops.gaps(x) / loops.row_units, np.full(len(x), 1.0)
     best = np.linalg.norm(gaps, axis=-1)
     for _ in range(MAX_ASSEMBLY_STEPS):
         todo = np.flatnonzero((np.abs(gaps).max(axis=-1, initial=0.0) > GAP_ROUNDING) & (damping < 1e12))
         if not todo.size:
             break
-        jacobian = loops.jacobian(loops.links(x[todo])) * moving
+        jacobian = loops.in_units(loops.jacobian(loops.links(x[todo]))) * moving
         left, values, right = np.linalg.svd(jacobian, full_matrices=False)
         mu = (damping[todo] * best[todo] ** 2)[:, None]
         kept = values > 1e-12 * values.max(axis=-1, keepdims=True, initial=0.0)
         weights = np.where(kept, values / np.where(kept, values**2 + mu, 1.0), 0.0)
         step = -apply(np.swapaxes(right, -1, -2), weights * apply(np.swapaxes(left, -1, -2), gaps[todo]))
         longest = np.abs(step).max(axis=-1, initial=0.0, keepdims=True)
-        tried = x[todo] + step * np.minimum(1.0, 1.0 / np.where(longest > 0, longest, 1.0))  # at most 1 rad or 1 m
-        new = loops.gaps(tried)
+        shorter = np.minimum(1.0, 1.0 / np.where(longest > 0, longest, 1.0))  # at most 1 rad or a unit of length
+        tried = x[todo] + step * shorter * loops.column_units
+        new = loops.gaps(tried) / loops.row_units
         size = np.linalg.norm(new, axis=-1)
         better = size < best[todo]
         accepted = todo[better]
         x[accepted], gaps[accepted], best[accepted] = tried[better], new[better], size[better]
         damping[todo] = np.where(better, np.maximum(damping[todo] / 4, 1e-8), damping[todo] * 8)
         damping[todo[~better & (size < CLOSED_TOLERANCE)]] = np.inf  # rounding
-    return x.reshape(q.shape), gaps.reshape(*batch, loops.n_rows)
+    return x.reshape(q.shape), gaps.reshape(*batch, loops.n_rows) * loops.row_units
 
 
 def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:
     """Raises InconsistentState, naming the loop, its gap and the row, where gaps (…, m) exceed CLOSED."""
-    if np.nanmax(np.abs(gaps), initial=0.0) > CLOSED_TOLERANCE:
+    if np.nanmax(loops.widest(gaps), initial=0.0) > CLOSED_TOLERANCE:
         raise open_loop(who, loops, gaps, remedy)
 
 
 def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentState:
     """The error that names the widest of gaps (…, m)."""
-    gap, chord, where = _worst(loops, np.abs(gaps))
+    index, chord, where = _worst(loops, np.abs(gaps) / loops.row_units)
+    gap, unit = abs(float(gaps[index])), float(loops.row_units[index[-1]])
     return InconsistentState(
         f"{who}: the loop of chord '{chord}' is open by {gap:.2g} m or rad{where}; "
-        f"closed is {CLOSED_TOLERANCE:g}. {remedy}"
+        f"closed is {CLOSED_TOLERANCE * unit:.3g}. {remedy}"
     )
 
 
 def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wanted: Array, what: str) -> None:
     """Raises InconsistentState where J rate (…, m) is not as wanted: loops would open. what: "velocity", …"""
-    relative = moving_apart(jacobian, rate, wanted)
+    relative = moving_apart(loops, jacobian, rate, wanted)
     if not relative.size or np.nanmax(relative) <= CLOSED_TOLERANCE:
         return
-    part, chord, where = _worst(loops, relative)
+    index, chord, where = _worst(loops, relative)
     raise InconsistentState(
         f"{who}: the {what} opens the loop of chord '{chord}'{where} "
-        f"(by {part:.2g} of its terms, at most {CLOSED_TOLERANCE:g}); "
+        f"(by {relative[index]:.2g} of its terms, at most {CLOSED_TOLERANCE:g}); "
         "graphdyn.assemble(model, q, v, a) gives the nearest that does not"
     )
 
 
-def moving_apart(jacobian: Array, rate: Array, wanted: Array) -> Array:
+def moving_apart(loops: Loops, jacobian: Array, rate: Array, wanted: Array) -> Array:
     """How far J rate (…, m) is from wanted, relative to the largest of the terms that are summed."""
-    error = np.abs(apply(jacobian, rate) - wanted)
-    size = apply(np.abs(jacobian), np.abs(rate)) + np.abs(wanted)
+    error = np.abs(apply(jacobian, rate) - wanted) / loops.row_units
+    size = (apply(np.abs(jacobian), np.abs(rate)) + np.abs(wanted)) / loops.row_units
     scale = size.max(axis=-1, keepdims=True, initial=0.0)
     relative: Array = error / np.where(scale > 0, scale, 1.0)
     return relative
 
 
-def completed_rate(jacobian: Array, rate: Array, wanted: Array, held: NDArray[np.intp] | None) -> Array:
+def completed_rate(
+    loops: Loops, jacobian: Array, rate: Array, wanted: Array, held: NDArray[np.intp] | None = None
+) -> Array:
     """The rate (…, n) nearest to the given one with J rate = wanted (…, m), of joints that are not held."""
     moving = np.ones(rate.shape[-1])
     if held is not None:
         moving[held] = 0.0
-    return rate + loop_spaces(jacobian * moving).least_motion(wanted - apply(jacobian, rate))
+    return rate + loops.spaces(jacobian * moving).least_motion(wanted - apply(jacobian, rate))
 
 
-def _worst(loops: Loops, errors: Array) -> tuple[float, str, str]:
-    """The largest of errors (…, m), the chord it belongs to, and in words its row among the states."""
+def _worst(loops: Loops, errors: Array) -> tuple[tuple[int, ...], str, str]:
+    """Where the largest of errors (…, m) is, the chord it belongs to, and in words its row among the states."""
     *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(errors)), errors.shape))
     chords = [chord.name for chord in loops.chords for _ in chord.rows]
-    return float(errors[(*row, worst)]), chords[worst], in_row(row)
+    return (*row, worst), chords[worst], in_row(row)
 
 
 def walked(loops: Loops, start: Array, target: Array) -> tuple[Array, Array]:

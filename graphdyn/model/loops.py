@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +23,17 @@ from graphdyn.model.parts import Joint
 from graphdyn.model.spatial import apply, cross
 
 CLOSED_TOLERANCE = 1e-8
-"""Largest gap of a closed loop [m, rad], and largest relative velocity or acceleration along a row, relative to the
-terms that are summed. Assembled states reach 1e-14; angles written to a file with nine digits still pass."""
+"""Largest gap of a closed loop [rad, m in the unit of its loop (Loops.row_units)], and largest relative velocity or
+acceleration along a row, relative to the terms that are summed. Assembled states reach 1e-14; angles written to a file
+with nine digits still pass."""
+
+SMALL_LOOP, LARGE_LOOP = 0.1, 10.0
+"""Loops between these sizes [m] measure gaps in meters; smaller and larger ones in a unit that shrinks and grows with
+them, so that a linkage of a micrometer closes as well, for its size, as one of 0.1 m."""
 
 LOOP_RANK_TOLERANCE = 1e-6
-"""Singular values of J below this part of the largest count as zero: far above what a gap of CLOSED_TOLERANCE makes of
-a zero, far below those of a mechanism that works."""
+"""Singular values of J, in the units of its loops, below this part of the largest count as zero: far above what a gap
+of CLOSED_TOLERANCE makes of a zero, far below those of a mechanism that works."""
 
 
 SELF_STRESS_SHARE = 1e-6
@@ -69,7 +75,12 @@ class Ends:
 
 
 class Loops:
-    """The loops that chords close over the joints of a tree; q and v are those of joints that no others drive."""
+    """The loops that chords close over the joints of a tree; q and v are those of joints that no others drive.
+
+    row_units: units of the gaps                            (m,)  [1; m where a row is a distance]
+    column_units: units of q                                (nv,)  [1; m where a joint slides]
+    length_unit: the largest unit of length, in which lengths of all loops are compared with angles [m]
+    """
 
     def __init__(self, joints: Sequence[Joint], chords: Sequence[Chord], degrees_of_freedom: DegreesOfFreedom) -> None:
         self.joints, self.chords, self.degrees_of_freedom = tuple(joints), tuple(chords), degrees_of_freedom
@@ -77,6 +88,21 @@ class Loops:
         on_path = Graph(tuple(joint.inside for joint in joints)).path_matrix()
         self.paths = np.vstack([np.zeros(len(joints)), on_path.T])  # which joints lie between the ground and a body
         self.turns = np.array([not joint.is_prismatic for joint in joints])
+        around = [self.paths[chord.body_i] != self.paths[chord.body_j] for chord in chords]
+        units = [length_unit(_size(joints, chord, members)) for chord, members in zip(chords, around, strict=True)]
+        self.length_unit = max(units, default=1.0)
+        self.row_units = np.array(
+            [
+                1.0 if name.startswith("moment") else unit
+                for chord, unit in zip(chords, units, strict=True)
+                for name in chord.rows
+            ]
+        )
+        of_joints = [
+            max([u for u, members in zip(units, around, strict=True) if members[k]], default=1.0)
+            for k in range(len(joints))
+        ]
+        self.column_units = np.where(self.turns, 1.0, of_joints)[list(degrees_of_freedom.independent)]
 
     @property
     def free_joints(self) -> tuple[Joint, ...]:
@@ -147,9 +173,40 @@ class Loops:
             rows += [u @ np.swapaxes(motion, -1, -2) for u, motion in zip(moves, (at_point, turning), strict=True)]
         return np.concatenate(rows, axis=-2) @ self.degrees_of_freedom.matrix
 
+    def in_units(self, jacobian: Array) -> Array:
+        """J (…, m, nv) in the units of its rows and columns: without dimension."""
+        scaled: Array = jacobian * (self.column_units / self.row_units[:, None])
+        return scaled
+
+    def widest(self, gaps: Array) -> Array:
+        """Largest of gaps (…, m) in their units (…)."""
+        largest: Array = (np.abs(gaps) / self.row_units).max(axis=-1, initial=0.0)
+        return largest
+
+    def spaces(self, jacobian: Array) -> LoopSpaces:
+        """Spaces of J (…, m, nv), computed in units."""
+        found = loop_spaces(self.in_units(jacobian))
+        return LoopSpaces(found.left / self.row_units[:, None], found.right * self.column_units[:, None], found.inverse)
+
     def bias(self, links: Links) -> Array:
         """γ (…, m): J a = γ where J v = 0 is to hold."""
         return -np.concatenate([_second_derivative(end, links) for end in self.ends(links)], axis=-1)
+
+
+def length_unit(size: float) -> float:
+    """The unit of length [m] for a loop of this size [m]."""
+    return size / float(np.clip(size, SMALL_LOOP, LARGE_LOOP)) if size else 1.0
+
+
+def _size(joints: Sequence[Joint], chord: Chord, members: NDArray[np.bool_]) -> float:
+    """Largest distance between places where one body of the loop of a chord holds others [m]; members: its joints."""
+    held: dict[int, list[Array]] = {k + 1: [np.zeros(3)] for k in np.flatnonzero(members)}
+    for k in np.flatnonzero(members):
+        held.setdefault(joints[k].inside, []).append(joints[k].placement.translation)
+    for body, placement in ((chord.body_i, chord.placement_i), (chord.body_j, chord.placement_j)):
+        held.setdefault(body, []).append(placement.translation)
+    apart = [float(np.linalg.norm(a - b)) for points in held.values() for a, b in combinations(points, 2)]
+    return max([*apart, chord.length or 0.0])
 
 
 def _ends(chord: Chord, links: Links) -> Ends:
@@ -261,7 +318,9 @@ PREFERRED_COLUMN_SHARE = 0.05
 
 @dataclass(frozen=True, eq=False)
 class LoopSpaces:
-    """J = U Σ Vᵀ with singular values below LOOP_RANK_TOLERANCE taken as zero.
+    """J⁺ = V Σ⁻¹ Uᵀ with singular values below LOOP_RANK_TOLERANCE taken as zero.
+
+    Of J in units (Loops.in_units) U and V are orthogonal; what is smallest is smallest in units.
 
     left: U (…, m, m); right: V (…, n, n)
     inverse: 1/σ, and 0 where σ counts as zero              (…, min(m, n))
@@ -312,7 +371,7 @@ class LoopSpaces:
 
 
 def loop_spaces(jacobian: Array) -> LoopSpaces:
-    """Spaces of J (…, m, n)."""
+    """Spaces of J (…, m, n) whose entries have one unit."""
     left, values, right = np.linalg.svd(jacobian)
     kept = values > LOOP_RANK_TOLERANCE * values.max(axis=-1, keepdims=True, initial=0.0)
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))

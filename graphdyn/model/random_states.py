@@ -9,7 +9,7 @@ import numpy as np
 from graphdyn.errors import InconsistentState
 from graphdyn.layout import Array
 from graphdyn.model.assembly import assembled, completed_rate, moving_apart, open_loop, walked
-from graphdyn.model.loops import CLOSED_TOLERANCE, Loops, loop_spaces
+from graphdyn.model.loops import CLOSED_TOLERANCE, Loops
 from graphdyn.model.parts import Joint
 
 ANGLE_RANGE = np.pi
@@ -50,10 +50,10 @@ def closed_pose(who: str, loops: Loops) -> Array:
     nearest = np.full(loops.n_rows, np.inf)
     for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // POSES_ASSEMBLED_AT_ONCE)):
         found, gaps = assembled(loops, some)
-        widest = np.abs(gaps).max(axis=-1)
+        widest = loops.widest(gaps)
         if widest.min() <= CLOSED_TOLERANCE:
             return np.asarray(found[np.flatnonzero(widest <= CLOSED_TOLERANCE)[0]])
-        nearest = min(nearest, gaps[widest.argmin()], key=lambda gap: float(np.abs(gap).max()))
+        nearest = min(nearest, gaps[widest.argmin()], key=loops.widest)
     remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
     raise open_loop(who, loops, nearest, remedy)
 
@@ -64,7 +64,7 @@ def regular_pose(who: str, loops: Loops, start: Array) -> Array:
     That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
     """
     q, _ = closed_states(who, loops, start, np.random.default_rng(0), (REGULAR_CANDIDATES,))
-    spaces = loop_spaces(loops.jacobian(loops.links(q)))
+    spaces = loops.spaces(loops.jacobian(loops.links(q)))
     return np.asarray(q[np.lexsort((spaces.distance, spaces.rank))[-1]])
 
 
@@ -82,9 +82,9 @@ def closed_states(
         rows[todo], gaps = walked(loops, start, rows[todo])
         jacobian = loops.jacobian(loops.links(rows[todo]))
         still = np.zeros_like(gaps)
-        rates[todo] = completed_rate(jacobian, rates[todo], still, None)
-        apart = moving_apart(jacobian, rates[todo], still)
-        todo = todo[np.maximum(np.abs(gaps), apart).max(axis=-1) > CLOSED_TOLERANCE]
+        rates[todo] = completed_rate(loops, jacobian, rates[todo], still)
+        apart = moving_apart(loops, jacobian, rates[todo], still)
+        todo = todo[np.maximum(loops.widest(gaps), apart.max(axis=-1)) > CLOSED_TOLERANCE]
         if not todo.size:
             return q, v
         rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape)

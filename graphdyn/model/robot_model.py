@@ -19,7 +19,7 @@ from graphdyn.model.chord import Chord
 from graphdyn.model.coupling import Coupling, DegreesOfFreedom, degrees_of_freedom
 from graphdyn.model.graph import Graph
 from graphdyn.model.inertia import Consistency, consistency_problems, pseudo_inertia
-from graphdyn.model.loops import Loops, loop_spaces, pivoted_columns
+from graphdyn.model.loops import Loops, pivoted_columns
 from graphdyn.model.parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn.model.spatial import Placement
 
@@ -170,7 +170,8 @@ class RobotModel:
         """
         jacobian = self.loops.jacobian(self.loops.links(self.regular_pose))
         motors = [self.independent_joints.index(name) for name in self.actuated or ()]
-        return tuple(sorted(pivoted_columns(jacobian, int(loop_spaces(jacobian).rank), motors)))
+        rank = int(self.loops.spaces(jacobian).rank)
+        return tuple(sorted(pivoted_columns(self.loops.in_units(jacobian), rank, motors)))
 
     def joint_positions(self, q: ArrayLike) -> Array:
         """Joint positions of all joints (…, n) [rad or m], from those of the independent ones (…, nv)."""

@@ -20,7 +20,6 @@ from graphdyn.compiler.stepping.layout import HOLDING_SHARE
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import BODY_DOF, Array
-from graphdyn.model.loops import loop_spaces
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
@@ -138,7 +137,7 @@ MAX_PROJECTION_STEPS = 6
 """Largest number of steps of a projection; two close what a step of integration leaves open."""
 
 LAST_STEP_GAP = 1e-8
-"""Gap [m, rad] whose square is rounding: the Newton step from there is the last."""
+"""Gap [rad, m in the unit of its loop] whose square is rounding: the Newton step from there is the last."""
 
 MIN_START_SINGULAR_VALUE = 1e-6
 """A simulation does not start where the smallest singular value of J is below this part of the largest."""
@@ -150,18 +149,18 @@ SINGULAR_DIRECTION_SHARE = 1e-7
 class LoopEquations(Equations):
     """Accelerations and closed states of a plant with loops.
 
-    distance: smallest by largest singular value of J at the state seen last, those of redundant rows left out; zero in
-        a singular pose
+    distance: smallest by largest singular value of J, in the units of the loops, at the state seen last, those of
+        redundant rows left out; zero in a singular pose
     usual_distance: the same in a regular pose
     """
 
     def __init__(self, plant: PlantConstants) -> None:
         super().__init__(replace(plant, model=plant.model.opened))
         self._loops = loops = plant.model.loops
-        spaces = loop_spaces(loops.jacobian(loops.links(plant.model.regular_pose)))
-        self._rank = int(spaces.rank)
-        self.usual_distance = float(spaces.distance)
-        self.distance = self.usual_distance
+        jacobian = loops.jacobian(loops.links(plant.model.regular_pose))
+        self._rank = int(loops.spaces(jacobian).rank)
+        self._spaces(jacobian)
+        self.usual_distance = self.distance
 
     def rates(self, t: float, q: Array, v: Array, tau: Array, contact: Contact) -> Rates:
         """Rates at the torque of the actuators."""
@@ -192,7 +191,7 @@ class LoopEquations(Equations):
         q, v, gap = self._projected(q, v)
         if not gap < LAST_STEP_GAP:
             raise IntegrationFailed(
-                f"the loops are open by {gap:.2g} m or rad after a step, and do not close; "
+                f"the loops are open by {gap * self._loops.length_unit:.2g} m or rad after a step, and do not close; "
                 "take smaller steps, or smaller torques"
             )
         return q, v
@@ -204,12 +203,12 @@ class LoopEquations(Equations):
         return np.where(is_closed, closed_q, q), np.where(is_closed, closed_v, v)
 
     def _projected(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
-        """The states (…, n) after Newton steps, and by how much they were open before the last (…)."""
+        """The states (…, n) after Newton steps, and by how much, in units, they were open before the last (…)."""
         for _ in range(MAX_PROJECTION_STEPS):
             gaps = self._loops.gaps(q)
             inverse, _ = self._spaces(self._loops.jacobian(self._loops.links(q)))
             q = q - apply(inverse, gaps)
-            gap = np.abs(gaps).max(axis=-1)
+            gap = self._loops.widest(gaps)
             if np.all(gap < LAST_STEP_GAP):
                 break
         jacobian = self._loops.jacobian(self._loops.links(q))
@@ -218,13 +217,15 @@ class LoopEquations(Equations):
 
     def _spaces(self, jacobian: Array) -> tuple[Array, Array]:
         """J⁺ (…, n, m) of the usual rank, and the motions that keep the loops closed (…, n, n - rank)."""
-        left, values, right = np.linalg.svd(jacobian)
+        of_rows, of_columns = self._loops.row_units, self._loops.column_units[:, None]
+        left, values, right = np.linalg.svd(self._loops.in_units(jacobian))
         rank = self._rank
         self.distance = float(np.min(values[..., rank - 1] / values[..., 0])) if rank else 1.0
         kept = values[..., :rank] > SINGULAR_DIRECTION_SHARE * values[..., :1]
         factors = np.where(kept, 1.0 / np.where(kept, values[..., :rank], 1.0), 0.0)
         along, motions = np.swapaxes(right, -1, -2)[..., :rank], np.swapaxes(right, -1, -2)[..., rank:]
-        return (along * factors[..., None, :]) @ np.swapaxes(left[..., :rank], -1, -2), motions
+        inverse = (along * factors[..., None, :]) @ np.swapaxes(left[..., :rank], -1, -2)
+        return of_columns * inverse / of_rows, of_columns * motions
 
 
 def equations_of(plant: PlantConstants) -> Equations:

@@ -60,9 +60,9 @@ def _closed(model: RobotModel, x: dict[str, Array], hold: Sequence[str]) -> tupl
     assembly.refuse_open(who, loops, gaps, f"No step from this start closes it further{while_held}: start elsewhere")
     jacobian = loops.jacobian(loops.links(q))
     still = np.zeros(jacobian.shape[:-1])
-    v = assembly.completed_rate(jacobian, x["v"], still, held)
+    v = assembly.completed_rate(loops, jacobian, x["v"], still, held)
     assembly.refuse_moving_apart(who, loops, jacobian, v, still, "velocity")
     wanted = loops.bias(loops.links(q, v))
-    a = assembly.completed_rate(jacobian, x["a"], wanted, held)
+    a = assembly.completed_rate(loops, jacobian, x["a"], wanted, held)
     assembly.refuse_moving_apart(who, loops, jacobian, a, wanted, "acceleration")
     return q, v, a

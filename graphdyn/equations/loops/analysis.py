@@ -14,7 +14,7 @@ from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import JOINT_CONSTRAINTS, Array
-from graphdyn.model.loops import SELF_STRESS_SHARE, loop_spaces, pivoted_columns
+from graphdyn.model.loops import SELF_STRESS_SHARE, pivoted_columns
 from graphdyn.model.robot_model import RobotModel
 
 
@@ -26,7 +26,7 @@ class LoopAnalysis:
     mobility: motions that keep all loops closed
     grubler_mobility: 6 bodies less the rows, after Grübler and Kutzbach: what it would be, were all rows independent
     usual_rank: rank in a regular pose; the pose is singular where the rank is lower
-    motions: joint motions that keep the loops closed, orthonormal columns   (nv, mobility)
+    motions: joint motions that keep the loops closed, orthonormal columns in the units of the loops   (nv, mobility)
     determined_multipliers, determined_wrenches, determined_chord_multipliers: which reactions the equations determine,
         in the shapes (n, 5), (n, 6) and (n_chord_rows,) of forward_dynamics, where the others are NaN
     self_stresses: combinations of reactions that hold each other without any load; each by the names of the joint or
@@ -63,7 +63,7 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
     spaces, state = held.spaces, Arguments(model, {"q": x}).rooted_state()
     of_tree = JOINT_CONSTRAINTS * model.n_bodies + len(model.couplings)
     rank = int(spaces.rank)
-    usual = int(loop_spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)
+    usual = int(model.loops.spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)
     stress = self_stress(state, chord_rows(state)[0], spaces)
     undetermined = in_self_stress(model, stress)
     return LoopAnalysis(

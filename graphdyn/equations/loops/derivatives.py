@@ -53,16 +53,18 @@ def _at_motors(x: Arguments) -> dict[str, Array]:
     x["right"], x["free"]: V (…, n, n) of J = U Σ Vᵀ at the pose itself, and which of its columns are closed motions
     """
     right, free, eye = x["right"], x["free"][..., None, :], np.eye(x.model.nv)
-    rows = x.model.loops.jacobian(x.model.loops.links(x["q"])) @ right
+    loops = x.model.loops
+    rows = (loops.jacobian(loops.links(x["q"])) / loops.row_units[:, None]) @ right
     held = rows * (1 - free)
     transposed = np.swapaxes(held, -1, -2)
     motions = right @ (eye * free - np.linalg.solve(transposed @ held + eye * free, transposed @ (rows * free)))
     motors = [x.model.independent_joints.index(name) for name in x.model.actuated or ()]
-    of_motors = motions[..., motors, :]
+    units = loops.column_units[motors]
+    of_motors = motions[..., motors, :] / units[:, None]
     square = np.swapaxes(of_motors, -1, -2) @ of_motors + eye * (1 - free)
     needed = apply(np.swapaxes(motions, -1, -2), projected.inverse_dynamics(replace(x, model=x.model.opened))["tau"])
     tau = np.zeros(np.broadcast_shapes(x["q"].shape, needed.shape), dtype=needed.dtype)
-    tau[..., motors] = apply(of_motors, solve(square, needed))
+    tau[..., motors] = apply(of_motors, solve(square, needed)) / units
     return {"tau": tau}
 
 

@@ -19,7 +19,7 @@ from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.errors import InvalidInput, SingularMassMatrix, in_row
 from graphdyn.layout import Array, per_body, stacked
 from graphdyn.model.assembly import refuse_moving_apart, refuse_open
-from graphdyn.model.loops import LOOP_RANK_TOLERANCE, LoopSpaces, loop_spaces
+from graphdyn.model.loops import LOOP_RANK_TOLERANCE, LoopSpaces
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
 
@@ -48,7 +48,7 @@ def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None 
         refuse_moving_apart(who, loops, jacobian, v, np.zeros_like(bias), "velocity")
     if a is not None:
         refuse_moving_apart(who, loops, jacobian, a, bias, "acceleration")
-    return Closed(jacobian, bias, loop_spaces(jacobian))
+    return Closed(jacobian, bias, loops.spaces(jacobian))
 
 
 def forward_dynamics(x: Arguments) -> dict[str, Array]:
@@ -135,13 +135,14 @@ def actuation(model: RobotModel, spaces: LoopSpaces) -> Array:
             f"model.with_actuated(…), names among {known}"
         )
     motors = [model.independent_joints.index(name) for name in model.actuated]
+    units = model.loops.column_units
     motions = np.where(spaces.free[..., None, :], spaces.right, 0.0)  # Z, and zero columns
-    of_motors = np.swapaxes(motions[..., motors, :], -1, -2)  # (…, n, n_actuated)
+    of_motors = np.swapaxes(motions[..., motors, :] / units[motors, None], -1, -2)  # (…, n, n_actuated)
     left, values, right = np.linalg.svd(of_motors, full_matrices=False)
     kept = values > LOOP_RANK_TOLERANCE
     _refuse_idle(model, spaces, kept, motors)
     inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
-    to_motors = (np.swapaxes(right, -1, -2) * inverse[..., None, :]) @ np.swapaxes(left, -1, -2)
+    to_motors = (np.swapaxes(right, -1, -2) * inverse[..., None, :]) @ np.swapaxes(left, -1, -2) / units[motors, None]
     whole = np.zeros((*motions.shape[:-2], model.nv, model.nv))
     whole[..., motors, :] = to_motors @ np.swapaxes(motions, -1, -2)
     return whole
@@ -166,7 +167,7 @@ def power(x: Arguments) -> dict[str, Array]:
 
 def motion_names(model: RobotModel, motion: Array) -> str:
     """The joints that take part in a motion (n,), largest first, with what they move by: "knee 1, hip -0.5"."""
-    size = np.abs(motion)
+    size = np.abs(motion) / model.loops.column_units
     order = [k for k in np.argsort(-size) if size[k] > LOOP_RANK_TOLERANCE * size.max()]
     return ", ".join(f"{model.independent_joints[k]} {motion[k] / size.max():.3g}" for k in order)
 
@@ -195,7 +196,7 @@ def _refuse_idle(model: RobotModel, spaces: LoopSpaces, kept: NDArray[np.bool_],
         return
     row = tuple(np.argwhere(idle)[0])
     free = spaces.right[row][:, spaces.free[row]]
-    _, values, vectors = np.linalg.svd(free[motors, :])
+    _, values, vectors = np.linalg.svd(free[motors, :] / model.loops.column_units[motors, None])
     still = vectors[np.count_nonzero(values > LOOP_RANK_TOLERANCE) :]
     named = "; ".join(motion_names(model, free @ amounts) for amounts in still)
     motors_named = ", ".join(model.actuated or ()) or "no joint"

@@ -19,7 +19,7 @@ from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.equations.system.reactions import transmitted_wrenches
 from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.layout import ANGULAR, LINEAR, Array, per_body
-from graphdyn.model.loops import SELF_STRESS_SHARE, LoopSpaces, loop_spaces
+from graphdyn.model.loops import SELF_STRESS_SHARE, LoopSpaces
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
 
@@ -96,14 +96,18 @@ def self_stress(state: MaximalState, rows: Array, spaces: LoopSpaces) -> SelfStr
 
 
 def in_self_stress(model: RobotModel, stress: SelfStress) -> dict[str, NDArray[np.bool_]]:
-    """Which multipliers and components of joint wrenches take part in a self-stress, by the name of the answer."""
-    columns = [
-        transmission(model, stress.joints[..., d], stress.chords[..., d]) for d in range(stress.chords.shape[-1])
-    ]
+    """Which multipliers and components of joint wrenches take part in a self-stress, by the name of the answer.
+
+    Moments are compared with forces in the unit of length of the loops.
+    """
+    unit = model.loops.length_unit
+    joints = stress.joints / np.repeat([1.0, unit], 3)[:, None]
+    chords = stress.chords * (model.loops.row_units / unit)[:, None]
+    columns = [transmission(model, joints[..., d], chords[..., d]) for d in range(chords.shape[-1])]
     involved = {name: np.zeros(array.shape, dtype=bool) for name, array in columns[0].items()}
     for column in columns:
-        joints, chords = np.abs(column["joint_wrenches"]), np.abs(column["chord_multipliers"])
-        largest = np.maximum(joints.max(axis=(-2, -1), initial=0.0), chords.max(axis=-1, initial=0.0))
+        of_joints, of_chords = np.abs(column["joint_wrenches"]), np.abs(column["chord_multipliers"])
+        largest = np.maximum(of_joints.max(axis=(-2, -1), initial=0.0), of_chords.max(axis=-1, initial=0.0))
         limit = SELF_STRESS_SHARE * np.where(largest > 0, largest, np.inf)
         for name, array in column.items():
             involved[name] |= np.abs(array) > limit.reshape(*limit.shape, *(1,) * (array.ndim - limit.ndim))
@@ -118,6 +122,8 @@ def in_self_stress_usually(model: RobotModel) -> dict[str, NDArray[np.bool_]]:
     if model not in _usual:
         q = model.regular_pose
         state = Arguments(model, {"q": q}).rooted_state()
-        stress = self_stress(state, chord_rows(state)[0], loop_spaces(model.loops.jacobian(model.loops.links(q))))
+        stress = self_stress(
+            state, chord_rows(state)[0], model.loops.spaces(model.loops.jacobian(model.loops.links(q)))
+        )
         _usual[model] = in_self_stress(model, stress)
     return _usual[model]

@@ -50,6 +50,7 @@ class KKTSystem:
     zeta: ζ                                                 (…, m)
     coordinates: "twist", q̈ = (r̈, ω̇) per body, or "cardano", q̈ = (r̈, θ̈) with the rotational rows times Dᵀ
     n_chord_rows: how many of the last rows are those of chords; with these, rows may depend on each other
+    length_unit: in which lengths are compared with angles where rows may depend on each other [m]
     """
 
     mass: Array
@@ -58,6 +59,7 @@ class KKTSystem:
     zeta: Array
     coordinates: Coordinates = "twist"
     n_chord_rows: int = 0
+    length_unit: float = 1.0
 
     @property
     def matrix(self) -> Array:
@@ -129,22 +131,32 @@ class KKTSystem:
         """Solve, like solve, systems of rows that may depend on each other: φ_q = U Σ Vᵀ, whose first rows Vᵀ are
         independent.
 
-        Accelerations are unique; multipliers are the smallest. Systems of different rank are solved one by one.
+        Lengths are taken in length_unit and rows at the same size: how large the robot is does not decide which rows
+        depend on others. Accelerations are unique; multipliers are the smallest. Systems of different rank are solved
+        one by one.
         check: with the rank tests of solve
         """
         jacobian, nv = self.constraint_jacobian, self.mass.shape[-1]
         batch = jacobian.shape[:-2]
         acceleration, multipliers = np.empty((*batch, nv)), np.empty(jacobian.shape[:-1])
+        units = np.tile([self.length_unit] * 3 + [1.0] * 3, nv // BODY_DOF)
+        mass = self.mass * units[:, None] * units
         for row in np.ndindex(batch):
-            left, values, right = np.linalg.svd(jacobian[row])
+            scaled = jacobian[row] * units
+            sizes = np.linalg.norm(scaled, axis=-1)
+            sizes = np.where(sizes > 0, sizes, 1.0)
+            left, values, right = np.linalg.svd(scaled / sizes[:, None])
             rank = int(np.count_nonzero(values > LOOP_RANK_TOLERANCE * values.max()))
-            zeta = left.T[:rank] @ self.zeta[row] / values[:rank]
-            independent = KKTSystem(self.mass, right[:rank], self.force[row], zeta)
+            zeta = left.T[:rank] @ (self.zeta[row] / sizes) / values[:rank]
+            independent = KKTSystem(mass, right[:rank], self.force[row] * units, zeta)
             reduced = independent.solve() if check else independent.solve_unchecked()
-            acceleration[row] = reduced.acceleration
-            multipliers[row] = left[:, :rank] @ (reduced.stacked_multipliers / values[:rank])
+            acceleration[row] = reduced.acceleration * units
+            null = left[:, rank:]
+            idle, _ = np.linalg.qr(null / sizes[:, None])
+            found = left[:, :rank] @ (reduced.stacked_multipliers / values[:rank]) / sizes
+            multipliers[row] = found - idle @ (idle.T @ found)
             if not least_norm:
-                null = np.abs(left[:, rank:])
+                null = np.abs(null)
                 multipliers[row][(null > SELF_STRESS_SHARE * null.max(axis=0, initial=0.0)).any(axis=-1)] = np.nan
         return KKTSolution(self, acceleration, multipliers)
 
@@ -261,6 +273,7 @@ def cardano_form(state: MaximalState, twist: KKTSystem) -> KKTSystem:
         zeta=twist.zeta - apply(twist.constraint_jacobian, drift),
         coordinates="cardano",
         n_chord_rows=twist.n_chord_rows,
+        length_unit=twist.length_unit,
     )
 
 

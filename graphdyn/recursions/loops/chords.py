@@ -33,8 +33,10 @@ class _AncestorView:
 
 @dataclass(frozen=True, eq=False)
 class ChordRows:
-    """The rows of a chord that can move: J (k, n), γ (k), how far open (k), and which of its multipliers they have.
+    """The rows of a chord that can move, in units of theirs: J (k, n), γ (k), how far open (k), and which of its
+    multipliers they have.
 
+    units: of the rows                                      (k)
     on_i, on_j: force, and moment about O, on the bodies per unit of multiplier, in their joint axes   (k pairs)
     agreeing: what is positive unless an end is flipped
     """
@@ -43,13 +45,17 @@ class ChordRows:
     bias: Scalars
     gap: Scalars
     numbers: list[int]
+    units: list[float]
     on_i: list[Wrench]
     on_j: list[Wrench]
     agreeing: list[Any]
 
 
-def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJoint) -> ChordRows:
-    """Rows of the chords at q, v of all joints that no couplings drive; at: the places of their bodies."""
+def chord_rows(
+    links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJoint, units: Sequence[float]
+) -> ChordRows:
+    """Rows of the chords at q, v of all joints that no couplings drive; at: the places of their bodies; units: of all
+    its rows."""
     paths = [path(links, body - 1) for body in (chord.body_i, chord.body_j)]
     # the joints that carry both ends move neither end against the other
     while paths[0] and paths[1] and paths[0][0] == paths[1][0]:
@@ -67,9 +73,10 @@ def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJ
         # a row that no joint can move, as those out of the plane of a plane loop
         if all(is_known(x, 0.0) for x in line):
             continue
-        jacobian.append(line)
-        bias.append(-second)
-        gaps.append(gap)
+        per_unit = 1.0 / units[number]
+        jacobian.append(line * per_unit)
+        bias.append(-second * per_unit)
+        gaps.append(gap * per_unit)
         numbers.append(number)
         for store, end, sign in ((on_i, ends.body_i, -1.0), (on_j, ends.body_j, 1.0)):
             # the multiplier acts on body j along u, and on body i against it; a moment comes without a force
@@ -85,6 +92,7 @@ def chord_rows(links: Links, at: Sequence[JointPlacement], chord: Chord, v: PerJ
         np.array(bias, dtype=object),
         np.array(gaps, dtype=object),
         numbers,
+        [units[number] for number in numbers],
         on_i,
         on_j,
         agreeing,

@@ -34,7 +34,10 @@ OPEN_LOOP_FACTOR = 1e20
 
 @dataclass(frozen=True, eq=False)
 class Closing:
-    """K (n, n_u), J_d (m, d), (J_dᵀJ_d)⁻¹, the rows of all chords, pivots and what says that loops are open."""
+    """K (n, n_u), J_d (m, d), (J_dᵀJ_d)⁻¹, the rows of all chords, pivots and what says that loops are open.
+
+    Rows are in their units (Loops.row_units).
+    """
 
     motions: Scalars
     dependent: list[int]
@@ -67,17 +70,22 @@ class Closing:
 def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closing:
     """The closing at q, v of all joints that no couplings drive."""
     at = places(links, q)
-    rows = [chord_rows(links, at, chord, v) for chord in model.chords]
+    rows, first = list[ChordRows](), 0
+    for chord in model.chords:
+        own = slice(first, first := first + len(chord.rows))
+        rows.append(chord_rows(links, at, chord, v, model.loops.row_units[own].tolist()))
     jacobian = np.concatenate([row.jacobian for row in rows])
     dependent = list(model.dependent_joints)
     independent = [j for j in range(len(links)) if j not in dependent]
-    columns = jacobian[:, dependent]
-    normal = columns.T @ columns
+    units = model.loops.column_units
+    columns, in_units = jacobian[:, dependent], jacobian * units
+    normal = in_units[:, dependent].T @ in_units[:, dependent]
     inverse, pivots = inverted(normal, [range(j)[::-1] for j in range(len(normal))])
+    inverse = inverse * np.outer(units[dependent], units[dependent])
     motions_of = zeros(len(links), len(independent))
     motions_of[independent, range(len(independent))] = 1.0
     motions_of[dependent, :] = -(inverse @ (columns.T @ jacobian[:, independent]))
-    sizes = [sum(x * x for x in jacobian[[not is_known(x, 0.0) for x in column]].ravel()) for column in columns.T]
+    sizes = [sum(x * x for x in in_units[[not is_known(x, 0.0) for x in column]].ravel()) for column in columns.T]
     guarded = [_ratio(pivot, size) * DEPENDENT_PIVOT_FACTOR for pivot, size in zip(pivots, sizes, strict=True)]
     for row in rows:
         guarded += [1.0 - gap * gap * (1.0 / CLOSED_TOLERANCE**2) for gap in row.gap]
@@ -138,10 +146,13 @@ def at_motors(recursion: Recursion) -> Callable[..., dict[str, Any]]:
 def _actuation(model: RobotModel, held: Closing) -> tuple[Scalars, list[Any]]:
     """T (n, n) with τ = T f: K_s (K_sᵀK_s)⁻¹ Kᵀ at the motors s, and what says that these leave a motion free."""
     motors = [model.joint_names.index(name) for name in model.actuated or ()]
-    whole, of_motors = zeros(len(held.motions), len(held.motions)), held.motions[motors]
+    units = model.loops.column_units
+    independent = [j for j in range(len(held.motions)) if j not in held.dependent]
+    whole, motions_of = zeros(len(held.motions), len(held.motions)), held.motions * units[independent]
+    of_motors = motions_of[motors] * (1.0 / units[motors, None])
     square = of_motors.T @ of_motors
     inverse, pivots = inverted(square, [range(j)[::-1] for j in range(len(square))])
-    whole[motors, :] = of_motors @ inverse @ held.motions.T
+    whole[motors, :] = (of_motors @ inverse @ motions_of.T) * (1.0 / units[motors, None])
     if model.actuated is None:
         return whole, [0.0]  # suspicious, so that the specification refuses
     return whole, [
@@ -170,7 +181,8 @@ def _reactions(
     loads = [(zeros(3), zeros(3)) for _ in links] if external is None else list(external)
     of_chords, first = [], 0
     for chord, rows in zip(model.chords, held.rows, strict=True):
-        multipliers = list(found[first : first + len(rows.numbers)])
+        of_rows = found[first : first + len(rows.numbers)]
+        multipliers = [x * (1.0 / unit) for x, unit in zip(of_rows, rows.units, strict=True)]
         first += len(rows.numbers)
         whole: list[Any] = [0.0] * len(chord.rows)
         for number, multiplier, on_i, on_j in zip(rows.numbers, multipliers, rows.on_i, rows.on_j, strict=True):

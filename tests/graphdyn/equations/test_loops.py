@@ -100,6 +100,58 @@ def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
     )  # ten motors move fewer degrees of freedom: other torques, same motion
 
 
+def enlarged(model, size):
+    """The same robot, so many times as large and as strongly pulled, of the same masses: it moves alike."""
+
+    def moved(placement):
+        return Placement(placement.rotation, placement.translation * size)
+
+    return replace(
+        model,
+        bodies=tuple(Body(b.name, b.mass, b.center_of_mass * size, b.inertia * size**2) for b in model.bodies),
+        joints=tuple(replace(j, placement=moved(j.placement)) for j in model.joints),
+        gravity=model.gravity * size,
+        chords=tuple(
+            replace(
+                c,
+                placement_i=moved(c.placement_i),
+                placement_j=moved(c.placement_j),
+                length=None if c.length is None else c.length * size,
+            )
+            for c in model.chords
+        ),
+    )
+
+
+@pytest.mark.usefixtures("interpreted")
+@pytest.mark.parametrize("size", [1e-6, 1e6])
+@pytest.mark.parametrize("kind", ["plane", *CHORD_ROWS])
+def test_a_linkage_of_a_micrometer_and_one_of_a_thousand_kilometers_move_as_one_of_a_meter(kind, size):
+    rng = np.random.default_rng(4)
+    if kind == "plane":
+        model = four_bar()
+        q = model.random_state(rng)[0]
+    else:
+        model, q = closed_chain(kind)
+    slides = np.array([size if joint.is_prismatic else 1.0 for joint in model.joints])
+    q, v, _ = graphdyn.assemble(model, q, *rng.normal(size=(2, len(q))))
+    tau = rng.normal(size=len(q))
+    usual = graphdyn.forward_dynamics(model, q, v, tau, method="projected")
+    other, moments = enlarged(model, size), size * size / slides
+    turned = graphdyn.assemble(other, q * slides + 1e-3 * rng.normal(size=len(q)) * slides)
+    assert other.loops.widest(other.loops.gaps(turned)) < 1e-12
+    for method in METHODS:
+        found = graphdyn.forward_dynamics(other, q * slides, v * slides, tau * moments, method=method)
+        assert relative_error(found.a / slides, usual.a) < 1e-11, method
+        units = np.where([name.startswith("moment") for name in model.chords[0].rows], size * size, size)
+        known = np.isfinite(usual.chord_multipliers)
+        np.testing.assert_array_equal(np.isfinite(found.chord_multipliers), known, method)
+        forces = np.where(known, found.chord_multipliers / units, 0.0)
+        assert relative_error(forces, np.nan_to_num(usual.chord_multipliers)) < 1e-10, method
+    with pytest.raises(InconsistentState, match="is open by"):
+        graphdyn.forward_dynamics(other, (q + 1e-6) * slides, v * slides, tau * moments)
+
+
 @pytest.fixture(scope="module")
 def moving_palletizer():
     """A palletizing arm, k of its closed form v = k u̇, and states q and v (20, 10)."""

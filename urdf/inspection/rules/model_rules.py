@@ -52,13 +52,13 @@ def closed_states(model: RobotModel) -> Array:
     strayed = start + STATE_DISTANCE * np.random.default_rng(SEED).standard_normal((N_STATES, start.size))
     strayed[0] = start
     q, gaps = assembled(model.loops, strayed)
-    closed: Array = q[np.abs(gaps).max(axis=-1) <= CLOSED_TOLERANCE]
+    closed: Array = q[model.loops.widest(gaps) <= CLOSED_TOLERANCE]
     return closed
 
 
 def free_motions(model: RobotModel, q: Array) -> list[Array]:
-    """Per state: a basis of the joint velocities that keep the loops closed (nv, f)."""
-    spaces = loop_spaces(model.loops.jacobian(model.loops.links(q)))
+    """Per state: a basis of the joint velocities that keep the loops closed (nv, f), in the units of the loops."""
+    spaces = model.loops.spaces(model.loops.jacobian(model.loops.links(q)))
     return [right[:, free] for right, free in zip(spaces.right, spaces.free, strict=True)]
 
 
@@ -101,7 +101,7 @@ def _rows(model: RobotModel, motions: list[Array]) -> Finding:
     said = [f"{rows} rows close loops: they hold {held} of {n} degrees of freedom and leave {degrees_of_freedom}"]
     if held < rows:
         said.append(f"redundant rows: {rows - held}, so that not all reactions are determined")
-    if gaps.max() > CLOSED_TOLERANCE:
+    if model.loops.widest(gaps) > CLOSED_TOLERANCE:
         said.append(f"at q = 0 the loops are open by {gaps.max():.2g} m or rad")
     if motions[0].shape[-1] > degrees_of_freedom:
         said.append("the closed pose next to q = 0 is singular")
