@@ -15,7 +15,8 @@ from graphdyn.model.parts import Joint
 ANGLE_RANGE = np.pi
 
 SLIDE_RANGE = 0.5
-"""Ranges taken where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s."""
+"""Ranges taken where limits are zero or missing: ±π rad, ±π rad/s; prismatic ±0.5 m, ±0.5 m/s, in the unit of
+length of their loop where they are part of one."""
 
 MAX_LIMIT = 1e6
 """A limit beyond this [rad, m, …/s] is treated as no limit."""
@@ -31,9 +32,12 @@ REGULAR_CANDIDATES = 20
 """Closed poses among which regular_pose chooses."""
 
 
-def drawn(joints: Sequence[Joint], rng: np.random.Generator, shape: Sequence[int]) -> tuple[Array, Array]:
-    """q, v (*shape, n) of n joints, uniform within their limits."""
-    ranges = [_sampling_range(joint) for joint in joints]
+def drawn(
+    joints: Sequence[Joint], rng: np.random.Generator, shape: Sequence[int], units: Array | None = None
+) -> tuple[Array, Array]:
+    """q, v (*shape, n) of n joints, uniform within their limits; units: in which SLIDE_RANGE is taken (n,) [1, m]."""
+    of_joints = np.ones(len(joints)) if units is None else units
+    ranges = [_sampling_range(joint, unit) for joint, unit in zip(joints, of_joints, strict=True)]
     lower, upper, speed = (np.array(values) for values in zip(*ranges, strict=True))
     q = rng.uniform(lower, upper, (*shape, len(joints)))
     v = rng.uniform(-speed, speed, (*shape, len(joints)))
@@ -45,7 +49,7 @@ def closed_pose(who: str, loops: Loops) -> Array:
 
     Raises InconsistentState, naming a loop, where none of them closes.
     """
-    starts, _ = drawn(loops.free_joints, np.random.default_rng(0), (CLOSING_STARTS,))
+    starts, _ = drawn(loops.free_joints, np.random.default_rng(0), (CLOSING_STARTS,), loops.column_units)
     starts[0] = 0.0
     nearest = np.full(loops.n_rows, np.inf)
     for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // POSES_ASSEMBLED_AT_ONCE)):
@@ -75,7 +79,7 @@ def closed_states(
 
     Drawn again where the loops stay open, or so close to a singular pose that no velocity keeps them closed.
     """
-    q, v = drawn(loops.free_joints, rng, shape)
+    q, v = drawn(loops.free_joints, rng, shape, loops.column_units)
     rows, rates = (array.reshape(-1, array.shape[-1]) for array in (q, v))
     todo = np.arange(len(rows))
     for _ in range(CLOSING_STARTS):
@@ -87,16 +91,16 @@ def closed_states(
         todo = todo[np.maximum(loops.widest(gaps), apart.max(axis=-1)) > CLOSED_TOLERANCE]
         if not todo.size:
             return q, v
-        rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape)
+        rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape, loops.column_units)
     raise InconsistentState(
         f"{who}: {len(todo)} of {len(rows)} random states did not close; give states of your own, closed by "
         "graphdyn.assemble"
     )
 
 
-def _sampling_range(joint: Joint) -> tuple[float, float, float]:
+def _sampling_range(joint: Joint, unit: float) -> tuple[float, float, float]:
     """lower, upper and speed."""
-    reach = SLIDE_RANGE if joint.is_prismatic else ANGLE_RANGE
+    reach = SLIDE_RANGE * unit if joint.is_prismatic else ANGLE_RANGE
     lower, upper, speed = (
         None if limit is None or abs(limit) > MAX_LIMIT else limit
         for limit in (joint.limits.lower, joint.limits.upper, joint.limits.velocity)
