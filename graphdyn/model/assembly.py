@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InconsistentState, in_row
+from graphdyn.errors import InconsistentState, counted, in_row
 from graphdyn.layout import Array
 from graphdyn.model.loops import CLOSED_TOLERANCE, Loops
 from graphdyn.model.spatial import apply
@@ -18,6 +18,48 @@ WALK_STEPS = 12
 
 GAP_ROUNDING = 1e-13
 """Gaps [rad, m in the unit of their loop] at which steps no longer help an arm of a few meters."""
+
+SHAKE = 1e-2
+"""Length of the step [rad, m in the unit of its loop] along a motion that is tried: far above what a gap of
+CLOSED_TOLERANCE leaves open, 1e-4, where it is of second order."""
+
+SHAKES = 20
+"""Random directions of such steps: those right between two branches lead back too."""
+
+MOVED_SHARE = 0.1
+"""Part of such a step that is left of it where the loops are closed again and the motion is one."""
+
+
+def infinitesimal_motions(loops: Loops, q: Array) -> Array:
+    """Joint motions (nv, k), orthonormal in units, that keep the loops closed near a closed pose q (nv,) to first order
+    alone: steps along them lead back.
+
+    None in a pose where branches of motions meet, although only steps along these lead on.
+    """
+    here, _ = assembled(loops, q)
+    shaky = loops.shaky_motions(here)
+    if not shaky.shape[1]:
+        return shaky
+    amounts = np.random.default_rng(0).normal(size=(SHAKES, shaky.shape[1]))
+    steps = SHAKE * (amounts / np.linalg.norm(amounts, axis=1, keepdims=True)) @ shaky.T
+    there, _ = assembled(loops, here + steps)
+    moved = ((there - here) / loops.column_units) @ (shaky / loops.column_units[:, None])
+    return shaky if np.abs(moved).max() < MOVED_SHARE * SHAKE else shaky[:, :0]
+
+
+def refuse_infinitesimal(who: str, loops: Loops, q: Array) -> None:
+    """Raises InconsistentState, naming the joints, where loops close at q (nv,) only when stretched or folded."""
+    motions = infinitesimal_motions(loops, q)
+    if not motions.shape[1]:
+        return
+    parts = np.abs(motions / loops.column_units[:, None]).max(axis=1)
+    joints = [joint.name for joint, part in zip(loops.free_joints, parts, strict=True) if part > SHAKE]
+    some = f"{counted(motions.shape[1], 'motion')} of {', '.join(joints)}"
+    raise InconsistentState(
+        f"{who}: its loops close only stretched or folded: {some} keep them closed to first order only "
+        "(infinitesimal mobility), so that torques determine no accelerations and reactions; "
+        "change lengths, or lock these joints"
+    )
 
 
 def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> tuple[Array, Array]:
@@ -65,7 +107,7 @@ def refuse_open(who: str, loops: Loops, gaps: Array, remedy: str) -> None:
 
 def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentState:
     """The error that names the widest of gaps (…, m)."""
-    index, chord, where = _worst(loops, np.abs(gaps) / loops.row_units)
+    index, chord, where = worst_row(loops, np.abs(gaps) / loops.row_units)
     gap, unit = abs(float(gaps[index])), float(loops.row_units[index[-1]])
     return InconsistentState(
         f"{who}: the loop of chord '{chord}' is open by {gap:.2g} m or rad{where}; "
@@ -78,7 +120,7 @@ def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wa
     relative = moving_apart(loops, jacobian, rate, wanted)
     if not relative.size or np.nanmax(relative) <= CLOSED_TOLERANCE:
         return
-    index, chord, where = _worst(loops, relative)
+    index, chord, where = worst_row(loops, relative)
     raise InconsistentState(
         f"{who}: the {what} opens the loop of chord '{chord}'{where} "
         f"(by {relative[index]:.2g} of its terms, at most {CLOSED_TOLERANCE:g}); "
@@ -105,8 +147,8 @@ def completed_rate(
     return rate + loops.spaces(jacobian * moving).least_motion(wanted - apply(jacobian, rate))
 
 
-def _worst(loops: Loops, errors: Array) -> tuple[tuple[int, ...], str, str]:
-    """Where the largest of errors (…, m) is, the chord it belongs to, and in words its row among the states."""
+def worst_row(loops: Loops, errors: Array) -> tuple[tuple[int, ...], str, str]:
+    """The place of the largest of errors (…, m), the chord it belongs to, and in words its row among the states."""
     *row, worst = (int(k) for k in np.unravel_index(int(np.nanargmax(errors)), errors.shape))
     chords = [chord.name for chord in loops.chords for _ in chord.rows]
     return (*row, worst), chords[worst], in_row(row)

@@ -35,6 +35,12 @@ LOOP_RANK_TOLERANCE = 1e-6
 """Singular values of J, in the units of its loops, below this part of the largest count as zero: far above what a gap
 of CLOSED_TOLERANCE makes of a zero, far below those of a mechanism that works."""
 
+NEAR_SINGULAR_SHARE = 3e-4
+"""Singular values of J, in the units of its loops, below this part of the largest are looked at to second order: where
+a gap of CLOSED_TOLERANCE is of second order in a motion, it leaves singular values of its root, 1e-4."""
+
+SECOND_ORDER_SHARE = 1e-4
+"""Part of the largest γ along redundant rows that is rounding and gaps: below, motions go on to second order."""
 
 SELF_STRESS_SHARE = 1e-6
 """A reaction takes part in a self-stress if its entry reaches this part of the largest: far above rounding and the gaps
@@ -187,6 +193,27 @@ class Loops:
         """Spaces of J (…, m, nv), computed in units."""
         found = loop_spaces(self.in_units(jacobian))
         return LoopSpaces(found.left / self.row_units[:, None], found.right * self.column_units[:, None], found.inverse)
+
+    def shaky_motions(self, q: Array) -> Array:
+        """Joint motions (nv, k) at a pose q (nv,), orthonormal in units, that close the loops to first order only.
+
+        A motion v with J v = 0 goes on where J a = γ(v) has a solution: where wᵀγ(v) = 0 for all w with wᵀJ = 0
+        (Connelly and Whiteley, "Second-order rigidity and prestress stability for tensegrity frameworks", SIAM Journal
+        on Discrete Mathematics 9(3), 1996). In a regular pose wᵀγ vanishes with all pairs of closed motions; in a
+        singular one it tells which lie on none of its branches, or that there are none.
+        """
+        spaces = loop_spaces(self.in_units(self.jacobian(self.links(q))), NEAR_SINGULAR_SHARE)
+        idle, near = spaces.left[:, spaces.redundant], spaces.right[:, spaces.free]
+        first, second = np.triu_indices(near.shape[1])
+        moves = np.concatenate([near, near[:, first] + near[:, second]], axis=-1).T * self.column_units
+        bias = self.bias(self.links(np.broadcast_to(q, moves.shape), moves)) / self.row_units
+        alone, both = bias[: near.shape[1]], bias[near.shape[1] :]
+        form = np.empty((near.shape[1], near.shape[1], idle.shape[1]))
+        form[first, second] = form[second, first] = (both - alone[first] - alone[second]) @ idle
+        _, values, right = np.linalg.svd(form.transpose(2, 0, 1).reshape(-1, near.shape[1]), full_matrices=False)
+        stopped = values > SECOND_ORDER_SHARE * np.abs(bias).max(initial=0.0)
+        shaky: Array = self.column_units[:, None] * (near @ right[stopped].T)
+        return shaky
 
     def bias(self, links: Links) -> Array:
         """γ (…, m): J a = γ where J v = 0 is to hold."""
@@ -370,10 +397,10 @@ class LoopSpaces:
         return apply(self.left[..., :k], self.inverse * apply(_transposed(self.right[..., :k]), torques))
 
 
-def loop_spaces(jacobian: Array) -> LoopSpaces:
-    """Spaces of J (…, m, n) whose entries have one unit."""
+def loop_spaces(jacobian: Array, share: float = LOOP_RANK_TOLERANCE) -> LoopSpaces:
+    """Spaces of J (…, m, n) whose entries have one unit; singular values below this share of the largest are zero."""
     left, values, right = np.linalg.svd(jacobian)
-    kept = values > LOOP_RANK_TOLERANCE * values.max(axis=-1, keepdims=True, initial=0.0)
+    kept = values > share * values.max(axis=-1, keepdims=True, initial=0.0)
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))
 
 

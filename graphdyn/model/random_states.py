@@ -8,7 +8,15 @@ import numpy as np
 
 from graphdyn.errors import InconsistentState
 from graphdyn.layout import Array
-from graphdyn.model.assembly import assembled, completed_rate, moving_apart, open_loop, walked
+from graphdyn.model.assembly import (
+    assembled,
+    completed_rate,
+    infinitesimal_motions,
+    moving_apart,
+    open_loop,
+    refuse_infinitesimal,
+    walked,
+)
 from graphdyn.model.loops import CLOSED_TOLERANCE, Loops
 from graphdyn.model.parts import Joint
 
@@ -67,7 +75,19 @@ def regular_pose(who: str, loops: Loops, start: Array) -> Array:
 
     That of the largest rank, and among these of the largest ratio of smallest to largest singular value of J.
     """
-    q, _ = closed_states(who, loops, start, np.random.default_rng(0), (REGULAR_CANDIDATES,))
+    rng = np.random.default_rng(0)
+    if infinitesimal_motions(loops, start).shape[1]:
+        return _most_regular_walked(loops, start, rng)
+    return _most_regular(loops, closed_states(who, loops, start, rng, (REGULAR_CANDIDATES,))[0])
+
+
+def _most_regular_walked(loops: Loops, start: Array, rng: np.random.Generator) -> Array:
+    """That of poses to which a start that may be the only closed one leads, whatever velocities these allow."""
+    q, gaps = walked(loops, start, drawn(loops.free_joints, rng, (REGULAR_CANDIDATES,), loops.column_units)[0])
+    return _most_regular(loops, np.concatenate([start[None], q[loops.widest(gaps) <= CLOSED_TOLERANCE]]))
+
+
+def _most_regular(loops: Loops, q: Array) -> Array:
     spaces = loops.spaces(loops.jacobian(loops.links(q)))
     return np.asarray(q[np.lexsort((spaces.distance, spaces.rank))[-1]])
 
@@ -91,6 +111,8 @@ def closed_states(
         todo = todo[np.maximum(loops.widest(gaps), apart.max(axis=-1)) > CLOSED_TOLERANCE]
         if not todo.size:
             return q, v
+        if infinitesimal_motions(loops, start).shape[1]:
+            refuse_infinitesimal(who, loops, _most_regular_walked(loops, start, np.random.default_rng(0)))
         rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape, loops.column_units)
     raise InconsistentState(
         f"{who}: {len(todo)} of {len(rows)} random states did not close; give states of your own, closed by "

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from graphdyn.errors import InvalidInput, InvalidModel, UnknownFrame, counted
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from graphdyn.model import random_states
+from graphdyn.model.assembly import refuse_infinitesimal
 from graphdyn.model.chord import Chord
 from graphdyn.model.coupling import Coupling, DegreesOfFreedom, degrees_of_freedom
 from graphdyn.model.graph import Graph
@@ -167,7 +168,9 @@ class RobotModel:
         """Numbers, among the entries of q, of joints that follow from the others where loops are closed.
 
         Chosen in regular_pose, as many as J has rank; motors are among the others as far as these determine the rest.
+        Raises InconsistentState where the loops have infinitesimal mobility only.
         """
+        refuse_infinitesimal(f"robot '{self.name}'", self.loops, self.regular_pose)
         jacobian = self.loops.jacobian(self.loops.links(self.regular_pose))
         motors = [self.independent_joints.index(name) for name in self.actuated or ()]
         rank = int(self.loops.spaces(jacobian).rank)

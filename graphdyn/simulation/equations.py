@@ -20,6 +20,7 @@ from graphdyn.compiler.stepping.layout import HOLDING_SHARE
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import BODY_DOF, Array
+from graphdyn.model.assembly import refuse_infinitesimal
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
@@ -157,6 +158,7 @@ class LoopEquations(Equations):
     def __init__(self, plant: PlantConstants) -> None:
         super().__init__(replace(plant, model=plant.model.opened))
         self._loops = loops = plant.model.loops
+        refuse_infinitesimal(f"robot '{plant.model.name}'", loops, plant.model.regular_pose)
         jacobian = loops.jacobian(loops.links(plant.model.regular_pose))
         self._rank = int(loops.spaces(jacobian).rank)
         self._spaces(jacobian)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from crosscheck.commands.show.state import rpy_in_degrees
 from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, matrix_lines, vector_text
 from crosscheck.report.report import NO_VALUE, Block, Column, Facts, Group, Lines, Row, Section, Table
-from graphdyn import Chord, InvalidInput, LoopAnalysis, RobotModel, analyze_loops, inverse_dynamics
+from graphdyn import Chord, InconsistentState, InvalidInput, LoopAnalysis, RobotModel, analyze_loops, inverse_dynamics
 from graphdyn.layout import Array
 from graphdyn.model import FORCES, MOMENTS
 
@@ -97,7 +97,7 @@ def _reactions(model: RobotModel, found: LoopAnalysis, q: Array) -> tuple[list[R
     missing = None
     try:
         answer = inverse_dynamics(model, q, zero, zero)
-    except InvalidInput as error:  # motors unknown, or too few
+    except (InvalidInput, InconsistentState) as error:  # motors unknown or too few, or infinitesimal mobility
         joints, chords = np.full((model.n_bodies, 6), np.nan), np.full(model.n_chord_rows, np.nan)
         missing = str(error)
     else:
@@ -133,6 +133,7 @@ def _facts(loops: LoopsDescription, given: bool) -> Facts:
     singular = "no"
     if found.is_singular:
         singular = f"yes: rank {found.rank}, in a regular pose {found.usual_rank}; more motions are free here"
+    also = f", and {found.infinitesimal_mobility} infinitesimal" if found.infinitesimal_mobility else ""
     return Facts(
         (
             ("pose", f"{'the given state' if given else 'a closed one of the robot'}, q = {vector_text(loops.q)}"),
@@ -141,7 +142,7 @@ def _facts(loops: LoopsDescription, given: bool) -> Facts:
                 "rank",
                 f"{found.rank} of {found.n_rows} constraint rows; {found.n_rows - found.rank} depend on the others",
             ),
-            ("mobility", f"{found.mobility}; after Grübler and Kutzbach it would be {found.grubler_mobility}"),
+            ("mobility", f"{found.mobility}{also}; after Grübler and Kutzbach it would be {found.grubler_mobility}"),
             ("singular pose", singular),
             ("undetermined", f"{len(loops.undetermined)} of {components} components of the reactions"),
         )

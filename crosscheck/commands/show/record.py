@@ -119,6 +119,7 @@ class ShownLoopsRecord(Record, of=LoopsDescription, only=("q", "reactions", "rea
     usual_rank = attribute("analysis.usual_rank")
     singular = attribute("analysis.is_singular")
     mobility = attribute("analysis.mobility")
+    infinitesimal_mobility = attribute("analysis.infinitesimal_mobility")
     grubler_mobility = attribute("analysis.grubler_mobility")
     undetermined = attribute()
     self_stresses = attribute("analysis.self_stresses")

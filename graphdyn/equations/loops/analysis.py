@@ -14,8 +14,12 @@ from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import JOINT_CONSTRAINTS, Array
+from graphdyn.model.assembly import infinitesimal_motions
 from graphdyn.model.loops import SELF_STRESS_SHARE, pivoted_columns
 from graphdyn.model.robot_model import RobotModel
+
+DIRECTION_SHARE = 1e-2
+"""Part of a motion along others below which it is one of them: the gaps that count as closed turn motions by 1e-4."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +28,8 @@ class LoopAnalysis:
 
     n_rows, rank: constraint rows of joints, couplings and chords, and how many of them are independent
     mobility: motions that keep all loops closed
+    infinitesimal_mobility: motions that keep them closed to first order alone, as in a linkage that closes only when
+        stretched; the dynamics are refused there
     grubler_mobility: 6 bodies less the rows, after Grübler and Kutzbach: what it would be, were all rows independent
     usual_rank: rank in a regular pose; the pose is singular where the rank is lower
     motions: joint motions that keep the loops closed, orthonormal columns in the units of the loops   (nv, mobility)
@@ -36,6 +42,7 @@ class LoopAnalysis:
     n_rows: int
     rank: int
     mobility: int
+    infinitesimal_mobility: int
     grubler_mobility: int
     usual_rank: int
     motions: Array
@@ -59,25 +66,40 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
     x = one_state(model, None, q=q)["q"]
     if not model.chords:
         raise InvalidInput(f"robot '{model.name}' has no loops: all its reactions are determined")
-    held = closed(model, x)
+    held = closed(model, x, moving=False)
     spaces, state = held.spaces, Arguments(model, {"q": x}).rooted_state()
     of_tree = JOINT_CONSTRAINTS * model.n_bodies + len(model.couplings)
     rank = int(spaces.rank)
     usual = int(model.loops.spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)
     stress = self_stress(state, chord_rows(state)[0], spaces)
     undetermined = in_self_stress(model, stress)
+    shaky = infinitesimal_motions(model.loops, x)
+    motions = _without(spaces.right[:, spaces.free], shaky, model.loops.column_units[:, None])
     return LoopAnalysis(
         n_rows=of_tree + model.n_chord_rows,
         rank=of_tree + rank,
-        mobility=model.nv - rank,
+        mobility=motions.shape[1],
+        infinitesimal_mobility=shaky.shape[1],
         grubler_mobility=model.nv - model.n_chord_rows,
         usual_rank=of_tree + usual,
-        motions=spaces.right[:, spaces.free],
+        motions=motions,
         determined_multipliers=~undetermined["multipliers"],
         determined_wrenches=~undetermined["joint_wrenches"],
         determined_chord_multipliers=~undetermined["chord_multipliers"],
         self_stresses=_named(model, *_sparse(stress.joints, spaces.left, spaces.redundant)),
     )
+
+
+def _without(motions: Array, others: Array, units: Array) -> Array:
+    """Motions (nv, f), less their part along others (nv, k); columns of both are orthonormal in units (nv, 1)."""
+    if not others.shape[1]:
+        return motions
+    of_others = others / units
+    left, values, _ = np.linalg.svd(
+        motions / units - of_others @ (of_others.T @ (motions / units)), full_matrices=False
+    )
+    rest: Array = left[:, values > DIRECTION_SHARE] * units
+    return rest
 
 
 def _sparse(joints: Array, left: Array, redundant: NDArray[np.bool_]) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ Accelerations are unique; of the reactions those that the equations determine (g
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,12 +17,16 @@ from graphdyn.equations.kinematics import MaximalState, bias_acceleration, null_
 from graphdyn.equations.loops.reactions import reactions
 from graphdyn.equations.specification import Arguments, Specification
 from graphdyn.equations.system.unconstrained import passive_terms
-from graphdyn.errors import InvalidInput, SingularMassMatrix, in_row
+from graphdyn.errors import InconsistentState, InvalidInput, SingularMassMatrix, in_row
 from graphdyn.layout import Array, per_body, stacked
-from graphdyn.model.assembly import refuse_moving_apart, refuse_open
+from graphdyn.model.assembly import refuse_infinitesimal, refuse_moving_apart, refuse_open, worst_row
 from graphdyn.model.loops import LOOP_RANK_TOLERANCE, LoopSpaces
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
+
+PARTING_SHARE = 1e-4
+"""How far J a = γ may fail, relative to the squares of velocities: far above what gaps and velocities that count as
+closed leave."""
 
 OPEN_LOOP_REMEDY = "graphdyn.assemble(model, q) closes loops"
 
@@ -38,8 +43,11 @@ class Closed:
     spaces: LoopSpaces
 
 
-def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None = None) -> Closed:
-    """The closed state at q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one."""
+def closed(
+    model: RobotModel, q: Array, v: Array | None = None, a: Array | None = None, *, moving: bool = True
+) -> Closed:
+    """The closed state at q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one, and
+    naming the joints where the loops have infinitesimal mobility only, unless the robot need not be moving."""
     loops, who = model.loops, f"robot '{model.name}'"
     refuse_open(who, loops, loops.gaps(q), OPEN_LOOP_REMEDY)
     links = loops.links(q, v)
@@ -48,7 +56,24 @@ def closed(model: RobotModel, q: Array, v: Array | None = None, a: Array | None 
         refuse_moving_apart(who, loops, jacobian, v, np.zeros_like(bias), "velocity")
     if a is not None:
         refuse_moving_apart(who, loops, jacobian, a, bias, "acceleration")
-    return Closed(jacobian, bias, loops.spaces(jacobian))
+    held = Closed(jacobian, bias, loops.spaces(jacobian))
+    if moving:
+        _refuse_infinitesimal(model, q, held.spaces)
+    return held
+
+
+_regular_ranks: WeakKeyDictionary[RobotModel, int] = WeakKeyDictionary()
+"""The ranks of loops in a pose that motions leave, by the robot."""
+
+
+def _refuse_infinitesimal(model: RobotModel, q: Array, spaces: LoopSpaces) -> None:
+    """Looks at the pose of smallest rank, of each robot once and in singular poses."""
+    ranks = np.where(np.isfinite(q).all(axis=-1), spaces.rank, model.nv + 1)
+    lowest = int(ranks.min(initial=model.nv + 1))
+    if lowest < _regular_ranks.get(model, model.nv + 1):
+        row = np.unravel_index(int(ranks.argmin()), ranks.shape)
+        refuse_infinitesimal(f"robot '{model.name}'", model.loops, q[row])
+        _regular_ranks.setdefault(model, lowest)
 
 
 def forward_dynamics(x: Arguments) -> dict[str, Array]:
@@ -92,8 +117,24 @@ def solved(x: Arguments) -> Solved:
     passive = passive_terms(state, x["external_wrenches"])
     needed = apply(np.swapaxes(n, -1, -2), stacked(projected.inertial_terms(state, bias) - passive))
     start = held.spaces.least_motion(held.bias)
+    refuse_parting(x.model, held, x["v"], start)
     a = start + apply(response(held.spaces, mass), x["tau"] - needed - apply(mass, start))
     return Solved(held, state, n, bias, mass, a, held.spaces.least_multipliers(x["tau"] - needed - apply(mass, a)))
+
+
+def refuse_parting(model: RobotModel, held: Closed, v: Array, a: Array) -> None:
+    """Raises InconsistentState, naming the loop, where a (…, n) that comes nearest to J a = γ(v) does not reach it: a
+    singular pose through which no motion has this velocity."""
+    loops = model.loops
+    left = np.abs(apply(held.jacobian, a) - held.bias) / loops.row_units
+    size = np.abs(loops.in_units(held.jacobian)).max(axis=(-2, -1)) * np.square(v / loops.column_units).max(axis=-1)
+    apart = left / np.where(size > 0, size, 1.0)[..., None]
+    if np.nanmax(apart, initial=0.0) > PARTING_SHARE:
+        _, chord, where = worst_row(loops, apart)
+        raise InconsistentState(
+            f"robot '{model.name}': no acceleration keeps the loop of chord '{chord}' closed at this velocity{where}: "
+            "in this singular pose branches of motions meet, and the velocity is that of none; take it along one"
+        )
 
 
 def response(spaces: LoopSpaces, mass: Array) -> Array:

@@ -1,5 +1,6 @@
 """Robots with loops: ranks, determined and undetermined reactions, closed forms and published mechanisms."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -151,6 +152,73 @@ def test_a_linkage_of_a_micrometer_and_one_of_a_thousand_kilometers_move_as_one_
         assert relative_error(forces, np.nan_to_num(usual.chord_multipliers)) < tolerance, method
     with pytest.raises(InconsistentState, match="is open by"):
         graphdyn.forward_dynamics(other, (q + 1e-6) * slides, v * slides, tau * moments)
+
+
+def on_turntable(model):
+    """The mechanism on a body that turns about y."""
+    return replace(
+        model,
+        bodies=(rod("table"), *model.bodies),
+        joints=(
+            Joint("turn", "revolute", 0, Placement(), np.array([0, 1.0, 0])),
+            *(replace(j, inside=j.inside + 1) for j in model.joints),
+        ),
+        chords=tuple(replace(c, body_i=c.body_i + 1, body_j=c.body_j + 1) for c in model.chords),
+        actuated=("turn",),
+    )
+
+
+@pytest.mark.parametrize(
+    ("bars", "is_on_turntable"),
+    [
+        ((1, 1, 1, 3), False),
+        ((3e-6, 1e-6, 1e-6, 1e-6), False),
+        ((1e6, 4e6, 2e6, 1e6), False),
+        ((1, 1, 1, 3 + 1e-9), False),
+        ((1, 1, 1, 3), True),
+    ],
+)
+def test_stretched_linkages_have_infinitesimal_mobility_and_no_accelerations(bars, is_on_turntable):
+    model = on_turntable(four_bar(*bars)) if is_on_turntable else four_bar(*bars)
+    found = graphdyn.analyze_loops(model, model.closed_pose)
+    assert (found.mobility, found.infinitesimal_mobility) == (int(is_on_turntable), 2)
+    if is_on_turntable:
+        np.testing.assert_allclose(np.abs(found.motions[:, 0]), [1, 0, 0, 0], atol=1e-5)
+    zero, questions = np.zeros(model.nv), (graphdyn.forward_dynamics, graphdyn.inverse_dynamics)
+    for question, method in itertools.product(questions, METHODS):
+        with pytest.raises(InconsistentState, match="2 motions of a, b, c keep them closed to first order only"):
+            question(model, model.closed_pose, zero, zero, method=method)
+
+
+def test_a_stretched_linkage_that_is_slightly_open_is_one():
+    model, q = four_bar(1, 1, 1, 3), np.array([1e-5, -2e-5, np.pi])
+    assert 0 < np.abs(model.loops.gaps(q)).max() < 1e-9
+    assert graphdyn.analyze_loops(model, q).mobility == 0
+    with pytest.raises(InconsistentState, match="infinitesimal mobility"):
+        graphdyn.forward_dynamics(model, q, np.zeros(3), np.zeros(3))
+    with pytest.raises(InconsistentState, match="infinitesimal mobility"):
+        model.random_state(np.random.default_rng(0))
+    with pytest.raises(InconsistentState, match="infinitesimal mobility"):
+        graphdyn.simulate(model, q, np.zeros(3), 1.0)
+
+
+@pytest.mark.parametrize("short", [1e-6, 1e-4])
+def test_a_linkage_that_moves_a_little_has_mobility(short):
+    model = four_bar(1, 1, 1, 3 - short)
+    found = graphdyn.analyze_loops(model, model.closed_pose)
+    assert (found.mobility, found.infinitesimal_mobility) == (1, 0)
+
+
+@methods
+def test_velocities_of_no_branch_have_no_acceleration(method):
+    """A parallelogram in line: its cranks turn together, q = (t, -t, t), or against each other."""
+    model, zero = four_bar(1, 2, 1, 2), np.zeros(3)
+    together, mixed = np.array([1.0, -1, 1]), np.array([0, 1.0, 2])
+    np.testing.assert_allclose(model.loops.jacobian(model.loops.links(zero)) @ np.stack([together, mixed]).T, 0)
+    a = graphdyn.joint_accelerations(model, zero, together, zero, method=method)
+    np.testing.assert_allclose(a, 1.2 * -9.81 * together, rtol=1e-12)
+    with pytest.raises(InconsistentState, match="no acceleration keeps the loop of chord 'closing' closed at this"):
+        graphdyn.joint_accelerations(model, zero, mixed, zero, method=method)
 
 
 @pytest.fixture(scope="module")

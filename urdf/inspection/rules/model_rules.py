@@ -113,8 +113,9 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
     if model.actuated is None:
         return
     joints = model.independent_joints
-    of_motors = loop_spaces(motion[[joints.index(name) for name in model.actuated]])
-    idle = motion @ of_motors.right[:, of_motors.free]
+    in_units = motion / model.loops.column_units[:, None]
+    of_motors = loop_spaces(in_units[[joints.index(name) for name in model.actuated]])
+    idle = in_units @ of_motors.right[:, of_motors.free]
     if idle.shape[-1]:
         names = [name for name, row in zip(joints, idle, strict=True) if np.abs(row).max() > LOOP_RANK_TOLERANCE]
         yield of_file(
@@ -134,7 +135,8 @@ def _independent(model: RobotModel, structure: Structure, motion: Array) -> Iter
         return
     joints = model.independent_joints
     stated = [k for k, name in enumerate(joints) if marks.get(name, True)]
-    rank = np.count_nonzero(np.linalg.svd(motion[stated], compute_uv=False) > LOOP_RANK_TOLERANCE) if stated else 0
+    in_units = motion / model.loops.column_units[:, None]
+    rank = np.count_nonzero(np.linalg.svd(in_units[stated], compute_uv=False) > LOOP_RANK_TOLERANCE) if stated else 0
     if not rank == len(stated) == motion.shape[-1]:
         named = listed(shortened(joints[k]) for k in stated)
         yield of_file(
