@@ -227,8 +227,9 @@ def length_unit(size: float) -> float:
 
 def _size(joints: Sequence[Joint], chord: Chord, members: NDArray[np.bool_]) -> float:
     """Largest distance between places where one body of the loop of a chord holds others [m]; members: its joints."""
-    held: dict[int, list[Array]] = {k + 1: [np.zeros(3)] for k in np.flatnonzero(members)}
-    for k in np.flatnonzero(members):
+    inside = np.flatnonzero(members).tolist()
+    held: dict[int, list[Array]] = {k + 1: [np.zeros(3)] for k in inside}
+    for k in inside:
         held.setdefault(joints[k].inside, []).append(joints[k].placement.translation)
     for body, placement in ((chord.body_i, chord.placement_i), (chord.body_j, chord.placement_j)):
         held.setdefault(body, []).append(placement.translation)
