@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from faults.planted_records import planted
 from jsonschema import Draft202012Validator
+from matplotlib.figure import Figure
 from reproduced_paper import reproduced
 from rich.cells import cell_len
 from shared_data import REPOSITORY
@@ -17,6 +18,8 @@ from shown.pages import complaints, parsed, table
 from typer.testing import CliRunner
 
 from crosscheck.commands import app
+from crosscheck.commands.errata import report as errata_report
+from crosscheck.commands.paper import identification_report
 from crosscheck.commands.paper.identification_report import error_text, misprints, printed_text, value_text
 from crosscheck.commands.paper.multipliers_report import MARKED_SAMPLE_INTERVAL
 from crosscheck.commands.paper.record import record as record_of
@@ -401,3 +404,52 @@ class TestEveryNumber:
             assert row[4] == f"{'≥' if check['at_least'] else '≤'} {check['bound']:.3g}"
             sign = 1 if check["at_least"] else -1
             assert check["agrees"] == (sign * (check["measured"] - check["bound"]) >= 0)
+
+    def test_errors_drawn(self, found):
+        """Of every parameter of every body: exact data, the first rounding, the band of all, and Table 4."""
+        axes, of = Figure().add_axes((0, 0, 1, 1)), found.identification
+        identification_report._draw(axes, of)
+        rows = {round(y, 6): {} for y in np.arange(36) + 0.5}
+        for line in axes.lines:
+            rows[round(line.get_ydata()[0], 6)][line.get_marker()] = np.array(line.get_xdata())
+
+        def place(error):
+            """Decades; below 1e-8 each has three tenths of its width."""
+            decade = np.log10(np.maximum(np.abs(error), 10**-14.5))
+            return np.where(decade > -8, decade, -8 + 0.3 * (decade + 8))
+
+        trials = np.abs([trial.errors for trial in of.rounded])
+        for body, row in np.ndindex(6, 6):
+            drawn, printed = rows[6 * body + row + 0.5], of.printed_errors[row, body]
+            if np.isfinite(of.exact.errors[row, body]):
+                assert drawn["s"].item() == pytest.approx(place(of.exact.errors[row, body]))
+                assert drawn["o"].item() == pytest.approx(place(trials[0, row, body]))
+                band = trials[:, row, body].min(), trials[:, row, body].max()
+                assert drawn["None"] == pytest.approx(place(np.array(band)))
+            assert ("x" in drawn, "<" in drawn) == (bool(np.isfinite(printed) and printed), printed == 0)
+            if "x" in drawn:
+                assert drawn["x"].item() == pytest.approx(place(printed))
+
+    def test_errata_drawn(self, found):
+        """Towards gimbal lock: medians by |cos β|; of missing ranks: their shares of the states."""
+        lock = [effect for effect in found.effects if effect.erratum == "A3"]
+        axes = Figure().add_axes((0, 0, 1, 1))
+        errata_report._draw_lock(axes, lock)
+        medians = [line for line in axes.lines if line.get_marker() == "None"]
+        drawn = [np.column_stack([line.get_xdata(), line.get_ydata()]) for line in medians]
+        robots = dict.fromkeys(effect.robot for effect in lock)
+        wanted = [[(np.log10(one.cosine), np.median(getattr(one, form))) for one in lock if one.robot == robot]
+                  for robot in robots for form in ("errors", "corrected_errors")]  # fmt: skip
+        for points, expected in zip(drawn, wanted, strict=True):
+            assert points[:, 0] == pytest.approx([x for x, _ in expected])
+            assert points[:, 1] == pytest.approx([np.log10(max(y, 1e-17)) for _, y in expected], abs=1e-9)
+        ranks = [effect for effect in found.effects if effect.erratum == "A2"]
+        axes = Figure().add_axes((0, 0, 1, 1))
+        errata_report._draw_rank(axes, ranks)
+        said = [text.get_text() for text in axes.texts]
+        shares = []
+        for effect in ranks:
+            for errors in (effect.errors, effect.corrected_errors):
+                counts = [int((errors == missing).sum()) for missing in sorted({*errors.tolist()})]
+                shares += [f"{count / len(errors):.0%} of {len(errors)} states" for count in counts]
+        assert said == shares

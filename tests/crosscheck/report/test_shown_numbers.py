@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from identified import identified_arm
+from matplotlib.collections import PathCollection
 from planting import compared
 
 from crosscheck.bench.contender import SpeedRatio
@@ -18,6 +19,9 @@ from crosscheck.commands.identify import methods_report as method_errors
 from crosscheck.commands.identify import model_report as parameter_bars
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.commands.judge.function_report import function_section
+from crosscheck.commands.study import errors_report, ranking_report, scenarios_report
+from crosscheck.commands.study.errors_report import ErrorLine
+from crosscheck.commands.study.ranking_report import Trade
 from crosscheck.identifying.results.parameters import BaseRow, base_rows
 from crosscheck.judging.judge import judge
 from crosscheck.report.error_tables import error_text, span_text
@@ -26,6 +30,7 @@ from crosscheck.report.plain_text import ratio_span_text, ratio_text, threads_te
 from crosscheck.report.plain_text import span_text as span_of_times
 from crosscheck.report.report import Panel, Plot, Series, Table
 from crosscheck.report.text import as_text
+from crosscheck.study.statistics.intervals import Intervals
 from graphdyn import inverse_dynamics
 
 RMS = (1.25, 3.5, 0.75)
@@ -184,7 +189,7 @@ def drawn(monkeypatch):
 
         kept = []
 
-        def picture(_key, _label, size, draw):
+        def picture(_key, _label, size, draw, _hovers=None):
             kept.append(Figure(figsize=size).add_axes((0, 0, 1, 1)))
             draw(kept[0])
             return ""
@@ -243,6 +248,71 @@ class TestPictures:
         axes = drawn(method_errors, "method_errors", ["WLS"], ["a", "b"], np.array([[0.02, 0.06]]))
         assert [curve(axes, name)[0].tolist() for name in ("a", "b", "mean")] == [[2.0], [6.0], [4.0]]
         assert "[%]" in axes.get_xlabel()
+
+    def test_study_ranks(self, drawn):
+        """A dot at the mean rank, a bar over its interval, of each method in its row; the leader in blue."""
+        rank = Intervals(np.array([1.2, 2.5, 2.75]), np.array([1.0, 2.25, 2.5]), np.array([1.5, 2.75, 3.0]))
+        told = {"alike": ((1, 2),), "leaders": ("a",), "differ": True, "distance": 0.75}
+        ranking = SimpleNamespace(methods=("a", "b", "c"), rank=rank, **told)
+        axes = drawn(ranking_report, "study_ranks", ranking, "torque error")
+        bars = [segment for segment in upright_or_level(axes) if np.ptp(segment[:, 0]) not in (0, 3)]
+        assert [segment.tolist() for segment in bars] == [
+            [[1.0, 0.5], [1.5, 0.5]], [[2.25, 1.5], [2.75, 1.5]], [[2.5, 2.5], [3.0, 2.5]]
+        ]  # fmt: skip
+        (dots,) = [part for part in axes.collections if isinstance(part, PathCollection)]
+        assert dots.get_offsets().tolist() == [[1.2, 0.5], [2.5, 1.5], [2.75, 2.5]]
+        blue, black, other = dots.get_facecolors().tolist()
+        assert blue != black == other
+        group, distance = axes.lines
+        assert distance.get_xdata().tolist() == [1, 1.75]
+        assert np.all((np.array(group.get_ydata()) > 0) & (np.array(group.get_ydata()) < 2 / 3))  # rows 2 and 3 of 3
+
+    def test_study_pareto(self, drawn):
+        """At time and ratio, the interval upright; hollow where it failed on some records."""
+        trades = [Trade("a", 0.5, 1.0, 0.9, 1.1, True), Trade("b", 2.0, 3.0, 2.5, 4.0, False)]
+        axes = drawn(ranking_report, "study_pareto", trades, "torque error", "a")
+        points = [line for line in axes.lines if line.get_marker() == "o"]
+        places = [(*line.get_xdata(), *line.get_ydata(), line.get_markerfacecolor() == "none") for line in points]
+        assert places == [(0.5, 1.0, False), (2.0, 3.0, True)]
+        uprights = [segment.tolist() for segment in upright_or_level(axes)]
+        assert uprights == [[[0.5, 0.9], [0.5, 1.1]], [[2.0, 2.5], [2.0, 4.0]]]
+
+    def test_study_parameters(self, drawn):
+        """As parts of the usual spread: 0.5 and -3 of biases, ± 1 and ± 2 of spreads; the one without zero in red."""
+        bias = Intervals(np.array([0.1, -6.0]), np.array([-0.1, -7.0]), np.array([0.3, -5.0]))
+        spread_of = Intervals(np.array([0.2, 4.0]), *2 * [np.zeros(2)])
+        found = SimpleNamespace(bias=bias, spread=spread_of, biased=1)
+        method = SimpleNamespace(method=SimpleNamespace(name="wls"), parameters=found)
+        (panel,) = drawn(scenarios_report, "study_parameters", [method], np.array([0.2, 2.0]), "parts").child_axes
+        bars, inside, dot, outside, red = (line.get_xydata() for line in panel.lines[1:])
+        kept = [line[~np.isnan(line[:, 1])].tolist() for line in (bars, inside, outside)]
+        assert kept[0] == [[1, -1], [1, 1], [2, -2], [2, 2]]
+        np.testing.assert_allclose(kept[1], [[1, -0.5], [1, 1.5]])
+        np.testing.assert_allclose(kept[2], [[2, -3.5], [2, -2.5]])
+        assert (dot.tolist(), red.tolist()) == ([[1, 0.5]], [[2, -3]])
+        assert panel.lines[3].get_color() != panel.lines[5].get_color()
+
+    def test_study_errors(self, drawn):
+        """Two methods at two places: medians joined, intervals upright, a dot per run, a cross for a failure."""
+        line = ErrorLine(
+            "", [0, 1], [np.array([[1.0, 10.0], [2.0, 20.0]]), np.array([[3.0, np.inf], [4.0, 40.0]])],
+            np.array([[1.5, 15.0], [3.5, np.inf]]), np.array([[1.0, 10.0], [3.0, 40.0]]),
+            np.array([[2.0, 20.0], [4.0, np.inf]]), [["", ""], ["", ""]], True,
+        )  # fmt: skip
+        panels = drawn(errors_report, "study_errors", "label", ["a", "b"], ["x", "y"], "noise", [line], {}).child_axes
+        for k, panel in enumerate(panels):
+            best, own = panel.lines
+            assert best.get_xydata().tolist() == [[0, 1.5], [1, 3.5]]
+            known = [[0, 1.5], [1, 3.5]] if k == 0 else [[0, 15.0]]
+            assert [point for point in own.get_xydata().tolist() if np.isfinite(point[1])] == known
+            dots = np.concatenate(
+                [part.get_offsets() for part in panel.collections if isinstance(part, PathCollection)]
+            )
+            heights = [1, 2, 3, 4] if k == 0 else [10, 20, 40, 60 * 1.3]  # the cross above 1.5 times the largest
+            assert sorted(dots[:, 1].tolist()) == pytest.approx(heights)
+            assert [segment[0].tolist() for segment in upright_or_level(panel)] == [
+                [0, line.low[0, k]], [1, line.low[1, k]]
+            ]  # fmt: skip
 
     def test_singular_values(self, drawn):
         axes = drawn(method_errors, "singular_values", np.array([2.0, 0.5]))
