@@ -191,6 +191,10 @@ class MimicJointWarning(URDFWarning):
     """Mimic joints, loaded as independent joints (mimic="independent")."""
 
 
+class UnboundJointWarning(URDFWarning):
+    """Joints marked independent="false" that no loop and no coupling binds to others."""
+
+
 class UnreadWarning(URDFWarning):
     """Elements or attributes that are not read and that change the dynamics elsewhere, or that URDF does not know."""
 

@@ -1,6 +1,6 @@
 """The description of a robot: bodies, joints, couplings, chords. It never changes."""
 
-from graphdyn.model.assembly import assembled
+from graphdyn.model.assembly import assembled, refuse_infinitesimal
 from graphdyn.model.chord import FORCES, MOMENTS, ChordKind
 from graphdyn.model.inertia import (
     PARAMETER_NAMES,
@@ -33,6 +33,7 @@ __all__ = [
     "parallel_axis",
     "parameters_from_inertia",
     "pseudo_inertia_from_parameters",
+    "refuse_infinitesimal",
     "rotation_about",
     "skew",
     "solve",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.errors import InconsistentState, counted, in_row
+from graphdyn.errors import InconsistentState, in_row
 from graphdyn.layout import Array
 from graphdyn.model.loops import CLOSED_TOLERANCE, Loops
 from graphdyn.model.spatial import apply
@@ -54,11 +54,10 @@ def refuse_infinitesimal(who: str, loops: Loops, q: Array) -> None:
         return
     parts = np.abs(motions / loops.column_units[:, None]).max(axis=1)
     joints = [joint.name for joint, part in zip(loops.free_joints, parts, strict=True) if part > SHAKE]
-    some = f"{counted(motions.shape[1], 'motion')} of {', '.join(joints)}"
     raise InconsistentState(
-        f"{who}: its loops close only stretched or folded: {some} keep them closed to first order only "
-        "(infinitesimal mobility), so that torques determine no accelerations and reactions; "
-        "change lengths, or lock these joints"
+        f"{who}: its loops close only stretched or folded: motions of {', '.join(joints)} keep them closed to first "
+        f"order only (infinitesimal mobility {motions.shape[1]}), so that torques determine no accelerations and "
+        "reactions; change lengths, or lock these joints"
     )
 
 

@@ -17,7 +17,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
 
-NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close")
+NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close", "infinitesimal-mobility")
 """Codes of the findings that leave a robot fit for kinematics only."""
 
 
@@ -180,6 +180,7 @@ REMEDIES: Mapping[Severity, Mapping[str, str]] = {
         "indefinite-inertia": "correct the tensor; a sign may be wrong, or entries swapped",
         "independent-contradiction": "mark as independent as many joints as there are degrees of freedom, "
         "so that they determine all others",
+        "infinitesimal-mobility": "correct the lengths, or lock these joints (lock=, --lock)",
         "inertia-unlike-mesh": "compare them link by link: urdf.inspect(…, meshes='detail'), "
         "graphdyn inspect --meshes detail",
         "limits-missing": "write it",
@@ -201,6 +202,8 @@ REMEDIES: Mapping[Severity, Mapping[str, str]] = {
         "suspicious-masses": "give masses in kg; they may be in grams or tonnes",
         "tiny-mass": "give the mass in kg; it looks like a placeholder",
         "triangle-inequality": "correct the tensor: it must be about the center of mass, in kg m²",
+        "unbound-joints": "state the loops, couplings or mimic joints that they would follow from: in the file, in the "
+        "YAML file of its name beside it, or as loops= (--loops)",
         "unexpanded-text": "expand the file with xacro",
         "unread-dynamics": "change the model after loading it, if that matters",
         "unknown-attribute": "correct its name, or remove it",

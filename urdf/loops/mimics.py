@@ -6,9 +6,10 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, get_args
 
+import numpy as np
 from lxml import etree
 
-from graphdyn import Coupling
+from graphdyn import Coupling, RobotModel
 from urdf.document.connections.loops import Closure, CompanionFiles, CoupledSums, Motor, SourceLocation, Unread
 from urdf.document.elements import describe, line_of, name_of
 from urdf.document.source import Source
@@ -91,6 +92,23 @@ def _driven(sums: CoupledSums, place: SourceLocation, free: list[etree._Element]
         "already",
         'mark the one that it drives independent="false", or remove the coupling',
     )
+
+
+def unbound_dependents(source: Source, model: RobotModel) -> list[str]:
+    """Joints marked independent="false" that move by themselves: no coupling drives them, and neither they nor what
+    they drive are in a loop. Mimic joints are left out, whose loading as joints of their own is a choice."""
+    marked = {
+        name_of(joint)
+        for joint in source.joints
+        if not INDEPENDENT_VALUES.get((joint.get("independent") or "true").lower(), True)
+        and joint.find("mimic") is None
+    }
+    paths = model.loops.paths
+    in_loop = np.zeros(model.n_bodies, dtype=bool)
+    for chord in model.chords:
+        in_loop |= paths[chord.body_i] != paths[chord.body_j]
+    bound = (model.degrees_of_freedom.matrix[in_loop] != 0).any(axis=0)
+    return [name for name, held in zip(model.independent_joints, bound, strict=True) if name in marked and not held]
 
 
 def check_motors(source: Source, beside: CompanionFiles) -> None:

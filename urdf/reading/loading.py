@@ -15,10 +15,11 @@ from urdf.document.opening import Given
 from urdf.document.tree import joints_in_order
 from urdf.geometry.reading import placed_shapes
 from urdf.geometry.shape import Shapes
+from urdf.loops.mimics import unbound_dependents
 from urdf.reading.fusing import assemble
 from urdf.reading.parsing import build, parsed_source
 from urdf.reading.reading import AS_IT_STANDS, Reading, ReadingKeywords
-from urdf.reading.warnings import warn
+from urdf.reading.warnings import warn, warn_of_unbound
 
 if TYPE_CHECKING:
     from yourdfpy.urdf import Robot
@@ -49,12 +50,13 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that
     would have to be guessed, and InvalidModel for a gravity that is not three finite numbers.
     Warns MissingInertialWarning, ZeroMassWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning,
-    ChainWarning, RepairWarning, XacroWarning.
+    ChainWarning, RepairWarning, XacroWarning, UnboundJointWarning.
     """
     how = Reading.of(load, reading)
-    document, _, parsed = parsed_source(source, how)
+    document, reduced, parsed = parsed_source(source, how)
     model = build(parsed, document.gravity)
     warn(parsed, model.gravity if how.gravity is None else None, document.complaints or ())
+    warn_of_unbound(parsed, unbound_dependents(reduced, model))
     return model if how.gravity is None else model.with_gravity(how.gravity)
 
 

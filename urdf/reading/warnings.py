@@ -18,14 +18,21 @@ from urdf.errors import (
     MimicJointWarning,
     MissingInertialWarning,
     RepairWarning,
+    UnboundJointWarning,
     UnreadWarning,
     URDFWarning,
     XacroWarning,
     ZeroMassWarning,
     one_line,
+    shortened,
 )
 from urdf.reading.cutting import Cut
 from urdf.reading.parsing import Parsed
+
+MISSING_LOOPS = (
+    "the loops, couplings or mimic joints that they would follow from are missing: state them in the file, in the YAML "
+    "file of its name beside it, or as loops= (--loops)"
+)
 
 GRAVITY_TILT_TOLERANCE = 1e-9
 """Relative difference of gravity between the axes of the base link and of the root beyond which the base is tilted."""
@@ -69,6 +76,17 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)
     weightless = [f"'{name}'" for names in assembly.weightless for name in names]
     _tell(ZeroMassWarning, parsed, "moving links of mass zero: ", weightless, "; they have no weight")
+
+
+def warn_of_unbound(parsed: Parsed, joints: Sequence[str]) -> None:
+    """Issue the warning about joints that are marked as dependent and move by themselves."""
+    _tell(
+        UnboundJointWarning,
+        parsed,
+        'joints marked independent="false" move by themselves: ',
+        [f"'{shortened(name)}'" for name in joints],
+        f"; {MISSING_LOOPS}",
+    )
 
 
 def _at(unread: Unread) -> str:

@@ -186,7 +186,7 @@ def test_stretched_linkages_have_infinitesimal_mobility_and_no_accelerations(bar
         np.testing.assert_allclose(np.abs(found.motions[:, 0]), [1, 0, 0, 0], atol=1e-5)
     zero, questions = np.zeros(model.nv), (graphdyn.forward_dynamics, graphdyn.inverse_dynamics)
     for question, method in itertools.product(questions, METHODS):
-        with pytest.raises(InconsistentState, match="2 motions of a, b, c keep them closed to first order only"):
+        with pytest.raises(InconsistentState, match=r"motions of a, b, c keep them closed .* mobility 2"):
             question(model, model.closed_pose, zero, zero, method=method)
 
 

@@ -10,6 +10,22 @@ ROBOTS = {
         "leads to a closed one: check where the chord stands on its bodies",
         "correct the loop, or the links on its way",
     ),
+    "infinitesimal-mobility": Case(
+        ("</robot>", '<loop name="l" type="distance"><predecessor link="base"><origin xyz="0 0 0.5"/></predecessor>'
+         '<successor link="fore"><origin xyz="0.2 0 0"/></successor><length value="0.5"/></loop></robot>'),
+        "warning", None, None,
+        "robot 'arm': its loops close only stretched or folded: motions of elbow keep them closed to first order only "
+        "(infinitesimal mobility 1), so that torques determine no accelerations and reactions; change lengths, or lock "
+        "these joints",
+        "correct the lengths, or lock these joints (lock=, --lock)",
+    ),
+    "unbound-joints": Case(
+        (ELBOW, ELBOW.replace(">", ' independent="false">')),
+        "warning", None, None,
+        "joints marked independent=\"false\" that move by themselves: 'elbow'",
+        "state the loops, couplings or mimic joints that they would follow from: in the file, in the YAML file of its "
+        "name beside it, or as loops= (--loops)",
+    ),
     "loop-rows": Case(
         ("</robot>", f"{PARALLEL}</robot>"),
         "note", None, None,

@@ -38,6 +38,7 @@ STATES = 3
 WARNINGS = {
     urdf.MissingInertialWarning: ("missing-inertial",),
     urdf.AxisNotNormalizedWarning: ("axis-not-normalized",),
+    urdf.UnboundJointWarning: ("unbound-joints",),
     urdf.UnreadWarning: ("unread-dynamics", "unknown-element", "unknown-attribute"),
 }
 """What load warns of, and the findings of which one must say the same."""

@@ -114,6 +114,32 @@ def marked(text, **marks):
     return text
 
 
+@pytest.mark.parametrize(
+    ("text", "unbound"),
+    [
+        (marked(arm(), elbow="false", crank="0"), "'elbow', 'crank'"),
+        (marked(arm(loop("spherical", predecessor="base", successor="fore")), elbow="false", crank="false"), "'crank'"),
+        (marked(arm(coupling("1", "base", "fore")), shoulder="false", elbow="false"), "'shoulder'"),
+    ],
+    ids=["no loop", "another loop", "one coupling"],
+)
+def test_joints_whose_loops_are_missing_are_named(text, unbound):
+    message = f'independent="false" move by themselves: {unbound}; the loops, couplings or mimic joints that they'
+    with pytest.warns(urdf.UnboundJointWarning, match=message):
+        urdf.load(text)
+
+
+def test_joints_that_loops_couplings_and_mimics_bind_are_not(recwarn):
+    in_loop = arm(loop("spherical"), links=[link("side"), joint("turn", "upper", "side", "continuous")])
+    urdf.load(marked(in_loop, elbow="false", crank="false", turn="true"))
+    urdf.load(marked(arm(coupling(), loop("spherical", predecessor="upper")), crank="false", shoulder="0"))
+    urdf.load(
+        marked(arm().replace('<joint name="crank"', '<joint name="crank" independent="false"'), shoulder="1"),
+        lock="crank",
+    )
+    assert not [warning for warning in recwarn if warning.category is urdf.UnboundJointWarning]
+
+
 COUPLED = {
     "the successor's joint": (arm(coupling()), Coupling("crank", {"shoulder": 2.0, "elbow": 2.0})),
     "the one that is not independent": (

@@ -10,12 +10,12 @@ import numpy as np
 from graphdyn import InconsistentState, RobotModel, mass_matrix
 from graphdyn.errors import counted
 from graphdyn.layout import Array
-from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces
+from graphdyn.model import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, assembled, loop_spaces, refuse_infinitesimal
 from urdf.document.elements import name_of
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import Structure
-from urdf.loops.mimics import INDEPENDENT_VALUES
+from urdf.loops.mimics import INDEPENDENT_VALUES, unbound_dependents
 
 N_STATES, SEED = 5, 0
 """Number of random states at which the mass matrix and the loops are examined, and their seed."""
@@ -73,6 +73,11 @@ def loop_findings(model: RobotModel, structure: Structure) -> Generator[Finding,
         q = closed_states(model)
     except InconsistentState as error:
         yield of_file("loop-cannot-close", str(error))
+        return []
+    try:
+        refuse_infinitesimal(f"robot '{model.name}'", model.loops, q[0])
+    except InconsistentState as error:
+        yield of_file("infinitesimal-mobility", str(error))
         return []
     motions = free_motions(model, q)
     yield _rows(model, motions)
@@ -151,6 +156,8 @@ def model_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]
     """Findings about a robot that loads."""
     yield from _bodies(model, structure)
     yield from _units(model)
+    if unbound := unbound_dependents(structure.source, model):
+        yield of_file("unbound-joints", f'joints marked independent="false" that move by themselves: {listed(unbound)}')
     closed = (yield from loop_findings(model, structure)) if model.chords else None
     yield from _mass_matrix(model, closed)
 
