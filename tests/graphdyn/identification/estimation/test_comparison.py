@@ -20,7 +20,7 @@ from graphdyn.identification import (
     residual_statistics,
 )
 from graphdyn.identification.estimation.comparison import mass_matrices
-from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
+from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED, residuals_of_part
 from graphdyn.identification.terms import KnownBodies, KnownPayload, RigidBodies, RotorInertia
 
 POSES = 50
@@ -166,6 +166,23 @@ class TestResiduals:
         shifted = [Samples(h.q, h.v, h.a, h.tau + s) for h, s in zip(halves, (1.0, -1.0), strict=True)]
         (found,) = residual_statistics(Problem(torque_data.small_arm(), shifted), [torque_data.small_parameters()])
         assert found.durbin_watson == pytest.approx([0.0, 0.0], abs=1e-12)
+
+    def test_of_parts_the_longest_correlation(self):
+        """White in one part and slow in the other, and the reverse; counts and squares are sums."""
+        rng, x = np.random.default_rng(0), torque_data.small_parameters()[:, None]
+        white, slow = rng.normal(size=120), np.cumsum(rng.normal(size=120))
+
+        def part(*columns):
+            problem = torque_data.small_problem(np.column_stack(columns))
+            return residuals_of_part(problem.structure.base.matrix @ x, problem, slice(0, 10**9))
+
+        one, other = part(white, slow), part(slow, white)
+        lengths = [sums.statistics()[0].correlation_length for sums in (one, other)]
+        (found,) = one.merge(other).statistics()
+        assert np.all(np.max(lengths, axis=0) > 2)
+        assert np.array_equal(found.correlation_length, np.max(lengths, axis=0))
+        assert found.everything.count.tolist() == [240, 240]
+        assert found.everything.rms == pytest.approx(np.sqrt((white @ white + slow @ slow) / 240), rel=1e-6)
 
     def test_a_joint_that_never_moves(self):
         exact = torque_data.small_samples()
