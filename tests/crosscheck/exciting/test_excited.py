@@ -6,7 +6,14 @@ import numpy as np
 from planting import mixed_tree
 
 from crosscheck.exciting.excited import random_plans, recorded_information
-from graphdyn.excitation import ExcitationProblem, FourierBasis, MotionLimits, log_det, random_trajectory
+from graphdyn.excitation import (
+    ExcitationProblem,
+    FourierBasis,
+    JointMotion,
+    MotionLimits,
+    log_det,
+    random_trajectory,
+)
 from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.problem.torque_model import structure
 from graphdyn.identification.terms import RigidBodies, Viscous
@@ -47,4 +54,6 @@ def test_information_of_recordings_is_the_sum_over_their_rows():
     w = problem.torque_model.rows(Samples(q, v, a, np.zeros_like(q)), independent) / problem.noise[:, None]
     expected = np.einsum("tjk,tjl->kl", w, w)
     assert rows == 1507
+    twice = problem.information.matrix(JointMotion(q, v, a, 0 * q), 3014.0)
+    np.testing.assert_allclose(twice, 2 * expected, rtol=ROUNDING, atol=ROUNDING * expected.max())
     np.testing.assert_allclose(found, expected, rtol=ROUNDING, atol=ROUNDING * expected.max())

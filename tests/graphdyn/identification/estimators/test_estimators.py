@@ -26,6 +26,7 @@ from graphdyn.identification import (
 )
 from graphdyn.identification.algebra.compressed import joint_noise, merged
 from graphdyn.identification.estimators.generalized import error_covariance
+from graphdyn.identification.estimators.reweighted import huber, tukey
 from graphdyn.identification.estimators.ridge import RidgePath
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Offset, RigidBodies
 
@@ -269,6 +270,19 @@ class TestReweighted:
         assert np.abs(x * size - fit.x).max() <= {"huber": 1e-3, "tukey": 1e-2}[norm]
         assert np.abs(x * size).max() > 100
 
+    @pytest.mark.parametrize(("norm", "rho"), [
+        (huber(), lambda u: np.where(np.abs(u) < 1.345, u**2 / 2, 1.345 * (np.abs(u) - 1.345 / 2))),
+        (tukey(), lambda u: 4.685**2 / 6 * (1 - np.maximum(1 - (u / 4.685) ** 2, 0) ** 3)),
+    ], ids=["huber", "tukey"])  # fmt: skip
+    def test_norms_are_derivatives_of_each_other(self, norm, rho):
+        """ψ = ρ', w = ψ / u, and ψ' by central differences."""
+        u, step = np.linspace(-6.05, 6.05, 41), 1e-6
+        influence = (rho(u + step) - rho(u - step)) / (2 * step)
+        slope = (norm.influence(u + step) - norm.influence(u - step)) / (2 * step)
+        np.testing.assert_allclose(norm.influence(u), influence, atol=1e-8)
+        np.testing.assert_allclose(norm.slope(u), slope, atol=1e-8)
+        np.testing.assert_allclose(norm.weight(u[u != 0]), (influence / np.where(u, u, 1))[u != 0], atol=1e-7)
+
     @pytest.mark.parametrize("norm", ["huber", "tukey"])
     def test_outliers_count_less(self, norm, outliers):
         true = outliers.base.values(torque_data.small_parameters())
@@ -305,7 +319,15 @@ class TestRidge:
         stacked, right = np.vstack([r, rows]), np.concatenate([z, rows @ prior.mean])
         scale = np.linalg.norm(stacked, axis=0)
         expected = np.linalg.lstsq(stacked / scale, right, rcond=None)[0] / scale
-        found = Ridge(strength=strength).estimate(noisy).parameters
+        estimate = Ridge(strength=strength).estimate(noisy)
+        found, by_data = estimate.parameters, np.linalg.pinv(stacked / scale)[:, : len(r)] / scale[:, None]
+        covariance = noisy.base.matrix @ by_data @ by_data.T @ noisy.base.matrix.T
+        deviations = np.sqrt(np.diag(covariance))
+        np.testing.assert_allclose(
+            estimate.covariance / deviations / deviations[:, None],
+            covariance / deviations / deviations[:, None],
+            atol=1e-6,
+        )
         rounding = np.finfo(float).eps * np.linalg.cond(stacked / scale) ** 2  # squared where there is a residual
         assert np.abs((found - expected) * scale).max() <= rounding * np.abs(expected * scale).max()
 

@@ -95,15 +95,24 @@ def test_no_bias_and_standard_deviations():
     exact = Samples(motion.q, motion.v, motion.a, motion.tau)
     exact = replace(exact, tau=model.torque(exact, truth))
     errors = np.array([[[3e-5, 0, -3e-4], [0, 3e-3, 0], [-3e-4, 0, 0.03]]])
-    scores = {"ML": [], "WLS": []}
+    scores, noises = {"ML": [], "WLS": []}, []
     for _ in range(RUNS):
         problem = Problem(model, measured(exact, rng, errors, 0.5))
         for name, method in (("ML", MaximumLikelihood()), ("WLS", WeightedLeastSquares())):
             found = method.estimate(problem)
             error = problem.base.values(found.parameters) - problem.base.values(truth)
             scores[name].append(error**2 / np.diag(found.covariance))
+            noises += [found.noise] if name == "ML" else []
     assert abs(np.mean(scores["ML"]) - 1) < CALIBRATED
     assert np.mean(scores["WLS"]) > 2
+    assert np.mean(noises) == pytest.approx(0.5, rel=0.1), "of the torque alone, without what the motion explains"
+
+
+def test_torques_without_noise_keep_a_tenth_of_the_residual():
+    """Errors of the motion are never exact: they explain at most 99 % of its square."""
+    problem = Problem(torque_data.small_arm(), measured(torque_data.small_samples(), np.random.default_rng(4), noise=0))
+    wls, ml = (method.estimate(problem) for method in (WeightedLeastSquares(), MaximumLikelihood()))
+    assert ml.noise / wls.noise == pytest.approx(0.1, rel=0.3)
 
 
 def test_some_rows_with_a_drift():

@@ -55,6 +55,18 @@ def test_a_linear_robot_against_least_squares():
     assert running.covariance == pytest.approx(np.linalg.inv(rows.T @ rows)[2, 2], rel=1e-6)
 
 
+def test_drift_is_a_random_walk():
+    """Where positions say nothing, the variance grows by drift² in every second, whatever the period is."""
+    for period in (PERIOD, 4 * PERIOD):
+        running = ExtendedKalmanFilter(
+            TorqueModel(slide(2.0), (Offset(),), known=(KnownBodies(),)), period,
+            position_noise=1e9, torque_noise=1e-9, spread=3.0, drift=0.7,
+        )  # fmt: skip
+        count = round(0.24 / period) + 1
+        running.update(Samples(*np.zeros((4, count, 1))))
+        assert running.covariance == pytest.approx(3.0**2 + 0.7**2 * 0.24, rel=1e-9)
+
+
 def test_parameters_of_an_arm():
     """From 15 % beside the truth, with noise on positions and torques; a torque that is held between the samples."""
     arm, rng = torque_data.small_arm().model, np.random.default_rng(1)
