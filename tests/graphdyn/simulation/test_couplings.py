@@ -8,11 +8,13 @@ from random_trees import NAMED
 from robots.moving_robots import G, slider
 from scipy.integrate import solve_ivp
 
+import graphdyn
 from graphdyn import (
     ComputedTorqueControl,
     Coupling,
     Friction,
     JointLimits,
+    JointStops,
     MeasurementNoise,
     PDControl,
     bias_torque,
@@ -22,6 +24,7 @@ from graphdyn import (
 )
 from graphdyn.motion_laws import ConstantAcceleration, FourierSeries, Rail
 from graphdyn.simulation import many_robots
+from graphdyn.simulation.plant import effort_limits, make_plant
 
 ROUNDING = 1e-12
 """Of compiled steps against Python, relative to the largest number of a column; measured 2e-14."""
@@ -98,6 +101,30 @@ def lift(**of_driven):
         joints=(*first.joints, joint),
         couplings=(Coupling("lift", {"rail": 0.5}),),
     )
+
+
+def test_friction_of_the_file_takes_as_much_power_as_at_its_joint():
+    """A joint that moves at -0.5 of the rate of another: d (0.5 v)² and F_c 0.5 |v|."""
+    model = replace(lift(damping=8.0, friction=4.0), couplings=(Coupling("lift", {"rail": -0.5}),))
+    friction, rate = Friction.of_model(model), 3.0
+    assert friction.viscous * rate**2 == pytest.approx([8.0 * (0.5 * rate) ** 2])
+    assert friction.coulomb * rate == pytest.approx([1.0 * rate + 4.0 * 0.5 * rate])
+
+
+def test_friction_efforts_and_stops_of_joints_behind_a_driven_one():
+    """The second of three joints is driven: numbers of the third are at its own place."""
+    kr500 = graphdyn.kr500()
+    limits = [JointLimits(-0.1 * k, 0.1 * k, effort=float(k)) for k in range(1, 7)]
+    joints = tuple(replace(j, kind="revolute", limits=x) for j, x in zip(kr500.joints, limits, strict=True))
+    model = replace(kr500, joints=joints, couplings=(Coupling("O2", {"O1": 1.0}),))
+    assert effort_limits(model).tolist() == [1.0, 3.0, 4.0, 5.0, 6.0]
+    stops = make_plant(model, limits=JointStops(1.0)).constants
+    assert stops["upper"] == pytest.approx([0.1, 0.3, 0.4, 0.5, 0.6])
+    assert stops["lower"] == pytest.approx([-0.1, -0.3, -0.4, -0.5, -0.6])
+    found = Friction.identified(model, {"FV_3": 3.0, "FC_6": 4.0, "OFF_1": -1.0, "FV_2": 9.0})
+    assert found.viscous.tolist() == [0, 3, 0, 0, 0]
+    assert found.coulomb.tolist() == [0, 0, 0, 0, 4]
+    assert found.offset.tolist() == [-1, 0, 0, 0, 0]
 
 
 @pytest.mark.parametrize("settings", [{}, {"method": "rk4", "step": 1e-3}], ids=["dop853", "rk4"])

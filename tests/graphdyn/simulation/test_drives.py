@@ -1,5 +1,7 @@
 """Friction that sticks, limits, and events, against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from robots.moving_robots import G, pendulum, slider
@@ -62,6 +64,57 @@ def test_breaks_loose_when_the_torque_exceeds_friction(settings):
     assert motion.q[2, 0] == pytest.approx(0.5**3 / 3 / mass, rel=10 * late(settings) + 1e-8)
 
 
+def test_slides_the_way_it_is_pushed(settings):
+    """From rest, beyond F_c, either way: (τ - F_c) t² / 2 m."""
+    for side in (1.0, -1.0):
+        motion = simulate(slider(), [0.0], [0.0], 1.0, torque=[side * 3.0], friction=Friction(coulomb=1.0), **settings)
+        assert motion.q[-1, 0] == pytest.approx(side * (3.0 - 1.0) / 2.0 / 2, rel=1e-9)
+
+
+@pytest.mark.parametrize("torque", [[-2.0], lambda t, q, v: [-2.0]], ids=["held", "function"])
+def test_a_reversal_without_dry_friction(settings, torque):
+    """m v̇ = τ - d v: the velocity passes zero between two steps as if nothing were there."""
+    mass, d, speed = 2.0, 3.0, 0.7
+    given = {**settings, "step": 0.05} if settings else settings
+    motion = simulate(slider(mass=mass), [0.0], [speed], 1.0, torque=torque, friction=Friction(viscous=d), **given)
+    expected = -2.0 / d + (speed + 2.0 / d) * np.exp(-d / mass * motion.time)
+    assert np.abs(motion.v[:, 0] - expected).max() < 1e-6
+    assert motion.v[-1, 0] < 0 < motion.v[1, 0]
+
+
+def crossed_slides(first, second):
+    """A carriage on a rail across another, of these masses."""
+    below, above = slider(mass=first), slider((0.0, 1.0, 0.0), mass=second)
+    body, joint = replace(above.bodies[0], name="upper"), replace(above.joints[0], name="cross", inside=1)
+    return replace(below, bodies=(*below.bodies, body), joints=(*below.joints, joint))
+
+
+def test_each_joint_stops_and_breaks_loose_by_its_own_friction(settings):
+    """v² m / 2 F_c each; the second stops first, and breaks loose when 2 t has grown beyond its F_c."""
+    model, dry = crossed_slides(3.0, 1.0), np.array([2.0, 4.0])
+    motion = simulate(model, [0.0, 0.0], [1.0, -1.0], 3.0, friction=Friction(coulomb=dry), **settings)
+    expected = [4.0 / (2 * 2.0), -1.0 / (2 * 4.0)]
+    assert motion.q[-1] == pytest.approx(expected, abs=2 * late(settings))
+    assert not motion.v[-1].any()
+    if settings:
+        return
+    pushed = simulate(
+        model, [0.0, 0.0], [0.0, 0.0], 2.5, torque=lambda t, q, v: [0.0, 2 * t], friction=Friction(coulomb=dry)
+    )
+    assert pushed.q[-1] == pytest.approx([0.0, 0.5**3 / 3], abs=1e-8)
+
+
+def test_stops_push_and_never_pull(settings):
+    """Beyond its limit and fast on its way back, a joint moves freely: the damper would hold it."""
+    model = slider(limits=JointLimits(-1.0, 1.0))
+    for side in (1.0, -1.0):
+        motion = simulate(
+            model, [side * 1.1], [-side * 10.0], 0.1, limits=JointStops(50.0, 100.0), at=[0.0, 0.1], **settings
+        )
+        assert motion.q[-1, 0] == pytest.approx(side * 0.1, abs=1e-9)
+        assert not motion.passive.any()
+
+
 def test_only_the_loaded_joint_slips():
     """Of a heavy arm whose second joint cannot hold the weight, only that one moves; the others stand still."""
     model, q = kr500(), np.array([0.0, 0.4, 0.0, 0.0, 0.0, 0.0])
@@ -113,7 +166,7 @@ def test_torque_limits(settings):
     assert motion.q[-1, 0] == pytest.approx(3.0 / 2.0 / 2, rel=1e-9)
     assert np.all(motion.tau == 3.0)
     efforts = slider(limits=JointLimits(effort=4.0))
-    assert np.all(simulate(efforts, [0.0], [0.0], 1.0, torque=[-50.0], torque_limits="model").tau == -4.0)
+    assert np.all(simulate(efforts, [0.0], [0.0], 1.0, torque=[-50.0], torque_limits="model", **settings).tau == -4.0)
 
 
 def test_events_are_recorded_and_stop(settings):

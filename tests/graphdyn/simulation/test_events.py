@@ -94,6 +94,14 @@ def test_a_zero_that_is_left_late(settings):
     assert motion.time[-1] == pytest.approx(0.3, abs=1e-12)
 
 
+def test_a_function_of_time_that_swings_within_steps(settings):
+    """Nineteen zeros of sin 20 t in 3 s of a motion that is one step to adaptive steps."""
+    event = Event(lambda t, q, v: np.sin(20 * t + 1e-3), "zero", stop=False)
+    motion = simulate(slider(), [0.0], [1.0], 3.0, events=event, **settings)
+    expected = (np.pi * np.arange(1, 20) - 1e-3) / 20
+    assert [time for _, time in happened(motion)] == pytest.approx(expected, abs=1e-12)
+
+
 def test_a_function_that_jumps(settings):
     event = Event(lambda t, q, v: 1.0 if q[0] > 0.3 else -np.inf, "jump")
     motion = simulate(slider(), [0.0], [1.0], 1.0, events=event, **settings)

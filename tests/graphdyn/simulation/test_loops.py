@@ -11,6 +11,7 @@ from shared_data import DATA, existing
 
 import graphdyn
 from graphdyn import ComputedTorqueControl, Event, Friction, InconsistentState, InvalidInput, PDControl, simulate
+from graphdyn.simulation.integration import events
 
 ADAPTIVE = {"rtol": 1e-10, "atol": 1e-10}
 CRANK = four_bar()
@@ -61,7 +62,94 @@ def test_the_palletizer_moves_as_its_closed_form():
     assert np.isfinite(found.multipliers[0]).sum() + np.isfinite(found.chord_multipliers[0]).sum() == 32
 
 
-@pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk8", "step": 0.02}], ids=["dop853", "rk8"])
+LOOP_SETTINGS = pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk8", "step": 0.02}], ids=["dop853", "rk8"])
+
+PARALLELOGRAM = four_bar(1.0, 2.0, 1.0, 2.0).with_gravity(np.zeros(3))
+"""The crank turns, the rocker with it, and the coupler keeps its direction: a double integrator."""
+
+CRANK_INERTIA = 1 / 3 + 1 / 3 + 1
+"""Both rods about their ends, and the mass of the coupler at the crank's [kg m²]."""
+
+
+def drawn(angle, rate=0.0):
+    """q and v of the parallelogram."""
+    return np.array([angle, -angle, angle]), np.array([rate, -rate, rate])
+
+
+def on_course(motion, start, rate):
+    """Whether φ̈ = 60 t / I has come out, with closed velocities."""
+    t = motion.time
+    assert np.abs(motion.q - np.outer(start + rate * t + 10 * t**3 / CRANK_INERTIA, [1, -1, 1])).max() < 1e-9
+    assert np.abs(motion.v - np.outer(rate + 30 * t**2 / CRANK_INERTIA, [1, -1, 1])).max() < 1e-9
+    regular = np.abs(motion.q[:, 0]) > 0.02
+    assert np.abs((motion.v @ [[1, 0], [1, 1], [0, 1]])[regular]).max() < 1e-12
+
+
+@LOOP_SETTINGS
+def test_torques_of_time_in_loops(settings):
+    """Through the flat pose."""
+    motion = simulate(PARALLELOGRAM, *drawn(-0.03, 1.0), 0.06, torque=lambda t, q, v: [60 * t, 0, 0], **settings)
+    on_course(motion, -0.03, 1.0)
+
+
+def test_wrenches_of_time_in_loops():
+    turned = np.zeros((3, 6))
+    turned[0, 5] = 60
+    motion = simulate(
+        PARALLELOGRAM, *drawn(0.5), 0.06, external_wrenches=lambda t, q, v: t * turned, method="rk4", step=0.03
+    )
+    on_course(motion, 0.5, 0.0)
+
+
+@LOOP_SETTINGS
+def test_held_torques_and_rotors_in_loops(settings):
+    """A torque for half of the time, then its opposite; friction, rotors and reactions from the balance of momentum."""
+    viscous, rotor, torque, duration = 3.0, 0.4, 2.0, 0.08
+    held = [[torque, 0, 0], [-torque, 0, 0]]
+    motion = simulate(PARALLELOGRAM, *drawn(0.8), duration, torque=held, rotor_inertia=rotor, **settings)
+    rate = torque / (CRANK_INERTIA + 3 * rotor)
+    assert motion.q[-1, 0] - 0.8 == pytest.approx(rate * duration**2 / 4, rel=1e-9)
+    assert motion.v[-1, 0] == pytest.approx(0.0, abs=1e-9)
+    motion = simulate(
+        PARALLELOGRAM, *drawn(0.8), 0.1, torque=held[0], friction=Friction(viscous), rotor_inertia=rotor, **settings
+    )
+    lag = (CRANK_INERTIA + 3 * rotor) / (3 * viscous)
+    v = torque / (3 * viscous) * (1 - np.exp(-motion.time / lag))
+    assert np.abs(motion.v[:, 0] - v).max() < 1e-9
+    assert np.abs(motion.reactions.tau[:, 2] + viscous * v + rotor * motion.a[:, 0]).max() < 1e-9
+    # the ground's forces on crank and rocker, in axes of the ground, move the centers of mass
+    forces = np.linalg.norm(motion.reactions.joint_wrenches[:, [0, 2], :2].sum(axis=1), axis=-1)
+    assert forces == pytest.approx((0.5 + 1.0 + 0.5) * np.hypot(v**2, motion.a[:, 0]), rel=1e-9)
+
+
+def test_steps_of_loops_are_as_many_as_of_the_pendulum_they_are():
+    """The parallelogram under gravity is a pendulum; the error of all three joints is that of one."""
+    model, weight = PARALLELOGRAM.with_gravity(np.array([0, -9.81, 0])), 9.81 * (0.5 + 1.0 + 0.5)
+    for tolerance in (1e-4, 1e-9):
+        tight = {"rtol": tolerance, "atol": tolerance}
+        motion = simulate(model, *drawn(0.4), 0.5, **tight)
+        plain = solve_ivp(
+            lambda t, y: [y[1], -weight * np.cos(y[0]) / CRANK_INERTIA], (0, 0.5), [0.4, 0.0], "DOP853", **tight
+        )
+        assert abs(len(motion.time) - len(plain.t)) <= 3
+        assert np.abs(motion.q[-1, 0] - plain.y[0, -1]) < 100 * tolerance
+
+
+@LOOP_SETTINGS
+def test_events_may_call_verbs(settings, monkeypatch):
+    """They are asked at closed states alone."""
+    monkeypatch.setattr(events, "PIECES_OF_DURATION", 2)
+    weight = graphdyn.inverse_dynamics(CRANK, START[0], 0 * START[1], 0 * START[1]).tau[0]
+
+    def lighter(t, q, v):
+        return graphdyn.inverse_dynamics(CRANK, q, 0 * v, 0 * v).tau[0] - 0.99 * weight
+
+    motion = simulate(CRANK, *START, 0.04, events=Event(lighter, "lighter"), **settings)
+    assert motion.ended == "lighter"
+    assert lighter(0.0, motion.q[-1], motion.v[-1]) == pytest.approx(0.0, abs=1e-12)
+
+
+@LOOP_SETTINGS
 def test_controllers_events_and_rows(settings):
     hold = PDControl([50.0, 0, 0], [10.0, 0, 0], START[0], period=0.04)
     passing = Event(lambda t, q, v: q[0] - START[0][0] - 0.02, "passing", stop=False, direction=1)

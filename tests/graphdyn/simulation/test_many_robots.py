@@ -127,6 +127,54 @@ def test_noise_depends_on_seed_and_run():
     assert not np.array_equal(first.tau[0], first.tau[1])
 
 
+def test_runs_of_several_blocks():
+    """Each run has its own torques, in their order, and its own noise: m v = Σ τ h."""
+    torques = np.random.default_rng(4).normal(size=(30, 5, 1))
+    motion = rollout(slider(mass=2.0), [0.0], [0.0], torques, step=0.1)
+    assert motion.v[:, -1, 0] == pytest.approx(torques.sum(axis=(1, 2)) * 0.1 / 2.0)
+    assert motion.tau[:, :, 0] == pytest.approx(torques[:, [0, 1, 2, 3, 4, 4], 0])
+    velocities = np.cumsum(np.concatenate([np.zeros((30, 1)), torques[:, :, 0] * 0.05], axis=1), axis=1)
+    assert motion.q[:, -1, 0] == pytest.approx((velocities[:, :-1] + velocities[:, 1:]).sum(axis=1) * 0.05)
+    held = PDControl(1.0, 1.0, [0.0])
+    noisy = rollout(slider(), np.zeros((30, 1)), [0.0], held, step=0.1, duration=0.1, noise=MeasurementNoise(1.0, 1.0))
+    assert len(np.unique(noisy.tau[:, 0])) == 30
+
+
+def test_noise_is_as_large_as_stated():
+    """Of each joint, of positions by K_p and of velocities by K_d alone."""
+    noise, zeros = MeasurementNoise([1e-3] * 5 + [5e-3], [0.02] * 5 + [0.1]), np.zeros((300, 6))
+    for gains, sizes in (((10.0, 0.0), [1e-2] * 5 + [5e-2]), ((0.0, 10.0), [0.2] * 5 + [1.0])):
+        law = PDControl(*gains, np.zeros(6))
+        motion = rollout(kr500(), zeros, zeros, law, step=1e-3, duration=1e-3, noise=noise)
+        assert motion.tau[:, 0].std(axis=0) == pytest.approx(sizes, rel=0.2)
+
+
+def test_what_is_compiled_depends_on_all_there_is():
+    """One robot under one thing after the other moves as a robot that has seen nothing else."""
+    law, limits = PDControl(20.0, 1.0, [0.6]), JointLimits(-0.2, 0.2, effort=1.0)
+    used = slider(limits=limits)
+    cases = [
+        {},
+        {"friction": Friction(1.0, 0.3)},
+        {"limits": JointStops(100.0, 1.0)},
+        {"torque_limits": "model"},
+        {"noise": MeasurementNoise(0.1, 0.1)},
+        {"rotor_inertia": 2.0},
+        {"external_wrenches": [[1.0, 0, 0, 0, 0, 0]]},
+        {"method": "euler"},
+        {"controls": ComputedTorqueControl(20.0, 1.0, [0.6])},
+        {"controls": ComputedTorqueControl(20.0, 1.0, [0.6], nominal=slider(mass=5.0))},
+    ]
+    ends = []
+    for case in cases:
+        more = {"controls": law, **case}
+        controls = more.pop("controls")
+        for model in (used, slider(limits=limits)):
+            ends.append(rollout(model, [0.3], [1.0], controls, step=0.05, duration=0.5, **more).q[0, -1, 0])
+    assert ends[::2] == ends[1::2]
+    assert len(set(ends)) == len(cases)
+
+
 def test_rollout_is_simulate():
     """The same numbers, bit for bit, as one robot alone."""
     model, q, v = kr500(), np.full(6, 0.1), np.zeros(6)

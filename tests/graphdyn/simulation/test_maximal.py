@@ -6,6 +6,14 @@ from random_trees import NAMED, random_state
 from robots.moving_robots import slider
 
 from graphdyn import Event, Friction, InvalidInput, simulate
+from graphdyn.equations.system.constraints import constraints
+from graphdyn.layout import stacked
+from graphdyn.model.spatial import apply
+from graphdyn.simulation.integration.events import InitialValueProblem
+from graphdyn.simulation.integration.maximal import _MaximalRun
+from graphdyn.simulation.integration.steps import tableau
+from graphdyn.simulation.plant import make_plant
+from graphdyn.simulation.torques import torques
 
 SETTINGS = {"method": "rk4", "step": 0.01, "coordinates": "maximal"}
 
@@ -43,6 +51,44 @@ def test_the_same_motion_as_in_joint_coordinates(name):
     assert np.abs(bodies.a - joints.a).max() < 1e-9 * np.abs(joints.a).max()
     assert bodies.closure_error().max() < CLOSED
     assert np.abs(bodies.reactions.multipliers - joints.reactions.multipliers).max() < 1e-8
+
+
+def test_torques_and_wrenches_of_time():
+    """m ẍ = 6 t + 6 t: a cubic, which order four follows exactly; in steps of more than a turn of an angle."""
+    given = {"torque": lambda t, q, v: [6 * t], "external_wrenches": lambda t, q, v: [[6 * t, 0, 0, 0, 0, 0]]}
+    motion = simulate(slider(mass=2.0), [0.0], [900.0], 0.2, **given, **SETTINGS)
+    assert motion.q[:, 0] == pytest.approx(900.0 * motion.time + motion.time**3, abs=1e-10)
+
+
+def test_torques_that_are_held():
+    held = simulate(slider(mass=2.0), [0.0], [0.0], 0.2, torque=[[1.0], [-1.0]], **SETTINGS)
+    assert held.q[-1, 0] == pytest.approx(0.2**2 / 8, rel=1e-12)
+    assert held.tau[[0, 9, 10, -1], 0].tolist() == [1.0, 1.0, -1.0, -1.0]
+
+
+def test_angles_of_many_turns():
+    model = NAMED["one_revolute"].with_gravity(np.zeros(3))
+    motion = simulate(model, [0.0], [100.0], 0.2, **SETTINGS)
+    assert motion.q[:, 0] == pytest.approx(100.0 * motion.time, rel=1e-2)
+
+
+def test_baumgarte_damps_critically():
+    """φ̈ is by -2 α φ̇ - α² φ another than without; α is one over twenty steps."""
+    model = NAMED["revolute_chain"]
+    q, v, tau = random_state(model, 2)
+    problem = InitialValueProblem(make_plant(model), (q, v), 1.0, torques(tau, model, 1.0), None, (), False, print)
+    found = {}
+    for kind in ("baumgarte", "none"):
+        run = _MaximalRun(problem, tableau("rk4"), 0.01, 1, kind)
+        rng = np.random.default_rng(0)
+        opened = run._pose.position + 1e-3 * rng.normal(size=run._pose.position.shape)
+        state = run._state(run._pose._replace(position=opened, velocity=run._pose.velocity + 1e-2))
+        found[kind] = run._acceleration(0.0, state, tau)
+    phi_q, _ = constraints(state)
+    changed = apply(phi_q, stacked(found["baumgarte"] - found["none"]))
+    alpha = 1 / (20 * 0.01)
+    expected = -2 * alpha * apply(phi_q, stacked(state.velocity)) - alpha**2 * stacked(state.constraint_residual())
+    assert np.abs(changed - expected).max() < 1e-9 * np.abs(expected).max()
 
 
 def test_work_and_angles_beyond_a_turn():

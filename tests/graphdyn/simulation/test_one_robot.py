@@ -19,6 +19,7 @@ from graphdyn import (
     kr500,
     simulate,
 )
+from graphdyn.motion_laws import Polynomial, Rail
 from graphdyn.simulation.torques import Torques, torques
 
 FIXED = {"method": "rk4", "step": 0.1}
@@ -98,6 +99,68 @@ def test_a_sampled_controller_holds_its_torque(settings):
         x, v = x + v * period + a * period**2 / 2, v + a * period
         states.append(x)
     assert motion.q[:, 0] == pytest.approx([states[0], states[2], states[4]], rel=1e-9)
+
+
+HELD = [[3.0], [1.0], [-2.0]]
+
+
+def after_thirds(duration, mass=2.0):
+    """Where a mass at rest is after three torques of a third of the duration each."""
+    x, v, third = 0.0, 0.0, duration / 3
+    for ((force),) in HELD:
+        x, v = x + v * third + force / mass * third**2 / 2, v + force / mass * third
+    return x
+
+
+@pytest.mark.parametrize(
+    "more",
+    [{"step": 1e-3}, {"step": 1e-2, "external_wrenches": lambda t, q, v: np.zeros((1, 6))}],
+    ids=["compiled", "python"],
+)
+def test_torques_held_over_many_steps(more):
+    """Several chunks of compiled steps, each of which begins with a torque of its own; the last torque stays."""
+    motion = simulate(slider(mass=2.0), [0.0], [0.0], 9.0, torque=HELD, method="euler", at=[3.0, 9.0], **more)
+    assert motion.q[-1, 0] == pytest.approx(after_thirds(9.0), rel=more["step"])
+    assert motion.v[0, 0] == pytest.approx(4.5, rel=1e-9)
+    assert motion.tau[:, 0].tolist() == [1.0, -2.0]
+
+
+def test_a_base_that_moves_for_many_steps():
+    """x₀ = t³ of the rail, against a force of inertia -6 m t on the slide along it."""
+    rail = Rail((1.0, 0.0, 0.0), Polynomial((0.0, 0.0, 0.0, 1e-2)))
+    motion = simulate(slider(), [0.0], [0.0], 6.0, base=rail, method="rk4", step=1e-3, at=[5.0, 6.0])
+    assert motion.q[:, 0] == pytest.approx(-1e-2 * motion.time**3, rel=1e-12)
+    assert motion.bodies.position[:, 0, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("settings", [{}, {"method": "rk4", "step": 1e-3}], ids=["dop853", "rk4"])
+def test_what_a_controller_believes(settings):
+    """Of a mass twice as large: ẍ = 2 (k (x_d - x) - d ẋ), one robot after the other."""
+    model, k, d = slider(mass=2.0), 9.0, 0.0
+    for share in (2.0, 1.0, 0.5):
+        control = ComputedTorqueControl(k, d, [0.0], nominal=slider(mass=2.0 * share))
+        motion = simulate(model, [1.0], [0.0], 0.5, torque=control, **settings)
+        assert motion.q[-1, 0] == pytest.approx(np.cos(np.sqrt(k * share) * 0.5), abs=5e-3 if settings else 1e-9)
+
+
+def test_gains_targets_and_feedforward():
+    """Laws as targets, and each gain at its own place: a moving target is followed behind by d v / k."""
+    target = [Polynomial((0.5, 2.0))]
+    control = PDControl(100.0, 30.0, target, feedforward=5.0)
+    motion = simulate(slider(), [0.5], [2.0], 3.0, torque=control, at=[0.0, 3.0])
+    assert motion.tau[0, 0] == pytest.approx(5.0)
+    assert motion.q[-1, 0] == pytest.approx(0.5 + 2.0 * 3.0 + 5.0 / 100.0, abs=1e-6)
+    damped = simulate(slider(), [0.0], [1.0], 1e-3, torque=PDControl(100.0, 30.0, [0.2], feedforward=5.0), at=[0.0])
+    assert damped.tau[0, 0] == pytest.approx(100.0 * 0.2 - 30.0 + 5.0)
+
+
+def test_reactions_and_recordings_of_loads_and_friction():
+    """A wrench across the rail is what the joint bears; a recording has the torque of the actuator."""
+    wrench = [[0.0, 7.0, 0.0, 0.0, 0.0, 0.0]]
+    motion = simulate(slider(), [0.0], [1.0], 0.1, torque=[5.0], friction=Friction(2.0), external_wrenches=wrench)
+    assert motion.reactions.joint_wrenches[:, 0, 1] == pytest.approx(-7.0)
+    assert motion.reactions.tau[0, 0] == pytest.approx(5.0 - 2.0)
+    assert np.array_equal(motion.recording().tau, motion.tau)
 
 
 def test_progress_is_told():
