@@ -133,10 +133,7 @@ def test_joints_that_loops_couplings_and_mimics_bind_are_not(recwarn):
     in_loop = arm(loop("spherical"), links=[link("side"), joint("turn", "upper", "side", "continuous")])
     urdf.load(marked(in_loop, elbow="false", crank="false", turn="true"))
     urdf.load(marked(arm(coupling(), loop("spherical", predecessor="upper")), crank="false", shoulder="0"))
-    urdf.load(
-        marked(arm().replace('<joint name="crank"', '<joint name="crank" independent="false"'), shoulder="1"),
-        lock="crank",
-    )
+    urdf.load(marked(arm(), crank="false", shoulder="1"), lock=["crank"])
     assert not [warning for warning in recwarn if warning.category is urdf.UnboundJointWarning]
 
 
