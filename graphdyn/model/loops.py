@@ -27,9 +27,9 @@ CLOSED_TOLERANCE = 1e-8
 acceleration along a row, relative to the terms that are summed. Assembled states reach 1e-14; angles written to a file
 with nine digits still pass."""
 
-SMALL_LOOP, LARGE_LOOP = 0.1, 10.0
+SMALL_LOOP, LARGE_LOOP = 0.01, 100.0
 """Loops between these sizes [m] measure gaps in meters; smaller and larger ones in a unit that shrinks and grows with
-them, so that a linkage of a micrometer closes as well, for its size, as one of 0.1 m."""
+them, so that a linkage of a micrometer closes as well, for its size, as one of a centimeter."""
 
 LOOP_RANK_TOLERANCE = 1e-6
 """Singular values of J, in the units of its loops, below this part of the largest count as zero: far above what a gap

@@ -148,7 +148,7 @@ def test_a_linkage_of_a_micrometer_and_one_of_a_thousand_kilometers_move_as_one_
         known = np.isfinite(usual.chord_multipliers)
         np.testing.assert_array_equal(np.isfinite(found.chord_multipliers), known, method)
         forces = np.where(known, found.chord_multipliers / units, 0.0)
-        tolerance = 1e-9 if method == "recursive" else 1e-12  # 2e-10 also at 0.1 m: its dependent joints are few
+        tolerance = 1e-9 if method == "recursive" else 1e-11  # 2e-10 also at 0.1 m: its dependent joints are few
         assert relative_error(forces, np.nan_to_num(usual.chord_multipliers)) < tolerance, method
     with pytest.raises(InconsistentState, match="is open by"):
         graphdyn.forward_dynamics(other, (q + 1e-6) * slides, v * slides, tau * moments)
