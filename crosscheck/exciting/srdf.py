@@ -43,7 +43,8 @@ def _robot(path: Path) -> etree._Element:
     try:
         robot = etree.fromstring(content, etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False))
     except etree.XMLSyntaxError as error:
-        raise InvalidInput(f"{path}: not well-formed XML: {error.msg}; give an SRDF file") from error
+        problem = " ".join(str(error.msg).split())
+        raise InvalidInput(f"{path}: not well-formed XML: {problem}; give an SRDF file") from error
     if robot.tag != "robot":
         raise InvalidInput(f"{path}: the root element is <{robot.tag}>, not <robot>; give an SRDF file")
     return robot

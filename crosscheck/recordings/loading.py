@@ -143,7 +143,7 @@ def _read(
         findings += said
     by_quantity = mapped_columns(tables, mapping)
     columns = list({(c.table.path, c.number): c for found in by_quantity.values() for c in found}.values())
-    slides, channels = sliding_joints(mapping), joint_channels(by_quantity, mapping)
+    slides, channels = sliding_joints(mapping, ", ".join(map(str, files))), joint_channels(by_quantity, mapping)
     count, file, lines = len(tables[0].values), str(files[0]), tables[0].lines
     malformed = [f for f in findings if f.rows and f.code != "unterminated-last-line"]
     findings += cell_findings(columns, _without(count, malformed))

@@ -36,6 +36,17 @@ def printable(text: str, keep: str = "") -> str:
     return INVISIBLE_CHARACTERS.sub(lambda found: found[0] if found[0] in keep else _escape(found[0]), text)
 
 
+MAX_MESSAGE = 2000
+"""Largest number of characters of a message; the parts of a file that it repeats may have any."""
+
+
+def bounded(message: str) -> str:
+    """The message; of a very long one its beginning, which has the place, and its end, which has the remedy."""
+    if len(message) <= MAX_MESSAGE:
+        return message
+    return f"{message[: MAX_MESSAGE // 2]} … {message[-MAX_MESSAGE // 4 :]}"
+
+
 def _escape(character: str) -> str:
     return character.encode("unicode_escape").decode()
 

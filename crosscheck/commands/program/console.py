@@ -21,7 +21,7 @@ import typer
 from rich.console import Console
 from rich.text import Text
 
-from crosscheck.report.plain_text import printable
+from crosscheck.report.plain_text import bounded, printable
 from graphdyn import GraphDynError
 
 LINE_CHARACTERS = 120
@@ -58,7 +58,7 @@ out = PipeConsole(markup=False, highlight=False, width=None if stdout and stdout
 
 def say(text: str, style: str | None = None) -> None:
     """A line on standard error. It may hold names and messages of others, line breaks among them."""
-    err.print(Text(printable(text)), style=style, soft_wrap=True)
+    err.print(Text(printable(bounded(text))), style=style, soft_wrap=True)
 
 
 def complain(error: Exception, context: typer.Context) -> None:

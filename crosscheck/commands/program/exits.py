@@ -21,7 +21,7 @@ from crosscheck.commands.program.console import complain, out, say, trace, warn,
 from crosscheck.commands.program.functions import place_in_user_code
 from crosscheck.commands.program.judged_functions import FUNCTION_LIST, function_list
 from crosscheck.commands.program.output_files import OutputFile, refuse_harm
-from crosscheck.report.plain_text import printable
+from crosscheck.report.plain_text import bounded, printable
 from graphdyn import GraphDynError
 
 AGREED, DISAGREED, BAD_INPUT, INTERNAL_ERROR, PENDING = 0, 1, 2, 3, 4
@@ -98,7 +98,7 @@ class CommandGroup(TyperGroup):
 def _printable(error: Any) -> Any:
     """The error, where it is typer's with a message: that may repeat what was typed."""
     if hasattr(error, "message"):
-        error.message = printable(error.message, keep="\n")
+        error.message = printable(bounded(error.message), keep="\n")
     return error
 
 

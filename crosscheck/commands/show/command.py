@@ -87,11 +87,15 @@ def run(options: ShowOptions) -> None:
 
 
 def given_state(text: str, model: RobotModel) -> tuple[Array, Array]:
-    """q, v (n,). Raises typer.BadParameter; InvalidInput for wrong lengths, NaN and infinity."""
+    """q, v (n,). Raises typer.BadParameter, also for wrong lengths, NaN and infinity."""
+    from graphdyn import InvalidInput
     from graphdyn.arguments import one_state
 
     q, v = _random(text, model) if text.partition(":")[0] == "random" else _written(text, model.nv)
-    state = one_state(model, q=q, v=v)
+    try:
+        state = one_state(model, q=q, v=v)
+    except InvalidInput as error:
+        raise typer.BadParameter(f"--state {text}: {error}") from None
     return state["q"], state["v"]
 
 

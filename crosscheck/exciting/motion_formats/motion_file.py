@@ -113,6 +113,9 @@ def _recorded(path: Path, model: RobotModel) -> GivenMotion:
             f"{path}: column {quoted(others[0])} is left over: the robot's joints are {', '.join(model.joint_names)}; "
             "leave it out"
         )
+    cut_off = [finding for finding in recording.findings if finding.code == "truncated-last-line"]
+    if is_table and cut_off:
+        raise BadRecordingFile(f"{cut_off[0].text}; give the whole motion")
     if is_table:
         return GivenMotion(recording.t, recording.q, recording.v, recording.a)
     for finding in recording.findings:

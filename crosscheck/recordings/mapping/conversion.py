@@ -63,10 +63,11 @@ def joint_channels(columns: Mapping[str, Sequence[RecordedColumn]], mapping: Col
     """q, v, a, tau, temperature (N, n) of the joints in SI units; NaN in a row stays NaN."""
     result = {}
     for name, channel in mapping.channels.items():
-        values = np.column_stack([column.values for column in columns[name]]) * channel.factor
-        if channel.motor and mapping.transmission is not None:
-            values = _behind(mapping.transmission, name, values)
-        result[name] = values + channel.offset
+        with np.errstate(all="ignore"):  # what is no finite number then has a finding
+            values = np.column_stack([column.values for column in columns[name]]) * channel.factor
+            if channel.motor and mapping.transmission is not None:
+                values = _behind(mapping.transmission, name, values)
+            result[name] = values + channel.offset
     return result
 
 
@@ -76,8 +77,11 @@ def _behind(transmission: Transmission, name: str, values: Array) -> Array:
     return np.asarray(np.linalg.solve(transmission.matrix, values.T).T)
 
 
-def sliding_joints(mapping: ColumnMapping) -> tuple[bool, ...]:
-    """Whether each joint is prismatic: by the mapping, otherwise by the units. Raises BadMapping if they disagree."""
+def sliding_joints(mapping: ColumnMapping, files: str) -> tuple[bool, ...]:
+    """Whether each joint is prismatic: by the mapping, otherwise by the units. Raises BadMapping if they disagree.
+
+    files: for messages
+    """
     slides = mapping.prismatic or [
         any(channel.slides[j] is True for channel in mapping.channels.values()) for j in range(len(mapping.joints))
     ]
@@ -86,7 +90,7 @@ def sliding_joints(mapping: ColumnMapping) -> tuple[bool, ...]:
             if unit_slides is not None and unit_slides != joint_slides:
                 kinds = ("turns", "slides")
                 raise BadMapping(
-                    f"{mapping.source}, [{name}]: {joint!r} {kinds[joint_slides]}, its unit is one of a joint that "
-                    f"{kinds[unit_slides]}; correct the unit, or prismatic"
+                    f"{files}: {mapping.source}, [{name}]: {joint!r} {kinds[joint_slides]}, its unit is one of a "
+                    f"joint that {kinds[unit_slides]}; correct the unit, or prismatic"
                 )
     return tuple(slides)

@@ -63,7 +63,7 @@ def window_of(
     recording = Recording(
         joint_names=mapping.joints,
         t=t,
-        prismatic=sliding_joints(mapping),
+        prismatic=sliding_joints(mapping, str(table.path)),
         provenance=Provenance((str(table.path),), mapping.source, (), mapping),
         **cast(Any, channels),
     )

@@ -238,6 +238,13 @@ def test_columns_left_over(header, cell, message, read):
         read(".csv", "\n".join([f"{first},{header}", *(f"{row},{cell}" for row in rows), ""]))
 
 
+def test_a_table_that_is_cut_off(read):
+    """No row of a planned motion is left out without a word, as those of a recording are."""
+    *lines, last = written(".csv")
+    with pytest.raises(BadRecordingFile, match=r"\(line \d+\): 5 of 10 cells, the file is cut off; .*; give the whole"):
+        read(".csv", "\n".join([*lines, ",".join(last.split(",")[:5])]))
+
+
 def test_cells_that_are_no_numbers(read):
     lines = written(".csv")
     for cell in ("1.2.3", "2001-99-99", "nan"):

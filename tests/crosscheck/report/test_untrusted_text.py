@@ -15,7 +15,7 @@ from crosscheck.commands.program.console import spelled
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, INTERNAL_ERROR
 from crosscheck.report.html import page
 from crosscheck.report.pictures.svg import picture
-from crosscheck.report.plain_text import INVISIBLE_CHARACTERS, printable
+from crosscheck.report.plain_text import INVISIBLE_CHARACTERS, MAX_MESSAGE, printable
 from crosscheck.report.report import (
     CharacterPicture,
     Code,
@@ -61,6 +61,13 @@ class TestPrintable:
     @pytest.mark.parametrize("text", ["τ = M(q) q̈ ± 2 σ", "Werkzeughälter 工具", "می‌خواهم", "🦾", "a b"])
     def test_all_else_stays(self, text):
         assert printable(text) == text
+
+    def test_what_a_message_repeats_of_a_file_is_bounded(self, capsys):
+        console.say(f"error: x.toml: rate is '{'9' * 10**6}'; give samples per second")
+        said = capsys.readouterr().err
+        assert len(said) < 2 * MAX_MESSAGE
+        assert said.startswith("error: x.toml: rate is '999")
+        assert said.endswith("'; give samples per second\n")
 
     def test_bytes_of_a_file_name_that_are_no_text(self):
         assert printable(b"a\xff".decode(errors="surrogateescape")) == r"a\udcff"

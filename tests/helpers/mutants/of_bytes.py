@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import random
 import re
+from collections.abc import Callable
 
 from mutants.material import PIECES
+
+Fault = Callable[[random.Random, bytes], bytes]
 
 ENCODINGS = (
     "utf-16",
@@ -148,11 +151,46 @@ def prefixed_names(rng: random.Random, content: bytes) -> bytes:
     return re.sub(rb"<(n:)?robot ", lambda found: root.replace(b"<", b"<" + (found[1] or b"")), content, count=1)
 
 
-ON_BYTES = {
-    function.__name__.replace("_", " "): function
-    for function in (
-        truncate, drop_bytes, repeat_bytes, change_byte, insert_bytes, insert_text, delete_line, duplicate_line,
-        comment_out, other_line_ends, other_quotes, character_references, declared_entity, other_encoding,
-        other_declaration, around_the_document, default_namespace, prefixed_names,
-    )
-}  # fmt: skip
+def encoded_otherwise(rng: random.Random, content: bytes) -> bytes:
+    return content.decode(errors="replace").encode(rng.choice(ENCODINGS), errors="replace")
+
+
+def zeros(rng: random.Random, content: bytes) -> bytes:
+    """A block that was never written, or the whole file."""
+    k, n = _place(rng, content), rng.choice([1, 16, 512])
+    return rng.choice([content[:k] + bytes(n) + content[k + n :], bytes(len(content)), b""])
+
+
+def change_bits(rng: random.Random, content: bytes) -> bytes:
+    """As often as a worn disk does."""
+    changed = bytearray(content)
+    for _ in range(rng.choice([1, 1, 2, 8])):
+        if changed:
+            changed[rng.randrange(len(changed))] ^= 1 << rng.randrange(8)
+    return bytes(changed)
+
+
+def exchange_blocks(rng: random.Random, content: bytes) -> bytes:
+    first, second = sorted((_place(rng, content), _place(rng, content)))
+    return content[second:] + content[first:second] + content[:first]
+
+
+def names(*functions: Fault) -> dict[str, Fault]:
+    """The functions by the words of their names."""
+    return {function.__name__.replace("_", " "): function for function in functions}
+
+
+ANYWHERE = names(
+    truncate, drop_bytes, repeat_bytes, change_byte, insert_bytes, zeros, change_bits, exchange_blocks
+)  # fmt: skip
+"""What happens to the bytes of any file."""
+
+ON_LINES = names(delete_line, duplicate_line, other_line_ends, encoded_otherwise, around_the_document)
+"""What happens to texts."""
+
+ON_BYTES = names(
+    truncate, drop_bytes, repeat_bytes, change_byte, insert_bytes, insert_text, delete_line, duplicate_line,
+    comment_out, other_line_ends, other_quotes, character_references, declared_entity, other_encoding,
+    other_declaration, around_the_document, default_namespace, prefixed_names,
+)  # fmt: skip
+"""What happens to documents in XML."""

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
+from mutants.formats import FORMATS
 from mutants.mutant import mutant
-from mutants.trial import OUTCOMES, Trial, trial
+from mutants.outcomes import OUTCOMES, Trial
 
 SECONDS = 120
 """One mutant takes some 10 milliseconds, the first of a process seconds; a process that works on one for so long is
@@ -21,19 +22,26 @@ stopped."""
 
 @dataclass(frozen=True)
 class Result:
-    """Mutant number of a seed, what was done to the file, and what became of it."""
+    """A mutant, by format and number of a seed, what was done to the file, and what became of it."""
 
+    format: str
     number: int
     kinds: tuple[str, ...]
     trial: Trial
 
 
 def run(
-    seed: int, numbers: Sequence[int], processes: int, progress: Callable[[int], None] = lambda done: None
+    formats: Sequence[str],
+    seed: int,
+    numbers: Sequence[int],
+    processes: int,
+    progress: Callable[[int], None] = lambda done: None,
 ) -> list[Result]:
-    """The mutants of these numbers; one that takes its process with it is unexpected, and the rest goes on."""
+    """The mutants of these numbers of each format; one that takes its process with it is unexpected, and the rest
+    goes on."""
     context = multiprocessing.get_context("spawn")
-    waiting = {k: list(numbers[k::processes]) for k in range(processes)}
+    cases = [(format, number) for number in numbers for format in formats]
+    waiting = {k: cases[k::processes] for k in range(processes)}
     found: list[Result] = []
     workers: dict[Connection, int] = {}
 
@@ -55,28 +63,31 @@ def run(
             except EOFError:
                 del workers[connection]
                 if waiting[k]:
-                    number = waiting[k].pop(0)
+                    format, number = waiting[k].pop(0)
                     detail = f"its process ended, or it took longer than {SECONDS} s"
-                    found.append(Result(number, mutant(seed, number).kinds, Trial("unexpected", detail=detail)))
+                    kinds = mutant(format, seed, number).kinds
+                    found.append(Result(format, number, kinds, Trial("unexpected", detail=detail)))
                 start(k)
             progress(len(found))
-    return sorted(found, key=lambda result: result.number)
+    return sorted(found, key=lambda result: (result.format, result.number))
 
 
-def _work(seed: int, numbers: Sequence[int], connection: Connection) -> None:
+def _work(seed: int, cases: Sequence[tuple[str, int]], connection: Connection) -> None:
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "mutant.urdf"
-        for number in numbers:
-            made = mutant(seed, number)
+        for format, number in cases:
+            made, of = mutant(format, seed, number), FORMATS[format]
+            path = Path(folder, f"mutant{of.suffix}")
             path.write_bytes(made.content)
             faulthandler.dump_traceback_later(SECONDS, exit=True)
-            connection.send(Result(number, made.kinds, trial(path)))
+            connection.send(Result(format, number, made.kinds, of.trial(path)))
             faulthandler.cancel_dump_traceback_later()
 
 
 def table(results: Sequence[Result]) -> str:
     """Per kind of fault (a mutant with two counts twice): what became of the mutants; then the codes."""
     rows = {"all mutants": Counter(result.trial.outcome for result in results)}
+    for format in dict.fromkeys(result.format for result in results):
+        rows[format] = Counter(result.trial.outcome for result in results if result.format == format)
     for kind in sorted({kind for result in results for kind in result.kinds}):
         rows[kind] = Counter(result.trial.outcome for result in results if kind in result.kinds)
     lines = [f"{'':28}" + "".join(f"{outcome:>17}" for outcome in OUTCOMES)]
@@ -90,7 +101,7 @@ def table(results: Sequence[Result]) -> str:
 def unexpected(results: Sequence[Result]) -> list[str]:
     """A line per mutant."""
     return [
-        f"mutant {result.number} ({', '.join(result.kinds)}): {result.trial.detail}"
+        f"{result.format} {result.number} ({', '.join(result.kinds)}): {result.trial.detail}"
         for result in results
         if result.trial.outcome == "unexpected"
     ]

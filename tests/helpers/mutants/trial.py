@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from inspected.mends import MENDS, NEW_NAME, mended
+from mutants.outcomes import Trial, Unexpected, captured, quiet, tried
 
 import urdf
 from crosscheck.comparing.compared_states import ComparedStates
@@ -23,8 +20,6 @@ from crosscheck.reference.pinocchio_model import UNIVERSE, PinocchioModel, Pinoc
 from crosscheck.reference.pinocchio_model.native import read
 from graphdyn import Placement, RobotModel
 from graphdyn.layout import Array
-
-OUTCOMES = ("refused", "agrees", "kinematics only", "explained", "unexpected")
 
 LOSES_DIGITS = ("suspicious-lengths", "far-center-of-mass")
 """Findings that explain a number other than Pinocchio's by rounding alone: the lengths are beyond reason."""
@@ -44,33 +39,13 @@ WARNINGS = {
 """What load warns of, and the findings of which one must say the same."""
 
 
-@dataclass(frozen=True)
-class Trial:
-    """What became of a file. codes: of the refusal, or of the findings that explain; detail: of the unexpected."""
-
-    outcome: str
-    codes: tuple[str, ...] = ()
-    detail: str = ""
-
-
-class Unexpected(Exception):
-    """A fault of this project."""
-
-
 def trial(path: Path) -> Trial:
     """Inspect, load and compare one file."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            return _trial(path)
-    except Unexpected as fault:
-        return Trial("unexpected", detail=str(fault))
-    except Exception as error:
-        return Trial("unexpected", detail=f"{type(error).__name__}: {error} {_place(error)}")
+    return tried(_trial, path)
 
 
 def _trial(path: Path) -> Trial:
-    with _quiet("the inspection"):
+    with quiet("the inspection"):
         report = urdf.inspect(path)
     model, refusal, said = _loaded(path)
     errors = [finding for finding in report.findings if finding.severity == "error"]
@@ -104,7 +79,7 @@ def _check_claims(path: Path, errors: list[urdf.Finding]) -> None:
 
 
 def _is_built(path: Path) -> bool:
-    with _captured():
+    with captured():
         try:
             read(path)
         except Exception:  # Pinocchio raises bare C++ exceptions of several types
@@ -113,9 +88,9 @@ def _is_built(path: Path) -> bool:
 
 
 def _loaded(path: Path) -> tuple[RobotModel | None, urdf.URDFError | None, set[type[Warning]]]:
-    with _quiet("load"), warnings.catch_warnings(record=True) as caught:
+    with quiet("load"), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("error")
-        for kind in WARNINGS:
+        for kind in (*WARNINGS, urdf.ZeroMassWarning):
             warnings.simplefilter("always", kind)
         try:
             model = urdf.load(path)
@@ -149,7 +124,7 @@ def _compared(path: Path, model: RobotModel, report: urdf.Inspection) -> Trial:
 
 def _difference(path: Path, model: RobotModel) -> str | None:
     """What Pinocchio makes of the file that this model of it does not say."""
-    with _quiet("Pinocchio"):
+    with quiet("Pinocchio"):
         try:
             pinocchio = PinocchioModel.from_urdf(path, model)
             with np.errstate(all="ignore"):
@@ -207,38 +182,3 @@ def _case(model: RobotModel) -> Case:
     q, v = model.random_state(rng, STATES)
     a, tau = rng.uniform(-10, 10, (2, *q.shape))
     return Case("random", model, Placement(), q, v, a, tau, rng.normal(size=(*q.shape, 6)))
-
-
-def _place(error: BaseException) -> str:
-    """File and line where it was raised."""
-    trace = error.__traceback__
-    while trace is not None and trace.tb_next is not None:
-        trace = trace.tb_next
-    return "" if trace is None else f"({trace.tb_frame.f_code.co_filename}:{trace.tb_lineno})"
-
-
-@contextmanager
-def _quiet(who: str) -> Iterator[None]:
-    """Writing to standard output or error, from Python or C++, is a fault."""
-    with _captured() as written:
-        yield
-    if written:
-        raise Unexpected(f"{who} writes {written}")
-
-
-@contextmanager
-def _captured() -> Iterator[list[str]]:
-    """Keeps what is written to standard output and error; at the end the list holds its lines."""
-    written: list[str] = []
-    kept = [os.dup(number) for number in (1, 2)]
-    with tempfile.TemporaryFile() as file:
-        for number in (1, 2):
-            os.dup2(file.fileno(), number)
-        try:
-            yield written
-        finally:
-            for number, copy in zip((1, 2), kept, strict=True):
-                os.dup2(copy, number)
-                os.close(copy)
-            file.seek(0)
-            written += file.read().decode(errors="replace").splitlines()

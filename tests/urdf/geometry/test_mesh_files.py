@@ -126,22 +126,49 @@ def damaged():
     ring = '<node id="x"><instance_node url="#x"/></node>'
     good = collada(box())
     corner = '<input semantic="VERTEX" source="#v" offset="0"/>'
+    uncounted = re.sub(' count="[0-9]+"', "", good)
+    text_stl = (
+        "solid a\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n  endloop\n"
+        " endfacet\nendsolid a\n"
+    )
     return {
         "truncated STL": (binary[:-60], ".stl", "the file is truncated: 10 of 12 triangles"),
         "endless STL": (b"\0" * 80 + b"\xff" * 4 + binary[84:], ".stl", "truncated: 12 of 4294967295 triangles"),
         "short STL": (b"\0" * 80, ".stl", "the file is truncated: shorter than the header of an STL file"),
-        "truncated ASCII": (box().export(file_type="stl_ascii")[:700], ".stl", "the file has no triangles"),
-        "no ASCII": ("solid\nfacet\nvertex 1 2 x\nendsolid", ".stl", "string or file could not be read to its end"),
+        "truncated ASCII": (box().export(file_type="stl_ascii")[:700], ".stl", "line 37 does not go on with a facet"),
+        "no ASCII": ("solid\nfacet\nvertex 1 2 x\nendsolid", ".stl", "line 2 does not go on with a facet"),
         "NaN": (bytes(nan), ".stl", "a vertex has a coordinate that is NaN or infinite"),
         "far": (bytes(far), ".stl", "a vertex lies farther than 1e+06 m from the origin; check the unit of length"),
-        "empty": (b"", ".obj", "the file has no triangles"),
-        "bytes": (bytes(range(256)) * 40, ".obj", "the file has no triangles"),
+        "empty": (b" ", ".obj", "the file has no triangles"),
+        "bytes": (bytes(range(256)) * 40, ".obj", "the file is damaged: line 1: "),
         "vertex that is not there": (
             "v 0 0 0\nv 1 0 0\nf 1 2 9\n",
             ".obj",
             "the file is damaged: IndexError: index 8",
         ),
-        "two coordinates": ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", ".obj", "vertices without three coordinates"),
+        "two coordinates": ("v 0 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", ".obj", "the file is damaged: line 2: 'v 1 0'"),
+        "vertex 0 in OBJ": ("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 0\n", ".obj", "line 5: 'f 1 2 0'"),
+        "a word in OBJ": ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvv 0 1 0\nf 1 2 3\n", ".obj", "line 4: 'vv 0 1 0'"),
+        "half a number in OBJ": ("v 0 0 0\rv 1 0 0\rv 0 1 0e\rf 1 2 3\r", ".obj", "line 3: 'v 0 1 0e'"),
+        "a number in the next vertex": (
+            text_stl.replace("vertex 0 0 0", "vertex 0 0").replace("vertex 1 0 0", "vertex 0 1 0 0"),
+            ".stl",
+            "line 2 does not go on with a facet, or the end of the solid",
+        ),
+        "a lost facet": (text_stl.replace("endfacet", "endfacets"), ".stl", "does not go on with a facet"),
+        "no end": (text_stl.replace("endsolid", ""), ".stl", "line 9 does not go on with a facet"),
+        "other words behind": (text_stl + "facet", ".stl", "line 10 does not go on with a facet"),
+        "lost positions": (
+            good.replace('count="24">', 'count="27">'),
+            ".dae",
+            '<float_array count="27"> has 24 numbers',
+        ),
+        "lost triangles": (good.replace('count="12"', 'count="13"'), ".dae", '<triangles count="13"> has 12 triangles'),
+        "lost polygons": (
+            collada(box(), polygons=f'<polygons count="2">{corner}<p>0 1 2</p></polygons>'),
+            ".dae",
+            '<polygons count="2"> has 1 polygons',
+        ),
         "NaN in OBJ": ("v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", ".obj", "a coordinate that is NaN or infinite"),
         "no Collada": ("<robot/>", ".dae", "the root element is <robot>, not <COLLADA>"),
         "a zip file": (b"PK\x03\x04" + bytes(100), ".dae", "the file is damaged: not XML in UTF-8"),
@@ -165,11 +192,19 @@ def damaged():
         "a unit of zero": (collada(box(), '<unit meter="0"/>'), ".dae", '<unit meter="0"> is not a length'),
         "a unit in words": (collada(box(), '<unit meter="inch"/>'), ".dae", '<unit meter="inch"> is not a length'),
         "a broken reference": (good.replace('url="#g"', 'url="#x"'), ".dae", 'url="#x" refers to nothing in it'),
-        "numbers that are none": (good.replace("</float_array>", " 1,5</float_array>"), ".dae", "that is no number"),
-        "positions cut off": (good.replace("</float_array>", " 1</float_array>"), ".dae", "is not three numbers each"),
-        "a corner cut off": (good.replace("</p>", " 1</p>"), ".dae", "<p> of <triangles> ends within a corner"),
-        "a corner too many": (good.replace("</p>", " 1 0</p>"), ".dae", "<triangles> with a corner too many"),
-        "a vertex too many": (good.replace("</p>", " 1 0 1 0 99 0</p>"), ".dae", "a vertex that is not there"),
+        "numbers that are none": (
+            uncounted.replace("</float_array>", " 1,5</float_array>"),
+            ".dae",
+            "that is no number",
+        ),
+        "positions cut off": (
+            uncounted.replace("</float_array>", " 1</float_array>"),
+            ".dae",
+            "is not three numbers each",
+        ),
+        "a corner cut off": (uncounted.replace("</p>", " 1</p>"), ".dae", "<p> of <triangles> ends within a corner"),
+        "a corner too many": (uncounted.replace("</p>", " 1 0</p>"), ".dae", "<triangles> with a corner too many"),
+        "a vertex too many": (uncounted.replace("</p>", " 1 0 1 0 99 0</p>"), ".dae", "a vertex that is not there"),
         "no scene": (re.sub("<scene>.*</scene>", "", good), ".dae", "the file has no <scene>; export it with one"),
         "a skin": (
             good.replace("instance_geometry", "instance_controller"),

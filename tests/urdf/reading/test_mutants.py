@@ -1,7 +1,7 @@
 """Mutants of robot files: nothing crashes, hangs, contradicts itself, or differs from Pinocchio without a finding.
 
 Some hundred mutants, or as many as GRAPHDYN_MUTANTS says, of the seed GRAPHDYN_MUTANTS_SEED. The table of a long run:
-`python tests/tools damaged_files 20000 --seed 1`.
+`python tests/tools damaged_files 20000 --format urdf --seed 1`.
 """
 
 import os
@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from inspected.sample import CLEAN, LIMIT, changed
 from mutants import processes
-from mutants.mutant import mutant, original
+from mutants.formats import robot
+from mutants.mutant import mutant
+from mutants.outcomes import Trial
 from mutants.processes import Result, run, table, unexpected
-from mutants.trial import CLAIMS, Trial, trial
+from mutants.trial import CLAIMS, trial
 
 import urdf
 from urdf.inspection import inspecting
@@ -22,7 +24,7 @@ SEED = int(os.environ.get("GRAPHDYN_MUTANTS_SEED", "0"))
 
 
 def test_mutants():
-    results = run(SEED, range(MANY), os.cpu_count() or 1)
+    results = run(["urdf"], SEED, range(MANY), os.cpu_count() or 1)
     assert len(results) == MANY
     assert unexpected(results) == []
     outcomes = {result.trial.outcome for result in results}
@@ -30,9 +32,9 @@ def test_mutants():
 
 
 def test_a_mutant_is_known_by_its_number():
-    assert [mutant(3, k) for k in range(20)] == [mutant(3, k) for k in range(20)]
-    assert len({mutant(3, k).content for k in range(50)}) > 40
-    assert mutant(3, 0) != mutant(4, 0)
+    assert [mutant("urdf", 3, k) for k in range(20)] == [mutant("urdf", 3, k) for k in range(20)]
+    assert len({mutant("urdf", 3, k).content for k in range(50)}) > 40
+    assert mutant("urdf", 3, 0) != mutant("urdf", 4, 0)
 
 
 class TestTheTrialCanFail:
@@ -125,30 +127,30 @@ class TestExplained:
         assert trial(path) == Trial("explained", ("name-spacing",))
 
     @pytest.mark.parametrize(
-        ("robot", "old", "new", "code"),
+        ("name", "old", "new", "code"),
         [
             ("kr500", '"0.5225 0.0 0.0"', '"522499999999.99994 0.0 0.0"', "far-center-of-mass"),
             ("rich", '"0.3 0 0" rpy="1.57', '"300000000000.0 0 0" rpy="1.57', "suspicious-lengths"),
         ],
     )
-    def test_digits_lost_in_computing(self, written, robot, old, new, code):
+    def test_digits_lost_in_computing(self, written, name, old, new, code):
         """Long levers that cancel: Pinocchio's two routes differ by 2e-5 too, though their models are the same."""
-        text = original(robot).decode()
+        text = robot(name).decode()
         assert old in text
         assert trial(written(text.replace(old, new, 1))) == Trial("explained", (code,))
 
 
 def test_a_process_that_ends_is_unexpected_and_the_rest_goes_on(monkeypatch):
     monkeypatch.setattr(processes, "_work", _ends_at_two)
-    results = run(0, range(4), 1)
+    results = run(["urdf"], 0, range(4), 1)
     assert [result.number for result in results] == [0, 1, 2, 3]
     assert unexpected(results) == [
-        f"mutant 2 ({', '.join(mutant(0, 2).kinds)}): its process ended, or it took longer than 120 s"
+        f"urdf 2 ({', '.join(mutant('urdf', 0, 2).kinds)}): its process ended, or it took longer than 120 s"
     ]
 
 
-def _ends_at_two(seed, numbers, connection):
-    for number in numbers:
+def _ends_at_two(seed, cases, connection):
+    for format, number in cases:
         if number == 2:
             os._exit(1)
-        connection.send(Result(number, (), Trial("agrees")))
+        connection.send(Result(format, number, (), Trial("agrees")))

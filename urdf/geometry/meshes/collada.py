@@ -82,9 +82,18 @@ def _numbers(element: etree._Element | None, kind: Any = np.float64) -> NDArray[
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)  # of a text that is not all numbers
         try:
-            return np.fromstring(element.text or "", dtype=kind, sep=" ")
+            found = np.fromstring(element.text or "", dtype=kind, sep=" ")
         except (DeprecationWarning, ValueError) as error:
             raise UnreadableMesh(f"the file is damaged: <{tag(element)}> holds something that is no number") from error
+    _check_count(element, len(found), "numbers")
+    return found
+
+
+def _check_count(element: etree._Element, found: int, what: str) -> None:
+    """Raises UnreadableMesh where an element states another number of its parts than it has."""
+    if element.get("count") is not None and _count(element, "count", 0) != found:
+        stated = shortened(element.get("count", ""))
+        raise UnreadableMesh(f'the file is damaged: <{tag(element)} count="{stated}"> has {found} {what}')
 
 
 def tag(element: etree._Element) -> str:
@@ -244,6 +253,7 @@ def _triangles(part: etree._Element) -> Faces:
     whole = np.concatenate([np.zeros(0, dtype=np.int64), *corners])
     if len(whole) % 3:
         raise UnreadableMesh("the file is damaged: <triangles> with a corner too many")
+    _check_count(part, len(whole) // 3, "triangles")
     return whole.reshape(-1, 3)
 
 
@@ -253,6 +263,7 @@ def _polylist(part: etree._Element) -> Faces:
     corners = np.zeros(0, dtype=np.int64) if p is None else _corners(part, p)
     if (counts < 3).any() or counts.sum() != len(corners):
         raise UnreadableMesh("the file is damaged: <polylist> whose <vcount> does not fit its <p>")
+    _check_count(part, len(counts), "polygons")
     return _fans(corners, counts)
 
 
@@ -263,6 +274,7 @@ def _polygons(part: etree._Element) -> Faces:
     counts = np.array([len(each) for each in corners], dtype=np.int64)
     if (counts < 3).any():
         raise UnreadableMesh("the file is damaged: a polygon with fewer than three corners")
+    _check_count(part, len(counts), "polygons")
     return _fans(np.concatenate([np.zeros(0, dtype=np.int64), *corners]), counts)
 
 

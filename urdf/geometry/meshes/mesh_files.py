@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import logging
 import os
+import re
 import stat
 import warnings
 from collections.abc import Callable, Iterator
@@ -127,10 +128,10 @@ def content_of(path: Path, largest: int) -> bytes:
 
 
 def _stl(content: bytes, path: Path) -> list[Triangles]:
-    from trimesh.exchange.stl import load_stl_ascii, load_stl_binary
+    from trimesh.exchange.stl import load_stl_binary
 
     if content.lstrip()[:5].lower() == b"solid" and b"facet" in content[:1000]:
-        return _of_trimesh(load_stl_ascii, io.BytesIO(content))
+        return _text_stl(content)
     if len(content) < STL_HEADER:
         raise UnreadableMesh("the file is truncated: shorter than the header of an STL file")
     number = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
@@ -141,11 +142,62 @@ def _stl(content: bytes, path: Path) -> list[Triangles]:
     return _of_trimesh(load_stl_binary, io.BytesIO(content[:end]))
 
 
+_NUMBER = r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|(?i:nan|inf|infinity))"
+
+_SOLID = re.compile(rb"\s*solid\b[^\r\n]*", re.IGNORECASE)
+_END_OF_SOLID = re.compile(rb"\s*endsolid\b[^\r\n]*", re.IGNORECASE)
+_FACET = re.compile(
+    (
+        r"\s*facet(?:\s+normal(?:\s+\S+){3})?\s+outer\s+loop"
+        + rf"\s+vertex\s+({_NUMBER})\s+({_NUMBER})\s+({_NUMBER})" * 3
+        + r"\s+endloop\s+endfacet\b"
+    ).encode(),
+    re.IGNORECASE,
+)
+
+
+def _text_stl(content: bytes) -> list[Triangles]:
+    """A triangle per facet: trimesh takes the numbers of all vertices in a row, so that a lost one moves the others."""
+    position, corners = 0, list[tuple[bytes, ...]]()
+    while solid := _SOLID.match(content, position):
+        position = solid.end()
+        while facet := _FACET.match(content, position):
+            position = facet.end()
+            corners.append(facet.groups())
+        end = _END_OF_SOLID.match(content, position)
+        if end is None:
+            break
+        position = end.end()
+    rest = content[position:].lstrip()
+    if rest:
+        line = content.count(b"\n", 0, len(content) - len(rest)) + 1
+        raise UnreadableMesh(f"the file is damaged: line {line} does not go on with a facet, or the end of the solid")
+    vertices = np.array(corners, dtype=float).reshape(-1, 3)
+    return [Triangles(vertices, np.arange(len(vertices)).reshape(-1, 3))]
+
+
+_OBJ_WORDS = (
+    "vt|vn|vp|l|p|g|s|o|mg|usemtl|mtllib|usemap|maplib|deg|bmat|step|cstype|curv2?|surf|parm|trim|hole|scrv|sp|end|con|"
+    "bevel|c_interp|d_interp|lod|shadow_obj|trace_obj|ctech|stech|call|csh"
+)
+"""What a line of an OBJ file may begin with beside v and f (Wavefront, Advanced Visualizer Manual, Appendix B1)."""
+
+_ODD_OBJ_LINE = re.compile(
+    rf"^(?![ \t]*(?:#.*|v(?:[ \t]+{_NUMBER}){{3,}}[ \t]*(?:#.*)?|"
+    rf"f(?:[ \t]+-?[1-9][0-9]*(?:/-?[0-9]*){{0,2}}){{3,}}[ \t]*(?:#.*)?|(?:{_OBJ_WORDS})(?:[ \t].*)?)?$).+$",
+    re.MULTILINE,
+)
+"""A line that trimesh would pass over, or read as another vertex or triangle than is written."""
+
+
 def _obj(content: bytes, path: Path) -> list[Triangles]:
     from trimesh.exchange.obj import load_obj
 
-    text = io.StringIO(content.decode(errors="replace"))  # names may be in any encoding
-    return _of_trimesh(load_obj, text, resolver=_Colors(path.parent))
+    text = re.sub("\r\n?", "\n", content.decode(errors="replace"))  # names may be in any encoding
+    if odd := _ODD_OBJ_LINE.search(text.replace("\\\n", "  ")):
+        line = text.count("\n", 0, odd.start()) + 1
+        raise UnreadableMesh(f"the file is damaged: line {line}: '{shortened(odd[0])}'")
+    return _of_trimesh(load_obj, io.StringIO(text), resolver=_Colors(path.parent))
 
 
 _READERS: dict[str, Callable[[bytes, Path], list[Triangles]]] = {
