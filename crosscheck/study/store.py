@@ -92,16 +92,15 @@ def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[St
     begun with; OSError where it cannot be written, as on a full disk.
     """
     with ExitStack() as opened_now:
-        connection = opened_now.enter_context(_connected(file))
-        kept = _kept(connection, file)
-        if kept is not None:
-            opened_now.close()
-            _rewrite(file, kept)
-            if tell is not None:
-                whole = counted(len(kept.tasks), "run")
-                tell(f"{file} {kept.why}: {whole} can be read, all others are computed again")
-            connection = opened_now.enter_context(_connected(file))
         try:
+            connection = opened_now.enter_context(_connected(file))
+            kept = _kept(connection, file)
+            if kept is not None:
+                opened_now.close()
+                _rewrite(file, kept)
+                whole = counted(len(kept.tasks), "run")
+                (tell or (lambda _: None))(f"{file} {kept.why}: {whole} can be read, all others are computed again")
+                connection = opened_now.enter_context(_connected(file))
             yield Store(connection)
         except sqlite3.OperationalError as error:
             raise OSError(f"{file} cannot be written: {error}; make room, and go on with --resume") from None
@@ -112,9 +111,10 @@ def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[St
 @contextmanager
 def _connected(file: Path) -> Iterator[sqlite3.Connection]:
     """Raises InvalidInput where it cannot be opened, and for what is no database."""
-    with closing(sqlite3.connect(file, timeout=LOCK_TIMEOUT)) as connection:
-        connection.text_factory = partial(str, encoding="utf-8", errors="replace")
+    with ExitStack() as opened_now:
         try:
+            connection = opened_now.enter_context(closing(sqlite3.connect(file, timeout=LOCK_TIMEOUT)))
+            connection.text_factory = partial(str, encoding="utf-8", errors="replace")
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             connection.execute("PRAGMA journal_mode = WAL")
             connection.executescript("BEGIN IMMEDIATE; COMMIT;")

@@ -20,6 +20,7 @@ def write_whole(path: Path, content: bytes) -> None:
             return
         try:
             part.write_bytes(content)
+            _to_disk(part)
             if target.exists():
                 shutil.copymode(target, part)
             os.replace(part, target)
@@ -27,3 +28,9 @@ def write_whole(path: Path, content: bytes) -> None:
             part.unlink(missing_ok=True)
     except OSError as error:
         raise OSError(error.errno, error.strerror or "cannot be written", str(path)) from error
+
+
+def _to_disk(path: Path) -> None:
+    """After a power cut, a name that was given to the file must not lead to one without content."""
+    with path.open("r+b") as file:
+        os.fsync(file.fileno())

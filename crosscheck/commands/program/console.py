@@ -14,7 +14,7 @@ import unicodedata
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from errno import EACCES, EISDIR, ENOENT, ENOSPC
+from errno import EACCES, EAGAIN, EISDIR, ENOENT, ENOSPC
 from sys import stdout
 
 import typer
@@ -71,6 +71,8 @@ def complain(error: Exception, context: typer.Context) -> None:
 
 def in_words(error: Exception) -> str:
     """The message; of an error of the system the file, the reason and the remedy, without its number."""
+    if isinstance(error, OSError) and error.errno == EAGAIN:
+        return "no further process can be started; end other programs, or allow more of them (ulimit -u)"
     if not isinstance(error, OSError) or error.filename is None or not error.strerror:
         return str(error)
     remedy = f"; {SYSTEM_ERROR_REMEDIES[error.errno]}" if error.errno in SYSTEM_ERROR_REMEDIES else ""

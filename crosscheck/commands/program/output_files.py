@@ -200,20 +200,36 @@ def _written_before(table: Path) -> set[str]:
 def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
     """Write all files or none: into a new folder beside, which then takes the place of the old one. Raises OSError."""
     target = folder.resolve()
-    new = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
     try:
-        new.chmod(0o777 & ~_umask())
-        for name, content in files.items():
-            (new / name).write_bytes(content)
-        if target.exists():
-            old = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
-            os.replace(target, old)
-            os.replace(new, target)
-            shutil.rmtree(old)
-        else:
-            os.replace(new, target)
-    finally:
-        shutil.rmtree(new, ignore_errors=True)
+        new = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+        try:
+            new.chmod(0o777 & ~_umask())
+            for name, content in files.items():
+                write_whole(new / name, content)
+            _take_place(new, target)
+        finally:
+            shutil.rmtree(new, ignore_errors=True)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or "cannot be written", str(folder)) from error
+
+
+def _take_place(new: Path, target: Path) -> None:
+    """A folder that holds files cannot be renamed over: it is put aside, and comes back where the new one fails."""
+    if not target.exists():
+        os.replace(new, target)
+        return
+    old = Path(tempfile.mkdtemp(prefix=f".{target.name}.", dir=target.parent))
+    try:
+        os.replace(target, old)
+    except OSError:
+        old.rmdir()
+        raise
+    try:
+        os.replace(new, target)
+    except OSError:
+        os.replace(old, target)
+        raise
+    shutil.rmtree(old)
 
 
 def _umask() -> int:

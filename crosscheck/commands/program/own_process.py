@@ -95,7 +95,11 @@ def _group_of(process: BaseProcess) -> Iterator[None]:
     assert process.pid is not None
     with suppress(OSError):  # it does so itself, if that was earlier
         os.setpgid(process.pid, process.pid)
-    watcher = Watcher(process.pid)
+    try:
+        watcher = Watcher(process.pid)
+    except OSError:
+        process.kill()
+        raise
     try:
         yield
     finally:

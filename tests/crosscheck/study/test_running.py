@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pyarrow.parquet as parquet
 import pytest
+from failing import failing
 from identified import small_study as small
 from identified.small_study import ARM, InThisProcess, backwards, small_study, study_of
 from long_check import few
@@ -246,6 +247,19 @@ def test_what_is_damaged_is_computed_again(folder, begun, complete):
     run_study(small_study(folder), begun, InThisProcess(), resume=True, tell=told.append, progress=done.append)
     assert told == [f"{begun / DATABASE} is damaged: 3 runs can be read, all others are computed again"]
     assert [one.done for one in done] == [3, 4]
+    assert tables(begun) == tables(complete)
+
+
+@pytest.mark.parametrize("number", range(1, 10))
+def test_a_table_that_cannot_be_written(number, folder, begun, complete):
+    """Writing, flushing and naming of three tables: each is the old or the new one, and the study goes on."""
+    (begun / RESULTS).write_bytes(b"old")
+    with failing(number) as made, pytest.raises(OSError, match="No space"):
+        run_study(small_study(folder), begun, InThisProcess(), resume=True)
+    assert len(made) == number
+    assert (begun / RESULTS).read_bytes() in (b"old", (complete / RESULTS).read_bytes())
+    assert {path.name for path in begun.iterdir()} == {path.name for path in complete.iterdir()}
+    run_study(small_study(folder), begun, InThisProcess(), resume=True)
     assert tables(begun) == tables(complete)
 
 

@@ -118,6 +118,14 @@ def test_what_cannot_be_mended(harm, said, file):
         pass
 
 
+def test_no_folder(tmp_path):
+    with (
+        pytest.raises(InvalidInput, match=r"study\.sqlite cannot be opened: unable"),
+        opened(tmp_path / "no" / DATABASE),
+    ):
+        pass
+
+
 def test_a_file_of_the_first_form(tmp_path):
     """What it holds is read, but for rows of other fields."""
     plain = [(*key, json.dumps(one.as_json())) for key, one in OUTCOMES.items()]

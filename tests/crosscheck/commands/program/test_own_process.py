@@ -1,9 +1,11 @@
 """User code runs in a process of its own: whatever it does to that process, there is a verdict or an error."""
 
+import errno
 import json
 import os
 import re
 import signal
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -14,6 +16,7 @@ from long_check import LONG, few
 from own_processes import HANGS, alive
 
 from crosscheck.commands.program import own_process
+from crosscheck.commands.program.console import in_words
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 
 CODE = """
@@ -216,3 +219,15 @@ class TestErrors:
         said = " ".join(done.err.split())
         assert "importing own.py raised ZeroDivisionError: division by zero" in said
         assert f"({own}, line 3, in <module>)" in said
+
+
+def test_a_process_that_nobody_could_watch_is_ended(monkeypatch):
+    def refused(_group):
+        raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+    monkeypatch.setattr(own_process, "Watcher", refused)
+    process = subprocess.Popen(["sleep", "1000"])
+    with pytest.raises(BlockingIOError) as error, own_process._group_of(process):
+        pass
+    assert process.wait(HANGS) == -signal.SIGKILL
+    assert in_words(error.value).startswith("no further process can be started; end other programs, or allow more")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from failing import failing
 from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
 from shared_data import REPOSITORY
@@ -158,6 +159,20 @@ class TestWholeFolder:
         with pytest.raises(OSError, match=os.strerror(errno.ENOSPC)):
             write_folder(tmp_path / "v", {"a": b"new"})
         assert (tmp_path / "v" / "a").read_text(encoding="utf-8") == "old"
+        assert [path.name for path in tmp_path.iterdir()] == ["v"]
+
+    @pytest.mark.parametrize("number", range(1, 9))
+    def test_the_old_one_stays_whatever_fails(self, number, tmp_path):
+        """Writing, flushing and naming of two files, then the folder before, which is put aside, and the new one."""
+        write_folder(tmp_path / "v", {"a": b"old", "b": b"old"})
+        with failing(number) as made, pytest.raises(OSError, match=os.strerror(errno.ENOSPC)) as error:
+            write_folder(tmp_path / "v", {"a": b"new", "b": b"new"})
+        assert error.value.filename == str(tmp_path / "v")
+        assert len(made) == number + (number == 8)
+        assert {path.name: path.read_bytes() for path in tmp_path.rglob("?") if path.is_file()} == {
+            "a": b"old",
+            "b": b"old",
+        }
         assert [path.name for path in tmp_path.iterdir()] == ["v"]
 
     def test_permissions(self, tmp_path):

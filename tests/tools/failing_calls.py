@@ -1,0 +1,342 @@
+"""What is left of the files of a command if one write, flush, rename, resize or fork of it fails, each in turn.
+
+The long run: `python tests/tools failing_calls`; exit code 1 if something half written was left, an old file was lost,
+the exit code was another, or a study could not go on. `python tests/tools failing_calls simulate --every 5 --lasting`
+repeats a part: every fifth call of one command, and all later calls of its kind fail too, as on a full disk.
+
+Linux with a C compiler: failing_calls.c is preloaded into the program, and into all processes that it starts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ctypes
+import errno
+import json
+import mmap
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from unittest.mock import patch
+
+KINDS = {"w": "write", "s": "flush", "r": "rename", "t": "resize", "c": "create", "f": "fork"}
+SHIM = Path(__file__).with_suffix(".c")
+GAVE_UP = 120.0
+"""Time after which a run counts as hanging [s]."""
+
+BAD_INPUT = 2
+
+
+class Calls(ctypes.Structure):
+    """The struct state of failing_calls.c, which all processes share."""
+
+    _fields_ = (
+        *((name, ctypes.c_int) for name in ("enabled", "target", "lasting", "full", "write_error", "count")),
+        ("kinds_raw", ctypes.c_ubyte * 65536),
+    )
+
+
+@dataclass(frozen=True)
+class Run:
+    """A command in a folder of its own.
+
+    inputs: its files; old: files of its outputs that are there before; resumed: arguments with which it goes on
+    before: arguments that write a folder that is there before; workers: around the command
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    inputs: dict[str, bytes] = field(default_factory=dict)
+    old: dict[str, bytes] = field(default_factory=dict)
+    resumed: tuple[str, ...] = ()
+    before: tuple[str, ...] = ()
+    workers: Callable[[], AbstractContextManager[object]] = nullcontext
+    code: int = 0
+
+
+PAGES = {"page.html": b"old page", "numbers.json": b"old numbers"}
+REPORT = ("--html", "page.html", "--json", "numbers.json")
+
+
+def runs() -> list[Run]:
+    from identified import small_study as small
+
+    robot = {"small.urdf": small.ARM.encode()}
+    study = (small.STUDY.replace('"wls", "ols", "iv"', '"wls", "ols"') + small.ROBOT + small.SCENARIO).encode()
+    own = b"from graphdyn.identification import OrdinaryLeastSquares\nclass Own(OrdinaryLeastSquares): pass\n"
+    answers = b"import numpy as np\ndef rnea(q, v, a):\n    return np.zeros(len(q))\n"
+    planned = ("excite", "--robot", "small.urdf", "--velocity", "2", "--torque", "100", "--duration", "4")
+    fast = ("--seeds", "1", "--harmonics", "2", "--random", "3", "--lower", "-1", "--upper", "1")
+    moved = ("--position", "0.3,0.2", "--velocity", "1,0.8", "--duration", "0.3")
+    return [
+        Run("simulate", ("simulate", "small.urdf", *moved, "--out", "m.csv", *REPORT), robot, PAGES),
+        Run("simulate-parquet", ("simulate", "small.urdf", *moved, "--out", "m.parquet"), robot),
+        Run("simulate-mcap", ("simulate", "small.urdf", *moved, "--out", "m.mcap"), robot),
+        Run("excite", (*planned, *fast, "--jobs", "1", "--out", "m.csv", *REPORT), robot, PAGES),
+        Run("excite-processes", (*planned, *fast, "--jobs", "2", "--seeds", "2", "--out", "m.yaml"), robot),
+        Run(
+            "identify",
+            ("identify", "--robot", "small.urdf", "--methods", "wls", "--seconds", "10", "--urdf", "new.urdf", *REPORT),
+            robot,
+            {**PAGES, "new.urdf": b"<robot name='old'/>"},
+        ),
+        Run(
+            "study",
+            ("study", "--config", "study.toml", "--out", "out", "--jobs", "1"),
+            {**robot, "study.toml": study},
+            resumed=("--resume",),
+            workers=_in_this_process,
+        ),
+        Run(
+            "study-processes",
+            ("study", "--config", "study.toml", "--out", "out", "--jobs", "2", "--allow-code"),
+            {**robot, "own.py": own, "study.toml": study.replace(b'"ols"', b'"own.py:Own"')},
+            resumed=("--resume",),
+        ),
+        Run(
+            "judge",
+            ("judge", "small.urdf", "--inverse-dynamics", "own.py:rnea", *REPORT),
+            {**robot, "own.py": answers},
+            PAGES,
+            code=1,
+        ),
+        Run("crosscheck", ("crosscheck", "small.urdf", "--samples", "3", *REPORT), robot, PAGES),
+        Run("inspect", ("inspect", "small.urdf", *REPORT), robot, PAGES),
+        Run("show", ("show", "small.urdf", *REPORT), robot, PAGES),
+        Run("view", ("view", "small.urdf", "--html", "page.html"), robot, {"page.html": b"old page"}),
+        Run("questions", ("questions", "small.urdf", "--for", "inverse_dynamics", "--out", "q.csv"), robot),
+        Run(
+            "vectors",
+            ("vectors", "small.urdf", "--for", "inverse_dynamics", "--out", "v"),
+            robot,
+            before=("vectors", "small.urdf", "--for", "inverse_dynamics", "--out", "v", "--seed", "1"),
+        ),
+        Run("export", ("export", "small.urdf", "--to", "small.c"), robot),
+        Run("export-json", ("export", "small.urdf", "--to", "small.json"), robot),
+        Run("errata", ("errata", *REPORT), {}, PAGES),
+        Run("paper", ("paper", *REPORT), {}, PAGES),
+    ]
+
+
+def _in_this_process() -> AbstractContextManager[object]:
+    """Tasks of a study that are done by the process that writes."""
+    from identified.small_study import InThisProcess
+
+    from crosscheck.distributing import LocalProcesses
+
+    return patch.object(LocalProcesses, "each", lambda _self, *given: InThisProcess().each(*given))
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", help="of runs; all without one")
+    parser.add_argument("--every", type=int, default=1, help="only every so many-th call")
+    parser.add_argument("--first", type=int, default=1, help="number of the first call")
+    parser.add_argument("--lasting", action="store_true", help="later calls of this kind fail too")
+    parser.add_argument("--error", choices=["ENOSPC", "EIO", "EDQUOT"], default="ENOSPC", help="of writes")
+    given = parser.parse_args()
+    if "FAILING_STATE" not in os.environ:
+        return _preloaded()
+    from crosscheck.commands import main as _  # noqa: F401 - once for all runs
+
+    calls = _calls(Path(os.environ["FAILING_STATE"]))
+    calls.write_error, calls.lasting = getattr(errno, given.error), given.lasting
+    wrong = 0
+    for run in runs():
+        if not given.names or run.name in given.names:
+            wrong += _Trial(run, calls, Path(os.environ["FAILING_ROOT"])).each(given.first, given.every)
+    print(f"{wrong} wrong")
+    return int(wrong > 0)
+
+
+def _preloaded() -> int:
+    """This program again, with the library, in a folder that is removed afterwards."""
+    with tempfile.TemporaryDirectory() as folder:
+        shim, state = Path(folder, "failing_calls.so"), Path(folder, "state")
+        subprocess.run(["cc", "-O1", "-shared", "-fPIC", "-o", shim, SHIM, "-ldl"], check=True)
+        state.write_bytes(bytes(ctypes.sizeof(Calls)))
+        more = {"LD_PRELOAD": str(shim), "FAILING_STATE": str(state), "FAILING_ROOT": f"{folder}/root/"}
+        quiet = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "TMPDIR": f"{folder}/root/tmp"}
+        return subprocess.run(
+            [sys.executable, *sys.orig_argv[1:]], env={**os.environ, **more, **quiet}, check=False
+        ).returncode
+
+
+def _calls(file: Path) -> Calls:
+    with file.open("r+b") as opened:
+        return Calls.from_buffer(mmap.mmap(opened.fileno(), ctypes.sizeof(Calls)))
+
+
+class _Trial:
+    def __init__(self, run: Run, calls: Calls, root: Path) -> None:
+        self.run, self.calls, self.root = run, calls, root
+        self.work = root / "work"
+        self.errors = root.parent / "errors"
+
+    def each(self, first: int, every: int) -> int:
+        """Fail each call in turn; answer how many went wrong."""
+        begin = time.monotonic()
+        self.old = dict(self.run.old)
+        self.warm()
+        if self.run.before:
+            self.fresh()
+            assert self.ended(self.run.before) == 0
+            self.old |= {name.removeprefix("work/"): content for name, content in self.files().items()}
+            del self.old["stdout"]
+        self.fresh()
+        code = self.ended(self.run.arguments)
+        count, kinds = self.calls.count, bytes(self.calls.kinds_raw[1 : self.calls.count + 1]).decode()
+        assert code == self.run.code, (self.run.name, code, self.errors.read_text())
+        self.whole = self.files()
+        self.fresh()
+        self.ended(self.run.arguments)
+        self.volatile = {name for name, content in self.files().items() if content != self.whole.get(name)}
+        found, wrong = Counter[str](), 0
+        for target in range(first, count + 1, every):
+            self.fresh()
+            code = self.ended(self.run.arguments, target)
+            problems = self.problems(code, kinds[target - 1])
+            found[f"{KINDS[kinds[target - 1]]}: {'; '.join(problems) or f'exit code {code}'}"] += 1
+            if problems:
+                wrong += 1
+                print(f"{self.run.name}, call {target} ({KINDS[kinds[target - 1]]}): {'; '.join(problems)}")
+                print(self.errors.read_text()[-3000:])
+        seconds = time.monotonic() - begin
+        print(f"{self.run.name}: {found.total()} of {count} calls failed, {wrong} wrong, {seconds:.0f} s", flush=True)
+        print(*(f"    {number:4} {what}" for what, number in sorted(found.items())), sep="\n", flush=True)
+        return wrong
+
+    def fresh(self) -> None:
+        shutil.rmtree(self.root, ignore_errors=True)
+        self.work.mkdir(parents=True)
+        (self.root / "tmp").mkdir()
+        for name, content in {**self.run.inputs, **self.old}.items():
+            (self.work / name).parent.mkdir(exist_ok=True)
+            (self.work / name).write_bytes(content)
+
+    def files(self) -> dict[str, bytes]:
+        return {
+            str(path.relative_to(self.root)): path.read_bytes()
+            for path in sorted(self.root.rglob("*"))
+            if path.is_file()
+        }
+
+    def ended(self, arguments: tuple[str, ...], target: int = 0) -> int:
+        """Exit code of the command; 0 for target: no call fails."""
+        calls = self.calls
+        calls.count, calls.full, calls.target = 0, 0, target
+        sys.stdout.flush()
+        child = os.fork()
+        if not child:
+            self.become(arguments)
+        begin = time.monotonic()
+        while not (found := os.waitpid(child, os.WNOHANG))[0]:
+            time.sleep(0.005)
+            if time.monotonic() - begin > GAVE_UP:
+                os.killpg(child, signal.SIGKILL)
+        calls.enabled = 0
+        return os.waitstatus_to_exitcode(found[1])
+
+    def warm(self) -> None:
+        """Run the command once in this process, so that its children have imported and compiled everything."""
+        self.fresh()
+        sys.stdout.flush()
+        kept = [os.dup(number) for number in (1, 2)]
+        with suppress(SystemExit):
+            self.go(self.run.arguments)
+        sys.stdout.flush()
+        for number, stream in enumerate(kept, start=1):
+            os.dup2(stream, number)
+
+    def become(self, arguments: tuple[str, ...]) -> None:
+        """Run the command in this process, to its end."""
+        os.setsid()
+        subprocess._USE_VFORK = False  # type: ignore[attr-defined]
+        self.go(arguments, 1)
+        sys.exit(0)
+
+    def go(self, arguments: tuple[str, ...], counted: int = 0) -> None:
+        from crosscheck.commands import main as program
+
+        os.chdir(self.work)
+        for number, path in ((1, self.root / "stdout"), (2, self.errors)):
+            os.dup2(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), number)
+        sys.argv = ["graphdyn", *arguments]
+        with self.run.workers():
+            self.calls.enabled = counted
+            program()
+
+    def problems(self, code: int, kind: str) -> list[str]:
+        """What is not as it should be, in words."""
+        problems = []
+        said = self.errors.read_text()
+        found = self.files()
+        if code == self.run.code and self.calls.count < self.calls.target:
+            return []
+        if code == self.run.code:
+            problems += [
+                f"{name} is not as without a failure"
+                for name in self.whole
+                if not self.same(name, found) and name != "stdout"
+            ]
+            if found.get("stdout") != self.whole["stdout"] and "stdout" not in self.volatile:
+                problems.append("exit code of success, and the output is cut")
+        elif code != BAD_INPUT:
+            problems.append(f"exit code {code}")
+        elif not re.search(r"^error: ", said, re.MULTILINE):
+            problems.append("no error is told")
+        if "Traceback" in said or "internal error" in said:
+            problems.append(f"told: {said.strip().splitlines()[-1][:150]}")
+        for name, content in found.items():
+            old = self.old.get(name.removeprefix("work/"))
+            expected = name in self.whole or old is not None or name in ("work/" + one for one in self.run.inputs)
+            if not expected and not re.search(r"\.sqlite-(wal|shm)$", name):
+                problems.append(f"{name} is left")
+            elif content != old and name not in ("stdout",) and not self.same(name, found) and "sqlite" not in name:
+                problems.append(f"{name} is neither the old nor the new")
+        if len({content == self.old[name] for name, content in self.within(found) if name in self.old}) > 1:
+            problems.append("the folder is half old")
+        problems += [f"{name} is lost" for name in self.old if f"work/{name}" not in found]
+        if self.run.resumed and code != self.run.code:
+            again = self.ended((*self.run.arguments, *self.run.resumed))
+            found = self.files()
+            if again != self.run.code:
+                problems.append(f"resumed: exit code {again}, {self.errors.read_text().strip()[-200:]}")
+            problems += [
+                f"resumed: {name} differs"
+                for name in self.whole
+                if name not in ("stdout", "work/out/study.sqlite") and not self.same(name, found)
+            ]
+        return problems
+
+    def within(self, found: dict[str, bytes]) -> list[tuple[str, bytes]]:
+        """Files of a folder that is written as a whole, which are other ones in every run."""
+        names = {name: name.removeprefix("work/") for name in found if name.count("/") == 2}
+        return [(names[name], found[name]) for name in names if self.old.get(names[name]) != self.whole.get(name)]
+
+    def same(self, name: str, found: dict[str, bytes]) -> bool:
+        """Whether a file is as without a failure; of one that no two runs write alike, whether it is whole."""
+        content = found.get(name)
+        if content is None or content == self.whole[name]:
+            return content is not None
+        if name not in self.volatile:
+            return False
+        if name.endswith(".json"):
+            return isinstance(json.loads(content), dict)
+        if name.endswith(".html"):
+            return content.rstrip().endswith(b"</html>")
+        if name.endswith(".parquet"):
+            import pyarrow.parquet as parquet
+
+            return bool(parquet.read_table(self.root / name).num_rows)
+        return len(content) == len(self.whole[name])
