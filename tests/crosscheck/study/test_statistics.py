@@ -10,6 +10,7 @@ import scipy.stats
 from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
 from crosscheck.study.statistics.intervals import (
+    Intervals,
     deviations,
     drawn_means,
     ends,
@@ -213,6 +214,14 @@ def test_ranking(study):
     iv = found.methods.index("iv")
     assert found.ratio.value[iv] == pytest.approx(0.7 / 0.6), "where both have an answer their errors are in this ratio"
     assert found.ratio.low[iv] == pytest.approx(0.7 / 0.6)
+
+
+def test_a_method_that_beats_all_others_is_in_no_group(study):
+    found = study.rankings["torques", "parameter_error"]
+    ranks = np.array([1.0, 3.0, 3.5, 4.4, 4.6, 6.0])
+    alone = replace(found, rank=Intervals(ranks, ranks, ranks), distance=1.2, probability=0.01)
+    assert (alone.leaders, alone.alike) == (alone.methods[:1], [(1, 2), (2, 4)])
+    assert replace(alone, probability=0.5).alike == [(0, 5)]
 
 
 def test_scenarios_have_the_same_weight():

@@ -374,6 +374,33 @@ def test_the_next_start_is_tried_where_a_search_ends_where_it_began(monkeypatch)
     assert found.value == problem.value(found.trajectory) - 1
 
 
+def test_every_seed_starts_elsewhere(monkeypatch):
+    starts = []
+
+    def keep(problem, trajectory, *_):
+        starts.append(trajectory.coefficients)
+        return Usage("torque", "arm", 2.0)
+
+    monkeypatch.setattr(optimizing, "_searched", keep)
+    for seed in (0, 0, 1):
+        with pytest.raises(NoFeasibleMotion):
+            optimized(problem_of(), seed)
+    first, again, other = starts[:2], starts[2:4], starts[4:]
+    assert np.array_equal(first, again)
+    assert not np.isclose(first, other).any()
+    assert not np.isclose(*first).any()
+
+
+def test_random_motions_use_the_whole_range():
+    """From end to end of ranges so narrow that no other limit matters; in the middle between them."""
+    problem = problem_of(lower=[-0.03, 0.5, -0.2], upper=[0.01, 0.52, -0.19], jerk=np.inf)
+    course = random_trajectory(
+        problem.torque_model.model, problem.limits, (), problem.basis, np.random.default_rng(0)
+    ).motion(np.linspace(0.0, 5.0, 240))
+    assert course.q.min(axis=0) == pytest.approx([-0.03, 0.5, -0.2])
+    assert course.q.max(axis=0) == pytest.approx([0.01, 0.52, -0.19])
+
+
 def test_no_motion_within_limits(monkeypatch):
     """Torques too small to stand still anywhere."""
     monkeypatch.setattr(optimizing, "MAX_SEARCH_ITERATIONS", 5)

@@ -13,7 +13,7 @@ from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.data_quality import Change, Piece, RecordedColumns, assess_recording, excitation
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.channels import rate_gain
+from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.measured_torque import gains
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
@@ -233,6 +233,16 @@ class TestChannels:
         found = assess_recording(torque_model(), [Piece(Samples(samples.q, samples.v, samples.a, tau), PERIOD)])
         assert (found.channels.duplicated_torques, found.channels.constant_torques) == (((1, 2),), (3,))
         assert found.faults == ()
+
+    def test_gain_of_a_velocity(self):
+        samples = recording().samples
+        v = np.gradient(samples.q, PERIOD, axis=0) * [1.0, 1.1, -2.0, 0.5]
+        assert rate_gain([Piece(replace(samples, v=v), PERIOD)]) == pytest.approx([1.0, 1.1, -2.0, 0.5])
+
+    def test_five_rows_at_an_end_are_clipped(self):
+        tau = np.array([*range(10), *[20] * 4, 3, *[20] * 5, 2, *[-7] * 6])[:, None] * np.ones(N)
+        piece = recording().samples[: len(tau)]
+        assert channels([Piece(piece, PERIOD)], [tau]).clipped == pytest.approx(np.full(N, 11 / len(tau)))
 
     def test_clipped_and_still(self):
         samples = recording().samples

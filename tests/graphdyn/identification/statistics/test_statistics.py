@@ -260,7 +260,7 @@ class TestCorrelationLength:
         assert np.isnan(self.length(np.zeros((50, 1, 1)))).all()
 
     def test_never_forgotten(self):
-        assert self.length(np.ones((50, 1, 1)))[0, 0] > 20
+        assert self.length(np.ones((50, 1, 1)))[0, 0] == pytest.approx(49 * (1 - 1 / np.e)), "1 - k / 50 at lag k"
 
 
 class TestChoice:
