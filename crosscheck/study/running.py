@@ -201,11 +201,8 @@ def begin(study: Configuration, folder: Path) -> None:
 
 def _same(study: Configuration, folder: Path, store: Store, inputs: Mapping[str, str]) -> None:
     """Raises InvalidInput where the study was begun with other inputs."""
-    before = store.inputs()
-    if not before:
-        begin(study, folder)  # where the file was removed, the copy may be of another study
-        store.begin(inputs)
-        return
+    begun = store.inputs()
+    before = begun or {**inputs, "configuration": _copy(folder) or study.text}
     changes = _changes(tomllib.loads(before["configuration"]), tomllib.loads(study.text), "")
     names = sorted({*before, *inputs} - {"configuration"})
     for name in names:
@@ -219,6 +216,19 @@ def _same(study: Configuration, folder: Path, store: Store, inputs: Mapping[str,
             f"{folder} holds a study with another configuration than {study.file}: {'; '.join(changes)}; give the one "
             f"that it was begun with (a copy is in {folder / CONFIGURATION}), or name a new folder"
         )
+    if not begun:
+        begin(study, folder)
+        store.begin(inputs)
+
+
+def _copy(folder: Path) -> str | None:
+    """The configuration in a folder whose store has lost it; None where it cannot be read either."""
+    text = (folder / CONFIGURATION).read_text(encoding="utf-8", errors="replace")
+    try:
+        tomllib.loads(text)
+    except ValueError:
+        return None
+    return text
 
 
 def _changes(before: Any, now: Any, where: str) -> list[str]:

@@ -123,8 +123,8 @@ def runs() -> list[Run]:
         ),
         Run("export", ("export", "small.urdf", "--to", "small.c"), robot),
         Run("export-json", ("export", "small.urdf", "--to", "small.json"), robot),
-        Run("errata", ("errata", *REPORT), {}, PAGES),
-        Run("paper", ("paper", *REPORT), {}, PAGES),
+        Run("errata", ("errata", "--json", "numbers.json"), {}, {"numbers.json": b"old numbers"}),
+        Run("paper", ("paper", "--samples", "10", *REPORT), {}, PAGES),
     ]
 
 

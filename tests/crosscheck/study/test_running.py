@@ -24,6 +24,7 @@ from crosscheck.distributing import LocalProcesses, Lost, NoWorkers
 from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
 from crosscheck.study.running import (
+    CONFIGURATION,
     DATABASE,
     PROCESS_DIED,
     RESULTS,
@@ -248,6 +249,21 @@ def test_what_is_damaged_is_computed_again(folder, begun, complete):
     assert told == [f"{begun / DATABASE} is damaged: 3 runs can be read, all others are computed again"]
     assert [one.done for one in done] == [3, 4]
     assert tables(begun) == tables(complete)
+
+
+def test_a_store_that_is_lost(folder, begun):
+    """The copy of the configuration says which study it was; where that is lost too, the study begins again."""
+    (begun / DATABASE).unlink()
+    other = small_study(folder, study=small.STUDY.replace("runs = 2", "runs = 3"))
+    with pytest.raises(InvalidInput, match=r"study\.runs was 2, is 3; give the one that it was begun with"):
+        run_study(other, begun, InThisProcess(), resume=True)
+    with pytest.raises(KeyboardInterrupt):
+        run_study(small_study(folder), begun, InThisProcess(ends=0), resume=True)
+    (begun / DATABASE).unlink()
+    (begun / CONFIGURATION).write_bytes(b"[study\xff")
+    with pytest.raises(KeyboardInterrupt):
+        run_study(other, begun, InThisProcess(ends=0), resume=True)
+    assert (begun / CONFIGURATION).read_text() == other.text
 
 
 @pytest.mark.parametrize("number", range(1, 10))
