@@ -1,5 +1,6 @@
 """Every number on the page and in the JSON file of `graphdyn crosscheck`, computed again beside it."""
 
+import dataclasses
 import json
 import math
 import re
@@ -14,6 +15,7 @@ import graphdyn
 from crosscheck.commands.crosscheck.folder_report import RobotSummary, compared_row, counts, failed_row
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.comparing.baseline import BaselineIdentification
 from crosscheck.comparing.conditioning import Conditioning
 from crosscheck.comparing.error_record import ErrorTable
 from crosscheck.quantities.states import cases
@@ -198,6 +200,15 @@ def test_joints(report, small_comparison):
             zip(small_comparison.model.joints, small_comparison.model.bodies, strict=True), 1
         )
     ]
+
+
+def test_base_parameters_that_differ(small_comparison):
+    found = BaselineIdentification(12, 13, 1234.5, (2e-3, 3e-17), 4e-14, 7e-13)
+    said = facts(comparison_page([dataclasses.replace(small_comparison, identification=found)], COMMAND))
+    assert said["number"] == "12 with our regressor, 13 with Pinocchio's"
+    assert said["condition number"] == "1.23e+03"
+    assert said["pivots"] == "smallest kept 2.0e-03, largest left out 3.0e-17"
+    assert said["difference"] == "4.0e-14 between the estimates, 7.0e-13 from the model's own"
 
 
 class TestFolder:

@@ -276,7 +276,7 @@ class TestEveryNumber:
 
     def test_identifiability(self, compared_with_truth):
         """Rank and condition number of the regressor, joints weighted by their torque, columns at unit length."""
-        found, record, report, fit, _ = compared_with_truth
+        found, record, report, fit, held_out = compared_with_truth
         assert record["rank"] == np.linalg.matrix_rank(fit.regressor.reshape(-1, 36), tol=1e-6)
         weighted = fit.regressor / np.sqrt((fit.tau**2).mean(axis=0))[:, None]
         base = weighted.reshape(-1, 36) @ np.linalg.pinv(np.array(record["base_matrix"]))
@@ -291,6 +291,9 @@ class TestEveryNumber:
             == f"36; {structural} combinations are identifiable, and this motion determines all {rank}"
         )
         assert facts["fitted"].startswith(f"{len(fit.tau)} rows of ")
+        assert facts["held out"].endswith(f", {len(held_out.tau)} rows")
+        rows = record["recording"]
+        assert (rows["fitted_rows"], rows["held_out_rows"]) == (len(fit.tau), len(held_out.tau))
         np.testing.assert_allclose(_singular_values(found), values, rtol=1e-6)
         symbols = [one["symbol"] for one in record["base_parameters"]]
         friction = {"viscous": "FV", "coulomb": "FC"}
