@@ -75,6 +75,7 @@ def runs() -> list[Run]:
     study = (small.STUDY.replace('"wls", "ols", "iv"', '"wls", "ols"') + small.ROBOT + small.SCENARIO).encode()
     own = b"from graphdyn.identification import OrdinaryLeastSquares\nclass Own(OrdinaryLeastSquares): pass\n"
     answers = b"import numpy as np\ndef rnea(q, v, a):\n    return np.zeros(len(q))\n"
+    found = ("--methods", "consistent", "--choose", "consistent", "--seconds", "10", "--urdf", "new.urdf")
     planned = ("excite", "--robot", "small.urdf", "--velocity", "2", "--torque", "100", "--duration", "4")
     fast = ("--seeds", "1", "--harmonics", "2", "--random", "3", "--lower", "-1", "--upper", "1")
     moved = ("--position", "0.3,0.2", "--velocity", "1,0.8", "--duration", "0.3")
@@ -86,7 +87,7 @@ def runs() -> list[Run]:
         Run("excite-processes", (*planned, *fast, "--jobs", "2", "--seeds", "2", "--out", "m.yaml"), robot),
         Run(
             "identify",
-            ("identify", "--robot", "small.urdf", "--methods", "wls", "--seconds", "10", "--urdf", "new.urdf", *REPORT),
+            ("identify", "--robot", "small.urdf", *found, *REPORT),
             robot,
             {**PAGES, "new.urdf": b"<robot name='old'/>"},
         ),

@@ -95,11 +95,7 @@ def _group_of(process: BaseProcess) -> Iterator[None]:
     assert process.pid is not None
     with suppress(OSError):  # it does so itself, if that was earlier
         os.setpgid(process.pid, process.pid)
-    try:
-        watcher = Watcher(process.pid)
-    except OSError:
-        process.kill()
-        raise
+    watcher = Watcher(process.pid)
     try:
         yield
     finally:

@@ -25,18 +25,25 @@ from graphdyn import GraphDynError
 class Watcher:
     """Kills a group of processes as soon as this program has ended, even if that was killed.
 
-    group: number of the group
+    group: number of the group, that of the process that leads it
+
+    Raises OSError where no process can be started; then the leader is killed at once.
     """
 
     def __init__(self, group: int):
         end_of_input = f"read -r _; kill -9 -{group}"  # only we hold the other end open
-        self._process = subprocess.Popen(
-            ["/bin/sh", "-c", end_of_input],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
+        try:
+            self._process = subprocess.Popen(
+                ["/bin/sh", "-c", end_of_input],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.DEVNULL,
+                start_new_session=True,
+            )
+        except OSError:
+            with suppress(ProcessLookupError):
+                os.kill(group, signal.SIGKILL)
+            raise
 
     def close(self) -> None:
         """Watch no longer."""

@@ -67,7 +67,7 @@ def refusing_damage(path: Path, what: str, remedy: str) -> Iterator[None]:
     """Raise BadRecordingFile in place of whatever a damaged file makes a library raise. what: kind of file"""
     try:
         yield
-    except BadRecordingFile:
+    except (BadRecordingFile, BlockingIOError):  # the latter: no further process can be started
         raise
     except Exception as error:
         raise BadRecordingFile(f"{path}: not a readable {what} ({reason(error)}); {remedy}") from error

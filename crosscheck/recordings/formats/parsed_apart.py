@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from threading import Lock
 from typing import Any, BinaryIO
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.recordings.formats import parsing_process
-from crosscheck.recordings.formats.parsing_process import EXIT_CODE, LENGTH
+from crosscheck.recordings.formats.parsing_process import EXIT_CODE, LENGTH, NO_FORK
 
 MAX_MEMORY = 6 << 30
 """Largest memory of the process that parses a file [bytes]; the content may be there several times."""
@@ -42,7 +43,10 @@ class FileParser:
         self._socket: socket.socket | None = None
 
     def exit_code(self, limits: Mapping[str, int], files: list[int]) -> int:
-        """How the parser of an open file ended, whose arrays it wrote to the other one. Raises ParserFailed."""
+        """How the parser of an open file ended, whose arrays it wrote to the other one.
+
+        Raises ParserFailed; OSError where no process can be started.
+        """
         with self._lock:
             asked = self._socket or self._started()
             try:
@@ -57,7 +61,10 @@ class FileParser:
             if not answer:
                 self.close()
                 raise ParserFailed("the process that parses it has ended")
-            return int(EXIT_CODE.unpack(answer)[0])
+            code = int(EXIT_CODE.unpack(answer)[0])
+            if code >= NO_FORK:
+                raise OSError(code - NO_FORK, os.strerror(code - NO_FORK))
+            return code
 
     def close(self) -> None:
         """End the process."""
@@ -70,7 +77,8 @@ class FileParser:
     def _started(self) -> socket.socket:
         ours, theirs = socket.socketpair()
         ours.settimeout(MAX_WALL_SECONDS)
-        with theirs:
+        with theirs, ExitStack() as undone:
+            undone.enter_context(ours)
             self._process = subprocess.Popen(
                 [sys.executable, "-P", parsing_process.__file__],
                 stdin=theirs.fileno(),
@@ -79,6 +87,7 @@ class FileParser:
                 env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # a fork has no other threads
                 start_new_session=True,
             )
+            undone.pop_all()
         self._socket = ours
         return ours
 

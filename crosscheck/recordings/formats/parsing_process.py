@@ -32,6 +32,9 @@ LENGTH = struct.Struct("<Q")
 EXIT_CODE = struct.Struct("<i")
 """Form of the exit code."""
 
+NO_FORK = 1000
+"""An exit code from here on says that there was no fork; what is above is the number of the error of the system."""
+
 ARRAY_ALIGNMENT = 64
 """Multiple at which an array begins [bytes]."""
 
@@ -58,7 +61,12 @@ def main() -> None:
 def _forked(asker: socket.socket, limits: Mapping[str, int], source: int, sink: int) -> int:
     """The exit code of the fork, which is killed where the asker has gone."""
     end, held = os.pipe()  # it is at its end when the fork is
-    process = os.fork()
+    try:
+        process = os.fork()
+    except OSError as error:
+        for file in (end, held, source, sink):
+            os.close(file)
+        return NO_FORK + (error.errno or 0)
     if process == 0:
         try:
             _parse(limits, source, sink)

@@ -222,11 +222,12 @@ class TestErrors:
 
 
 def test_a_process_that_nobody_could_watch_is_ended(monkeypatch):
-    def refused(_group):
+    process = subprocess.Popen(["sleep", "1000"])
+
+    def refused(*_command, **_options):
         raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
 
-    monkeypatch.setattr(own_process, "Watcher", refused)
-    process = subprocess.Popen(["sleep", "1000"])
+    monkeypatch.setattr(subprocess, "Popen", refused)
     with pytest.raises(BlockingIOError) as error, own_process._group_of(process):
         pass
     assert process.wait(HANGS) == -signal.SIGKILL

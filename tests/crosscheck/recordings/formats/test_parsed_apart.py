@@ -1,14 +1,17 @@
 """Files that end or hold up the process that parses them: an error that names the file, and the next one is read."""
 
+import errno
 import os
+import socket
 import struct
+import subprocess
 
 import numpy as np
 import pytest
 from scipy.io import savemat
 
 from crosscheck.recordings import BadRecordingFile, load_recording
-from crosscheck.recordings.formats import parsed_apart
+from crosscheck.recordings.formats import parsed_apart, parsing_process
 
 T = np.arange(20) / 10
 NUMBERS, NO_TYPE = struct.pack("<II", 9, T.nbytes), struct.pack("<II", 0, T.nbytes)
@@ -24,6 +27,38 @@ def test_damage_that_ends_scipy(tmp_path):
         load_recording(path)
     path.write_bytes(whole)
     assert np.array_equal(load_recording(path).q[:, 0], T)
+
+
+class TestNoFurtherProcess:
+    """Where none can be started, the file is not to blame."""
+
+    def test_the_parser(self, monkeypatch, tmp_path):
+        def refused(*_command, **_options):
+            raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+        savemat(tmp_path / "r.mat", {"t": T, "q_1": T})
+        monkeypatch.setattr(parsed_apart, "PARSERS", {})
+        monkeypatch.setattr(subprocess, "Popen", refused)
+        with pytest.raises(BlockingIOError):
+            load_recording(tmp_path / "r.mat")
+
+    def test_its_fork(self, monkeypatch):
+        def refused():
+            raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+
+        monkeypatch.setattr(os, "fork", refused)
+        ours, theirs = socket.socketpair()
+        files = [os.open(os.devnull, os.O_RDONLY) for _ in range(2)]
+        with ours, theirs:
+            code = parsing_process._forked(theirs, {}, *files)
+            for file in files:
+                with pytest.raises(OSError, match="Bad file"):
+                    os.fstat(file)
+            theirs.sendall(parsing_process.EXIT_CODE.pack(code))
+            parser = parsed_apart.FileParser()
+            parser._socket = ours
+            with pytest.raises(BlockingIOError):
+                parser.exit_code({}, [0, 0])
 
 
 def test_arrays_of_every_kind_arrive_as_they_are(tmp_path):
