@@ -4,9 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_trees import random_tree
 from robots.moving_robots import G, pendulum, slider
 
 from graphdyn import Event, Friction, InvalidInput, JointLimits, JointStops, kr500, simulate
+from graphdyn.simulation.equations import Equations
+from graphdyn.simulation.plant import make_plant
 
 SETTINGS = [{}, {"method": "rk4", "step": 1e-3}]
 IDS = ["dop853", "rk4"]
@@ -102,6 +105,24 @@ def test_each_joint_stops_and_breaks_loose_by_its_own_friction(settings):
         model, [0.0, 0.0], [0.0, 0.0], 2.5, torque=lambda t, q, v: [0.0, 2 * t], friction=Friction(coulomb=dry)
     )
     assert pushed.q[-1] == pytest.approx([0.0, 0.5**3 / 3], abs=1e-8)
+
+
+def test_which_joints_begin_to_slide():
+    """Coulomb's law at every joint: what is held needs no more than F_c, what slides does so against its friction.
+
+    In a third of these cases a joint would begin to slide, and does not once another does.
+    """
+    model, driven_back = random_tree(0, (0, 1, 2), ("revolute", "prismatic", "revolute")), 0
+    for seed in range(0, 60, 2):
+        rng = np.random.default_rng(seed)
+        dry = rng.uniform(0, 20, 3)
+        equations = Equations(make_plant(model, friction=Friction(coulomb=dry)))
+        q, rest, tau = rng.uniform(-1, 1, 3), np.zeros(3), rng.uniform(-30, 30, 3)
+        contact = equations.contact(0.0, q, rest, tau, passes=20)
+        rates = equations.rates(0.0, q, rest, tau, contact)
+        assert (np.where(contact.free, -rates.a * contact.sign, np.abs(rates.held) - dry) < 1e-7).all()
+        driven_back += bool((equations.contact(0.0, q, rest, tau).free & ~contact.free).any())
+    assert driven_back > 5
 
 
 def test_stops_push_and_never_pull(settings):
