@@ -5,7 +5,7 @@ import pytest
 from random_trees import NAMED, random_state
 from robots.moving_robots import slider
 
-from graphdyn import Event, Friction, InvalidInput, simulate
+from graphdyn import Event, Friction, InvalidInput, PDControl, simulate
 from graphdyn.equations.system.constraints import constraints
 from graphdyn.layout import stacked
 from graphdyn.model.spatial import apply
@@ -64,6 +64,18 @@ def test_torques_that_are_held():
     held = simulate(slider(mass=2.0), [0.0], [0.0], 0.2, torque=[[1.0], [-1.0]], **SETTINGS)
     assert held.q[-1, 0] == pytest.approx(0.2**2 / 8, rel=1e-12)
     assert held.tau[[0, 9, 10, -1], 0].tolist() == [1.0, 1.0, -1.0, -1.0]
+
+
+def test_a_controller_that_is_asked_now_and_then():
+    """Its torque is held for five steps: x and v from sample to sample by hand."""
+    mass, k, d, period = 2.0, 30.0, 4.0, 0.05
+    motion = simulate(slider(mass=mass), [1.0], [0.0], 0.15, torque=PDControl(k, d, [0.0], period=period), **SETTINGS)
+    x, v, states = 1.0, 0.0, []
+    for _ in range(3):
+        a = -(k * x + d * v) / mass
+        x, v = x + v * period + a * period**2 / 2, v + a * period
+        states.append(x)
+    assert motion.q[[5, 10, 15], 0] == pytest.approx(states, rel=1e-12)
 
 
 def test_angles_of_many_turns():
