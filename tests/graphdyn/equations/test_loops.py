@@ -95,10 +95,27 @@ def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
         compare(answer, answers[0], 1e-11)
     assert np.isfinite(answers[0].multipliers).all()  # no row is redundant in space
     back = graphdyn.inverse_dynamics(model, q, v, answers[0].a, wrenches)
+    under_motors = graphdyn.forward_dynamics(model, q, v, back.tau, wrenches, method="dense")
+    for method in METHODS:
+        compare(graphdyn.inverse_dynamics(model, q, v, answers[0].a, wrenches, method=method), under_motors, 1e-11)
     moved = graphdyn.joint_accelerations(model, q, v, back.tau, wrenches)
     assert (
         relative_error(moved, answers[0].a) < 1e-12
     )  # ten motors move fewer degrees of freedom: other torques, same motion
+
+
+@pytest.mark.parametrize("flip", [np.diag([1.0, -1, -1]), np.diag([-1.0, 1, -1])])
+def test_a_hinge_turned_over_is_open_by_half_a_turn(flip):
+    """Exactly opposite axes, whose cross product is zero; and nearly opposite ones, as by the formula of the angle."""
+    model = four_bar()
+    q, (chord,) = model.closed_pose, model.chords
+    for angle in (0.0, 1e-9, 0.3):
+        tilt = Placement(flip @ rotation_about(np.array([1.0, 0, 0]), angle), chord.placement_j.translation)
+        over = replace(model, chords=(replace(chord, placement_j=tilt),))
+        gaps = over.loops.gaps(q)
+        np.testing.assert_allclose(np.linalg.norm(gaps[3:]), np.pi - angle, atol=1e-8)
+        with pytest.raises(InconsistentState, match="is open by"):
+            graphdyn.forward_dynamics(over, q, np.zeros(3), np.zeros(3))
 
 
 def enlarged(model, size):
