@@ -136,6 +136,8 @@ def test_gradients(name, model, terms):
 @pytest.mark.parametrize("model", [mixed_tree(), coupled_tree()], ids=["tree", "couplings"])
 def test_slopes_of_limits(model):
     """Of positions, velocities, accelerations, jerks, torques and planes by the coefficients of the motion."""
+    joints = tuple(replace(joint, damping=0.5 + k, friction=0.1) for k, joint in enumerate(model.joints))
+    model = replace(model, joints=joints)
     problem = problem_of(model, planes=(Plane((0.2, -0.3, 1.0), -3.0),))
     basis, times = problem.basis, np.linspace(0, 5, 30)
     phi = [basis.rows(times, order) for order in range(4)]

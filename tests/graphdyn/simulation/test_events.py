@@ -46,6 +46,16 @@ def test_a_limit_that_is_passed_there_and_back_between_rows(settings):
     assert motion.q[-1, 0] == pytest.approx(0.5, abs=1e-14)
 
 
+def test_a_limit_that_a_limited_torque_reaches_between_rows(settings):
+    """100 N are asked of a drive that gives 3 N to 2 kg: a = 1.5 m/s², 0.5 m after √(2 · 0.5/1.5) s."""
+    model = slider(limits=JointLimits(-1.0, 0.5))
+    motion = simulate(model, [0], [0], 2, torque=lambda t, q, v: [100.0], torque_limits=3.0, limits="stop", **settings)
+    assert motion.ended == "upper limit of joint 'rail'"
+    within = 0.05 if settings.get("method") == "euler" else 1e-9
+    assert motion.time[-1] == pytest.approx(np.sqrt(2 * 0.5 / 1.5), rel=within)
+    np.testing.assert_allclose(motion.v[-1], 1.5 * motion.time[-1], rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("speed", "force", "ends"), [(1.2, -1.0, True), (0.0, 1.0, True), (-0.1, 0.0, False), (0.0, 0.0, False)]
 )
