@@ -5,11 +5,13 @@ import json
 import numpy as np
 import pyarrow
 import pytest
-from identified.study_tables import METHODS, NOISES, study_tables
+import scipy.stats
+from identified.study_tables import METHODS, NOISES, TRUTH, study_tables
 from jsonschema import Draft202012Validator
 from lxml import html
 from pyarrow.parquet import write_table
 from shared_data import REPOSITORY
+from shown import pages
 from shown.browser import CHROMIUM, document
 
 from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
@@ -84,6 +86,59 @@ def test_terminal(report, folder):
     assert "intervals of medians reach from the smallest to the largest of 5 runs, which has 93.8%" in text
     middle = np.median([row["torque_error"] for row in study_tables(RUNS)[0][:: len(METHODS)][:RUNS]])
     assert f"{100 * middle:.2g} (" in text
+
+
+def test_numbers_of_the_tables(written, folder):
+    """From the rows of the files: medians, shares, mean errors and standard deviations of the runs, and ranks."""
+    rows, found = study_tables(RUNS)[0], read_outcomes(folder)
+    scenarios = [found.scenarios[k].name for k in grid_of(found.scenarios).order()]
+    tables = (pages.all_tables(written, words) for words in ("medians and shares", "mean of found", "over the runs"))
+    for scenario, results, bias, spread in zip(scenarios, *tables, strict=True):
+        for name, _, parameter, torque, *_, real, failed, iterations, _ in results:
+            own = [row for row in rows if (row["scenario"], row["method"]) == (scenario, name)]
+            for told, key in ((parameter, "parameter_error"), (torque, "torque_error")):
+                errors = np.sort([np.inf if row[key] is None else 100 * row[key] for row in own])
+                assert told == interval(np.median(errors), errors[0], errors[-1])
+            answered = [row for row in own if row["status"] == "found"]
+            for told, count, trials in (
+                (real, sum(row["consistent"] for row in answered), len(answered)),
+                (failed, len(own) - len(answered), len(own)),
+            ):
+                wilson = scipy.stats.binomtest(count, trials).proportion_ci(0.95, "wilson")
+                assert told == interval(100 * count / trials, 100 * wilson.low, 100 * wilson.high)
+            counts = [row["iterations"] for row in answered if row["iterations"] is not None]
+            assert iterations == (f"{np.median(counts):.3g}" if counts else "–")
+        base = {
+            name: [row["base"] for row in rows if (row["scenario"], row["method"]) == (scenario, name) and row["base"]]
+            for name, *_ in results
+        }
+        several = [np.array(values) - TRUTH for values in base.values() if len(values) > 1]
+        for table, expected in (
+            (bias, [values.mean(axis=0) for values in several]),
+            (spread, [values.std(axis=0, ddof=1) for values in several]),
+        ):
+            told = np.array([[float(cell) for cell in cells] for _, _, _, *cells in table])
+            np.testing.assert_allclose(told, np.transpose(expected), rtol=0.06, atol=1e-12)
+
+
+def test_ranks_in_numbers(written):
+    """Of the torque errors of every record, failures last, on average."""
+    rows = [row for row in study_tables(RUNS)[0] if row["measures"] == "torques"]
+    methods = [name for name in METHODS if METHODS[name][0] == "torques"]
+    records = sorted({(row["scenario"], row["run"]) for row in rows})
+    errors = {(row["scenario"], row["run"], row["method"]): row["torque_error"] for row in rows}
+    table = [[errors[(*record, name)] or np.inf for name in methods] for record in records]
+    means = scipy.stats.rankdata(np.round(table, 9), axis=1).mean(axis=0)
+    shown = html.fromstring(written).xpath("//tr[td[contains(., '(')]]")
+    cells = [[" ".join(cell.text_content().split()) for cell in row] for row in shown]
+    for name, mean in zip(methods, means, strict=True):
+        assert any(row[0] == name and any(cell.startswith(f"{mean:.2f} (") for cell in row) for row in cells), name
+
+
+def interval(value, low, high):
+    """In percent, as a table has it."""
+    texts = ["∞" if np.isinf(x) else f"{x:.0f}" if x > 99 else f"{x:.2g}" for x in (value, low, high)]
+    return f"{texts[0]} ({texts[1]}–{texts[2]})"
 
 
 def test_one_run(tmp_path):

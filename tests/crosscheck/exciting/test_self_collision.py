@@ -191,6 +191,31 @@ def test_hits_on_the_meshes(folding_arm):
     assert widened.clearances["a - c"].distance <= known.margin
 
 
+def test_tightened_by_the_farthest_that_collide(folding_arm):
+    """Of four poses three collide: two millimeters more than the largest distance of spheres in any of them."""
+    known, q = known_of(folding_arm), np.array([[0, 2.9, 3.0], [0, 2.8, 2.9], [0, 2.95, 2.6], [0, 0, 0]])
+    assert {hit.name: hit.poses for hit in known.hits(q)}["a - c"] == 3
+    widened = known.tightened(q).clearances["a - c"]
+    apart = smallest_distances(widened, Poses(known.model, q))[:3]
+    assert np.ptp(apart) > 1e-3
+    assert widened.distance == pytest.approx(min(apart.max() + pairing.CLEARANCE_STEP, known.margin))
+
+
+@pytest.mark.parametrize(
+    ("colliding", "forbidden", "distance"),
+    [(3, 0, 0.5), (3, 1, 0.5), (3, 30, 0.02), (0, 30, None), (3, 3, 0.5)],
+    ids=["none", "one", "many", "many, for nothing", "as many as collide"],
+)
+def test_spheres_may_forbid_few_poses_that_are_free(colliding, forbidden, distance, monkeypatch):
+    """Of a hundred poses that are free; those that collide are meant to be forbidden."""
+    one, other = (Sphere(body, np.zeros(3), 0.1) for body in (1, 2))
+    apart = np.concatenate([np.linspace(-0.1, 0.02, colliding), np.full(forbidden, 0.3), np.full(100 - forbidden, 0.7)])
+    monkeypatch.setattr(pairing, "smallest_distances", lambda clearance, poses: apart)
+    touching = np.arange(len(apart)) < colliding
+    kept = pairing._kept_clearance(Clearance("x", (one,), (other,), 0.5), None, touching)
+    assert (kept and kept.distance) == distance
+
+
 def test_motions_that_still_collide(folding_arm, monkeypatch):
     """Each search with more distance; at the end an error that says so."""
     known, problem = known_of(folding_arm), problem_of(urdf.load(folding_arm))

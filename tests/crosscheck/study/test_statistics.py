@@ -317,6 +317,13 @@ def test_read(tmp_path, study):
         assert np.array_equal(one.base, other.base, equal_nan=True)
 
 
+def test_an_error_that_is_no_number_is_a_failure():
+    results, scenarios, times = study_tables(2, motions=("Fourier",))
+    results[0]["torque_error"] = np.nan
+    (first, *_) = outcomes(results, scenarios, times).scenarios
+    assert np.isinf(first.errors["torque_error"][0]).tolist() == [True] + [False] * (len(METHODS) - 1)
+
+
 def test_tables_that_do_not_fit():
     results, scenarios, times = study_tables(2, motions=("Fourier",))
     name = scenarios[0]["scenario"]

@@ -94,6 +94,13 @@ def test_functions_of_time(basis):
     assert np.linalg.matrix_rank(basis.rows(times, 1)) == basis.size - 1
 
 
+def test_coefficients_of_splines_have_the_size_of_velocities():
+    """All equal they are a constant: as long as a piece."""
+    basis = SplineBasis(6.0, 4)
+    assert basis.rows(np.linspace(0.0, 6.0, 50), 0).sum(axis=1) == pytest.approx(1.5)
+    assert basis.rows(np.linspace(0.0, 6.0, 50), 0) @ basis.middle == pytest.approx(1.0)
+
+
 def test_series_in_the_notation_of_swevers():
     basis, times = FourierBasis(5.0, 4), np.linspace(0, 5, 20)
     coefficients = np.random.default_rng(0).normal(size=basis.size)

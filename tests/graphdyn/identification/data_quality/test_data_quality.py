@@ -15,6 +15,7 @@ from graphdyn.identification.data_quality import Change, Piece, RecordedColumns,
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.measured_torque import gains
+from graphdyn.identification.data_quality.thinning import ThinnedRecording
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -133,6 +134,14 @@ class TestClean:
             assert found.share[j] == pytest.approx(gain * np.linalg.norm(predicted) / np.linalg.norm(tau), rel=1e-6)
             left = tau - predicted - own @ np.linalg.lstsq(own, tau - predicted, rcond=None)[0]
             assert found.without_gain[j] == pytest.approx(np.linalg.norm(left) / np.linalg.norm(tau), rel=1e-6)
+
+    def test_costs_of_reversed_torques(self):
+        """Of the logarithm of the likelihood per sample, with each torque of the wrong sign."""
+        samples = ThinnedRecording([recording()]).samples
+        fit = BoundedFit.of(torque_model(), samples, np.ones(samples.tau.shape, dtype=bool))
+        costs = [np.log(fit.errors(samples.tau @ signs(j))).sum() for j in range(N)]
+        np.testing.assert_allclose(clean().sign_costs, costs - np.log(clean().errors).sum(), rtol=1e-6)
+        assert np.all(clean().sign_costs > 0.5)
 
     def test_errors_are_the_noise(self):
         """The low-pass takes most of it, and rounds the friction where a joint turns back."""

@@ -1,9 +1,11 @@
 """Settings of terms that the torque is not linear in, found by variable projection."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import scipy.optimize
 from identified import torque_data
 
 from graphdyn import InvalidInput
@@ -72,6 +74,25 @@ def test_noise_and_what_is_not_there(arm):
     deviation = 1.0 / np.linalg.norm(slope)  # of log width, where all else is known
     assert abs(np.log(setting.values[0] / 0.05)) < 2 * NOISE_SCATTER * deviation
     assert isinstance(found.terms[1], Coulomb)
+
+
+def test_joints_count_in_units_of_their_noise(arm, monkeypatch):
+    """Ten times the noise at one axis: the squares that are minimized have a mean of one on both."""
+    model, samples = arm
+    noisy = recorded(model, samples, [Coulomb([0.05, 0.05])], [30.0, 20.0], noise=np.array([1.0, 10.0]))
+    seen = []
+
+    def spied(residual, start, *_, **__):
+        seen.append(residual(start).reshape(-1, 2))
+        return SimpleNamespace(x=np.log(30) * ends)
+
+    monkeypatch.setattr(scipy.optimize, "least_squares", spied)
+    problem = Problem(TorqueModel(model, [RigidBodies(), Tunable("coulomb", Coulomb, {"width": 0.05})]), noisy)
+    for ends in np.array([[-1.0, 0.5], [-0.5, 1.0]]):
+        _, (setting,) = tuned(problem)
+        assert setting.values == pytest.approx(0.05 * 30**ends)
+        assert setting.at_end.tolist() == (np.abs(ends) == 1).tolist(), "at either end"
+    assert np.mean(seen[0] ** 2, axis=0) == pytest.approx([1.0, 1.0], abs=0.1)
 
 
 def test_a_joint_at_rest(arm):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from identified import closed_loop_data, torque_data
 
-from graphdyn import InvalidInput
+from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.identification import (
     ClosedLoopOutputError,
     ConsistentLeastSquares,
@@ -16,9 +16,12 @@ from graphdyn.identification import (
     OrdinaryLeastSquares,
     Problem,
     Ridge,
+    TorqueModel,
     WeightedLeastSquares,
     compare_methods,
+    model_prior,
 )
+from graphdyn.identification.terms import RigidBodies, Viscous
 
 ROUNDING = 1e-9
 """Of parameters, relative to the largest: condition number times eps."""
@@ -44,6 +47,20 @@ def dense(problem):
     a = np.concatenate([w.reshape(-1, base.rank), rows])
     b = np.concatenate([right.ravel(), [value / deviation for value, deviation in EXPECTED.values()]])
     return np.linalg.lstsq(a, b, rcond=None)[0], np.linalg.inv(a.T @ a)
+
+
+def test_scale_of_bodies():
+    """Of two bodies of 2 and 4 kg, with joints 0.3 and 0.5 m apart: 3 kg, 1.2 kg m, 0.48 kg m²; friction has none."""
+    bodies = [Body(name, mass, np.zeros(3), np.eye(3)) for name, mass in (("A", 2.0), ("B", 4.0))]
+    joints = [
+        Joint(f"J{k}", "revolute", k, Placement(np.eye(3), np.array([0.0, size, 0.0])), [0.0, 0.0, 1.0])
+        for k, size in enumerate((0.3, 0.5))
+    ]
+    arm = RobotModel("arm", tuple(bodies), tuple(joints))
+    scale = model_prior(TorqueModel(arm, (RigidBodies(), Viscous()))).scale
+    assert scale[:10] == pytest.approx([3.0, *[1.2] * 3, *[0.48] * 6])
+    assert np.array_equal(scale[10:20], scale[:10])
+    assert np.isinf(scale[20:]).all()
 
 
 def test_weighted_against_the_recording(problem):

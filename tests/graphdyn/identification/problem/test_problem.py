@@ -9,6 +9,7 @@ import graphdyn
 from graphdyn import BaseMotion, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.algebra.compressed import merged
+from graphdyn.identification.problem.problem import together
 from graphdyn.identification.terms import KnownBodies, Offset, RigidBodies
 
 ROUNDING = 1e-13
@@ -178,6 +179,14 @@ class TestBlocks:
             others = merged(whole.folds[:k] + whole.folds[k + 1 :])
             assert np.abs(products(others) - left).max() <= ROUNDING * np.abs(left).max()
             assert list(others.counts) == [540] * 6
+
+    @pytest.mark.parametrize(("blocks", "folds"), [(9, 9), (10, 10), (11, 6), (25, 9), (31, 8)])
+    def test_at_most_ten_folds(self, blocks, folds, whole):
+        """Neighbors in equal numbers, but for the last."""
+        found = together([whole.blocks[0]] * blocks)
+        each = -(-blocks // folds)
+        sizes = [int(fold.counts[0]) // int(whole.blocks[0].counts[0]) for fold in found]
+        assert sizes == [each] * (folds - 1) + [blocks - each * (folds - 1)]
 
     def test_blocks_are_blocks_of_time(self, samples):
         problem = Problem(torque_data.torque_model(), samples, block_samples=250)

@@ -9,6 +9,7 @@ from witnesses import outside_of, relative_error
 import urdf
 from graphdyn import BaseMotion, InvalidInput, body_regressor, inverse_dynamics, kr500, kr500_experiment
 from graphdyn.identification import (
+    IdentifiedBodies,
     identified_inertia,
     identify_inertial_parameters,
     identify_inertial_parameters_together,
@@ -208,6 +209,17 @@ class TestReading:
         assert answer.combination_values == pytest.approx([1.5, 5.0], rel=EXACT)
         assert answer.undetermined == ("x", "y")
         assert answer.rank == 2
+
+    def test_the_worst_of_several_systems_tells_the_condition(self):
+        systems = tuple(
+            rank_revealing_least_squares(
+                np.diag([1.0, size]), np.ones(2), ("x", "y"), column_scale=np.ones(2), groups=np.zeros(2, dtype=int)
+            )
+            for size in (0.5, 0.01, 0.2)
+        )
+        found = IdentifiedBodies(("A", "B", "C"), ("x", "y"), systems, np.zeros((1, 3, 6)))
+        assert found.condition_number == pytest.approx(100.0)
+        assert found.rank == 6
 
     def test_differences_in_words(self):
         matrix = np.array([[1.0, -2.0]])
