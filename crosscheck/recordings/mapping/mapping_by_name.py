@@ -156,7 +156,8 @@ def _channel(
     table: RecordedTable, name: str, family: Family, order: list[str], findings: list[RecordingFinding]
 ) -> Channel:
     where = str(table.path)
-    if not set(order) <= set(family):
+    surplus = set(family) - set(order) if all(joint.isdigit() for joint in family) else set()
+    if surplus or not set(order) <= set(family):
         raise BadMapping(
             f"{where}: {name} has columns for {in_words(family)}, joints are {in_words(order)}; give a mapping"
         )

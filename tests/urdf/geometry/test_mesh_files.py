@@ -241,6 +241,16 @@ def damaged():
     }
 
 
+def test_indented_lines_of_an_obj_file(drawn):
+    """trimesh passes over them."""
+    text = "v 0 0 0\n\tv 1 0 0\n v 0 1 0\nv 0 0 1\n  f 1 2 3\nf 1 2 4\n"
+    found = urdf.shapes(drawn(mesh("../meshes/a.obj"), text, "a.obj"))
+    assert found.missing == ()
+    (shape,) = found.meshes
+    corners = {frozenset(map(tuple, shape.vertices[face].tolist())) for face in shape.faces}
+    assert corners == {frozenset([(0, 0, 0), (1, 0, 0), end]) for end in ((0, 1, 0), (0, 0, 1))}
+
+
 @pytest.mark.parametrize("name", damaged())
 def test_a_damaged_file(drawn, name):
     content, suffix, reason = damaged()[name]

@@ -183,7 +183,7 @@ _OBJ_WORDS = (
 """What a line of an OBJ file may begin with beside v and f (Wavefront, Advanced Visualizer Manual, Appendix B1)."""
 
 _ODD_OBJ_LINE = re.compile(
-    rf"^(?![ \t]*(?:#.*|v(?:[ \t]+{_NUMBER}){{3,}}[ \t]*(?:#.*)?|"
+    rf"^(?!(?:#.*|v(?:[ \t]+{_NUMBER}){{3,}}[ \t]*(?:#.*)?|"
     rf"f(?:[ \t]+-?[1-9][0-9]*(?:/-?[0-9]*){{0,2}}){{3,}}[ \t]*(?:#.*)?|(?:{_OBJ_WORDS})(?:[ \t].*)?)?$).+$",
     re.MULTILINE,
 )
@@ -194,6 +194,7 @@ def _obj(content: bytes, path: Path) -> list[Triangles]:
     from trimesh.exchange.obj import load_obj
 
     text = re.sub("\r\n?", "\n", content.decode(errors="replace"))  # names may be in any encoding
+    text = re.sub("^[ \t]+", "", text, flags=re.MULTILINE)  # trimesh passes over lines that are indented
     if odd := _ODD_OBJ_LINE.search(text.replace("\\\n", "  ")):
         line = text.count("\n", 0, odd.start()) + 1
         raise UnreadableMesh(f"the file is damaged: line {line}: '{shortened(odd[0])}'")

@@ -151,6 +151,7 @@ def test_ambiguous_names_are_refused_with_the_candidates(tmp_path, names, joints
     [
         (["x", "y"], None, r"no columns of joint positions \(q_1, .*\) among t_s, x, y; give a mapping"),
         (["q_1", "q_2", "tau_1"], None, r"tau has columns for 1, joints are 1, 2; give a mapping"),
+        (["q_1", "q_2", "v_1", "v_2", "v_3"], None, r"v has columns for 1, 2, 3, joints are 1, 2; give a mapping"),
         (["q_1"], ["a", "b"], r"positions of 1 joint, the robot has 2; give a mapping"),
         (["q_a"], ["a", "b"], r"no position of 'b' \(there are a\); give a mapping"),
         (["q_1 [N]"], None, r"column 'q_1 \[N\]' is in 'N', which is not a unit of q; give a mapping"),
