@@ -147,7 +147,9 @@ def test_the_program(program, small_arm, tmp_path):
     assert [motion["number"] for motion in record["motions"]] == [1, 2]
     assert all(limit["used"] <= 1 for motion in record["motions"] for limit in motion["limits"])
     assert record["plan"]["geometric_mean"] < record["median_random"]["geometric_mean"]
-    assert f"Standard deviations of {len(record['parameters'])} base parameters" in page.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
+    assert f"Standard deviations of {len(record['parameters'])} base parameters" in text
+    assert {*re.findall(r">Motion (\d+)<", text)} == {"1", "2"}
 
     first = tmp_path / "m-1.csv"
     assert record["out"] == [str(first), str(tmp_path / "m-2.csv")]

@@ -202,6 +202,16 @@ def test_joints(report, small_comparison):
     ]
 
 
+def test_verdict_in_words(small_comparison, wrong_comparison, record):
+    """Of one robot its quantities, of several the robots."""
+    one, two = ([small_comparison], [small_comparison, wrong_comparison])
+    every = len(record["quantities"])
+    assert crosscheck_report(one).verdict.reason == f"{every} of {every} quantities are within their bounds."
+    assert crosscheck_report(two).verdict.reason == "1 of 2 robots agree on every quantity."
+    lost = [{"robot": "x", "message": "no"}]
+    assert crosscheck_report(two, lost).verdict.reason.endswith("quantity. 1 could not be compared.")
+
+
 def test_base_parameters_that_differ(small_comparison):
     found = BaselineIdentification(12, 13, 1234.5, (2e-3, 3e-17), 4e-14, 7e-13)
     said = facts(comparison_page([dataclasses.replace(small_comparison, identification=found)], COMMAND))
