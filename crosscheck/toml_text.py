@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 import tomllib
@@ -44,7 +45,9 @@ def toml_document(content: bytes) -> dict[str, Any]:
         elif isinstance(value, list):
             waiting += [(where, one, depth + 1) for one in value]
         elif isinstance(value, int) and abs(value) > sys.float_info.max:
-            raise ValueError(f"{where} is a number of some {value.bit_length() * 3 // 10} digits; give one below 1e308")
+            raise ValueError(
+                f"{where} is a number of some {round(value.bit_length() * math.log10(2))} digits; give one below 1e308"
+            )
     return document
 
 

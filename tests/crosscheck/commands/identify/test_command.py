@@ -263,7 +263,7 @@ class TestModels:
             ("[a", "models.toml: "),
             ("x = " + "[" * 5000, "models.toml: is no TOML: more than 50 tables or lists within each other"),
             ("[" + "a." * 20_000 + "a]", "models.toml: line 1: a key of more than 50 parts"),
-            ("[a]\nterms = []\nnoise = " + "9" * 400, "a.noise is a number of some 398 digits; give one below 1e308"),
+            ("[a]\nterms = []\nnoise = " + "9" * 400, "a.noise is a number of some 400 digits; give one below 1e308"),
             ("[a]\nkind = 1", "[a] kind: unknown; a torque model has terms, methods, known_torques, scaled_torques"),
             ("[a]\nmethods = []", "[a]: terms are missing; give a list, which may be empty"),
             ("[a]\nterms = 'viscous'", "[a] terms is 'viscous'; give a list of names"),
