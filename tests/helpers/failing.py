@@ -10,8 +10,11 @@ CALLS = ((Path, "write_bytes"), (os, "fsync"), (os, "replace"))
 
 
 @contextmanager
-def failing(number):
-    """The call of this number, from 1 on, fails after half of its work. Answers the list of those that were made."""
+def failing(number, lasting=False):
+    """The call of this number, from 1 on, fails after half of its work. Answers the list of those that were made.
+
+    lasting: all after it fail too
+    """
     made = []
 
     def counted(place, name):
@@ -19,7 +22,7 @@ def failing(number):
 
         def call(first, *others):
             made.append(name)
-            if len(made) != number:
+            if len(made) != number and not (lasting and len(made) > number):
                 return original(first, *others)
             if name == "write_bytes":
                 original(first, others[0][: len(others[0]) // 2])

@@ -23,7 +23,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -35,6 +35,9 @@ GAVE_UP = 120.0
 """Time after which a run counts as hanging [s]."""
 
 BAD_INPUT = 2
+
+STORE = re.compile(r"\.sqlite(-wal|-shm)?$")
+"""The store of a study, which is written to as it is."""
 
 
 class Calls(ctypes.Structure):
@@ -124,8 +127,6 @@ def runs() -> list[Run]:
         ),
         Run("export", ("export", "small.urdf", "--to", "small.c"), robot),
         Run("export-json", ("export", "small.urdf", "--to", "small.json"), robot),
-        Run("errata", ("errata", "--json", "numbers.json"), {}, {"numbers.json": b"old numbers"}),
-        Run("paper", ("paper", "--samples", "10", *REPORT), {}, PAGES),
     ]
 
 
@@ -206,7 +207,7 @@ class _Trial:
         for target in range(first, count + 1, every):
             self.fresh()
             code = self.ended(self.run.arguments, target)
-            problems = self.problems(code, kinds[target - 1])
+            problems = self.problems(code)
             found[f"{KINDS[kinds[target - 1]]}: {'; '.join(problems) or f'exit code {code}'}"] += 1
             if problems:
                 wrong += 1
@@ -277,48 +278,44 @@ class _Trial:
             self.calls.enabled = counted
             program()
 
-    def problems(self, code: int, kind: str) -> list[str]:
+    def problems(self, code: int) -> list[str]:
         """What is not as it should be, in words."""
-        problems = []
-        said = self.errors.read_text()
         found = self.files()
-        if code == self.run.code and self.calls.count < self.calls.target:
-            return []
         if code == self.run.code:
-            problems += [
-                f"{name} is not as without a failure"
-                for name in self.whole
-                if not self.same(name, found) and name != "stdout"
-            ]
-            if found.get("stdout") != self.whole["stdout"] and "stdout" not in self.volatile:
-                problems.append("exit code of success, and the output is cut")
-        elif code != BAD_INPUT:
-            problems.append(f"exit code {code}")
-        elif not re.search(r"^error: ", said, re.MULTILINE):
-            problems.append("no error is told")
+            return [f"exit code {code}, and {name} is another" for name in self.whole if not self.same(name, found)]
+        problems = [*self.of_the_end(code), *self.of_files(found)]
+        return [*problems, *self.of_going_on()] if self.run.resumed else problems
+
+    def of_the_end(self, code: int) -> Iterator[str]:
+        said = self.errors.read_text()
+        if code != BAD_INPUT:
+            yield f"exit code {code}"
+        if not re.search(r"^error: ", said, re.MULTILINE):
+            yield "no error is told"
         if "Traceback" in said or "internal error" in said:
-            problems.append(f"told: {said.strip().splitlines()[-1][:150]}")
+            yield f"told: {said.strip().splitlines()[-1][:150]}"
+
+    def of_files(self, found: dict[str, bytes]) -> Iterator[str]:
+        known = {f"work/{name}": content for name, content in {**self.run.inputs, **self.old}.items()}
         for name, content in found.items():
-            old = self.old.get(name.removeprefix("work/"))
-            expected = name in self.whole or old is not None or name in ("work/" + one for one in self.run.inputs)
-            if not expected and not re.search(r"\.sqlite-(wal|shm)$", name):
-                problems.append(f"{name} is left")
-            elif content != old and name not in ("stdout",) and not self.same(name, found) and "sqlite" not in name:
-                problems.append(f"{name} is neither the old nor the new")
+            if name == "stdout" or STORE.search(name):
+                continue
+            if name not in self.whole and name not in known:
+                yield f"{name} is left"
+            elif content != known.get(name) and not self.same(name, found):
+                yield f"{name} is neither the old nor the new"
+        yield from (f"{name} is lost" for name in known if name not in found)
         if len({content == self.old[name] for name, content in self.within(found) if name in self.old}) > 1:
-            problems.append("the folder is half old")
-        problems += [f"{name} is lost" for name in self.old if f"work/{name}" not in found]
-        if self.run.resumed and code != self.run.code:
-            again = self.ended((*self.run.arguments, *self.run.resumed))
-            found = self.files()
-            if again != self.run.code:
-                problems.append(f"resumed: exit code {again}, {self.errors.read_text().strip()[-200:]}")
-            problems += [
-                f"resumed: {name} differs"
-                for name in self.whole
-                if name not in ("stdout", "work/out/study.sqlite") and not self.same(name, found)
-            ]
-        return problems
+            yield "the folder is half old"
+
+    def of_going_on(self) -> Iterator[str]:
+        code = self.ended((*self.run.arguments, *self.run.resumed))
+        found = self.files()
+        if code != self.run.code:
+            yield f"going on: exit code {code}, {self.errors.read_text().strip()[-200:]}"
+        for name in self.whole:
+            if name != "stdout" and not STORE.search(name) and not self.same(name, found):
+                yield f"going on: {name} is another"
 
     def within(self, found: dict[str, bytes]) -> list[tuple[str, bytes]]:
         """Files of a folder that is written as a whole, which are other ones in every run."""
@@ -328,10 +325,12 @@ class _Trial:
     def same(self, name: str, found: dict[str, bytes]) -> bool:
         """Whether a file is as without a failure; of one that no two runs write alike, whether it is whole."""
         content = found.get(name)
-        if content is None or content == self.whole[name]:
+        if content is None or content == self.whole.get(name) or STORE.search(name):
             return content is not None
         if name not in self.volatile:
             return False
+        if name == "stdout":
+            return True
         if name.endswith(".json"):
             return isinstance(json.loads(content), dict)
         if name.endswith(".html"):

@@ -226,8 +226,11 @@ def _take_place(new: Path, target: Path) -> None:
         raise
     try:
         os.replace(new, target)
-    except OSError:
-        os.replace(old, target)
+    except OSError as error:
+        try:
+            os.replace(old, target)
+        except OSError:
+            raise OSError(error.errno, f"{error.strerror}; what was there is in {old}") from error
         raise
     shutil.rmtree(old)
 

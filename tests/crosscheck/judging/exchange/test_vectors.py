@@ -175,6 +175,13 @@ class TestWholeFolder:
         }
         assert [path.name for path in tmp_path.iterdir()] == ["v"]
 
+    def test_an_old_one_that_cannot_come_back_is_named(self, tmp_path):
+        write_folder(tmp_path / "v", {"a": b"old"})
+        with failing(5, lasting=True), pytest.raises(OSError, match=r"; what was there is in .*\.v\.") as error:
+            write_folder(tmp_path / "v", {"a": b"new"})
+        aside = Path(error.value.strerror.rpartition(" ")[2])
+        assert (aside / "a").read_bytes() == b"old"
+
     def test_permissions(self, tmp_path):
         write_folder(tmp_path / "v", {"a": b""})
         (tmp_path / "usual").mkdir()
