@@ -98,6 +98,11 @@ def test_rows_are_derivatives_of_the_gap_and_methods_agree(kind):
     under_motors = graphdyn.forward_dynamics(model, q, v, back.tau, wrenches, method="dense")
     for method in METHODS:
         compare(graphdyn.inverse_dynamics(model, q, v, answers[0].a, wrenches, method=method), under_motors, 1e-11)
+    of_tree = graphdyn.joint_torques(model.opened, q, v, answers[0].a, wrenches) @ v  # chords do no work
+    for method in ("dense", "projected"):
+        power = graphdyn.power(model, q, v, answers[0].a, wrenches, method=method)
+        assert power.sum() == pytest.approx(of_tree, rel=1e-10)
+        np.testing.assert_allclose(power, back.tau * v, atol=1e-10 * np.abs(power).max())
     moved = graphdyn.joint_accelerations(model, q, v, back.tau, wrenches)
     assert (
         relative_error(moved, answers[0].a) < 1e-12

@@ -10,6 +10,7 @@ from identified import torque_data
 
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, TorqueModel
+from graphdyn.identification.data.rows import Rows, counted
 from graphdyn.identification.terms import Coulomb, KnownTorque, RigidBodies, UserColumns
 
 ROUNDING = 1e-12
@@ -113,3 +114,18 @@ class TestRowFilter:
         pieces = [self.filtered(samples[:300]), dataclasses.replace(samples[300:], continues=True)]
         with pytest.raises(InvalidInput, match="a piece that continues another has another row filter; give both the"):
             self.rows(*pieces)
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 12])
+def test_a_run_starts_after_each_gap_however_the_rows_arrive(size):
+    used = np.array([1, 1, 0, 0, 1, 1, 1, 0, 1, 1, 1, 1], dtype=bool)
+    numbers = np.arange(12.0)
+    parts = [
+        Rows(numbers[k, None, None], *(numbers[k, None] for _ in range(3)), np.ones((len(k), 1), bool), first=k[0] == 0)
+        for k in np.split(np.arange(12), range(size, 12, size))
+    ]
+    found = list(counted(parts, used))
+    assert np.concatenate([rows.right[:, 0] for rows in found]).tolist() == np.flatnonzero(used).tolist()
+    assert [rows.right[0, 0] for rows in found if rows.first] == [0.0, 4.0, 8.0]
+    with pytest.raises(InvalidInput, match="used is given for 13 rows; the filter leaves 12"):
+        list(counted(parts, np.ones(13, dtype=bool)))

@@ -13,6 +13,7 @@ from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.data_quality import Change, Piece, RecordedColumns, assess_recording, excitation
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.changes import scales
 from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.measured_torque import gains
 from graphdyn.identification.data_quality.thinning import ThinnedRecording
@@ -335,3 +336,21 @@ def test_excitation_of_a_joint_that_never_moves():
     assert (moving["viscous"].determined, moving["viscous"].structural) == (N, N)
     assert (resting["viscous"].determined, resting["coulomb"].determined) == (N - 1, N - 1)
     assert all(0 < group.weakest <= 1 for group in moving.values())
+
+
+def test_units_of_torques_that_are_tried():
+    """Gains of 1000 in one joint, of -100 in all but one: against the others, and against the model."""
+    sure = np.ones(4)
+
+    def tried(gain, share=sure):
+        found = list(scales(np.array(gain), share))
+        for change in found:
+            size = np.ones(4)
+            size[list(change.joints)] = 1 / change.factor
+            np.testing.assert_allclose(change.torque, np.diag(size), rtol=1e-15)
+        return [(change.joints, change.factor) for change in found]
+
+    assert tried([1.0, 1.5, -1000.0, 0.7]) == [((2,), 1000 / 1.25), ((2,), 1000.0)]
+    everywhere = [((0, 1, 2, 3), 100.0), ((0,), 100.0), ((1,), 100.0), ((2,), 0.01), ((3,), 100.0)]
+    assert tried([-100.0, 100.0, 1.0, 100.0]) == everywhere
+    assert tried([1.0, 1.0, 1000.0, 1.0], np.array([1.0, 1.0, 0.0, 1.0])) == []  # which explains nothing
