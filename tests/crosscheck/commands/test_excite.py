@@ -11,6 +11,7 @@ import yaml
 from jsonschema import Draft202012Validator
 from planting import mixed_tree
 from shared_data import REPOSITORY
+from shown import pages
 
 import urdf
 from crosscheck.commands.excite import command as excite_search
@@ -182,9 +183,16 @@ def test_motion_beyond_a_limit(program, small_arm, tmp_path):
     path = tmp_path / "fast.csv"
     path.write_bytes(document(timed(model), path, SETTINGS))
     file, fast = tmp_path / "r.json", ("--velocity", 0.01, "--motion", path, "--random", 0)
-    done = program("excite", "--robot", small_arm, *LIMITS, *fast, "--json", file)
+    page = tmp_path / "page.html"
+    done = program("excite", "--robot", small_arm, *LIMITS, *fast, "--json", file, "--html", page)
     assert done.code == DISAGREED
     assert "VIOLATES LIMITS" in done.out
+    (table,) = [
+        one
+        for one in pages.parsed(page.read_text(encoding="utf-8")).iter("table")
+        if "largest part of each limit" in "".join(one.xpath("caption//text()"))
+    ]
+    assert len(table.xpath("tbody/tr[contains(@class, 'disagrees')]")) == 3
     (motion,) = json.loads(file.read_text(encoding="utf-8"))["motions"]
     beyond = [limit for limit in motion["limits"] if limit["used"] > 1]
     assert len(beyond) == 3

@@ -13,6 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from shared_data import DATA, REPOSITORY, existing
 
 import crosscheck
+import graphdyn
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.identifying import Preparation
@@ -115,6 +116,25 @@ def test_hold(program, small_arm, tmp_path):
     found = load_recording(out, joints=urdf.load(small_arm).joint_names)
     assert np.abs(found.q[-1] - [0.1, 0.2, 0.3]).max() < 1e-8
     assert np.abs(found.q - [0.1, 0.2, 0.3]).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("option", "asked"),
+    [((), {}), (("--friction",), {"friction": "model"}), (("--limits",), {"limits": "stop"}),
+     (("--efforts",), {"torque_limits": "model"})],
+)  # fmt: skip
+def test_each_option_is_the_keyword_of_its_name(option, asked, program, small_arm, monkeypatch):
+    seen = {}
+
+    def simulated(*_, **how):
+        seen.update(how)
+        raise InvalidInput("seen")
+
+    monkeypatch.setattr(graphdyn, "simulate", simulated)
+    assert program("simulate", small_arm, "--duration", 0.01, "--rate", 200, *option).code == BAD_INPUT
+    names = ("friction", "limits", "torque_limits")
+    assert {name: seen[name] for name in names} == dict.fromkeys(names) | asked
+    assert seen["at"] == pytest.approx([0.0, 0.005, 0.01])
 
 
 def test_torque_of_a_function(program, small_arm, torques, tmp_path):

@@ -221,6 +221,22 @@ class TestReading:
         assert found.condition_number == pytest.approx(100.0)
         assert found.rank == 6
 
+    @pytest.mark.parametrize("column_scale", [[1.0, 1.0, 1.0], [3.0, 0.5, 20.0]])
+    def test_deviations_of_combinations(self, column_scale):
+        """Those of the regression on the columns that are left: noise over N - 2, times (AᵀA)⁻¹."""
+        w, z, noise = np.random.default_rng(0).normal(size=(3, 50))
+        answer = rank_revealing_least_squares(
+            np.column_stack([w, 2 * w, z]), 3 * w - z + noise, ("x", "y", "z"),
+            column_scale=np.array(column_scale), groups=np.zeros(50, dtype=int), precision=1e-12,
+        )  # fmt: skip
+        first = 0 if answer.combination_names[0].startswith("x") else 1
+        left = np.column_stack([(w, 2 * w)[first], z])
+        x, (squares,), *_ = np.linalg.lstsq(left, 3 * w - z + noise, rcond=None)
+        deviations = np.sqrt(squares / 48 * np.diag(np.linalg.inv(left.T @ left)))
+        assert answer.combination_values == pytest.approx(x)
+        assert answer.combination_standard_deviations == pytest.approx(deviations)
+        assert answer.standard_deviations[2] == pytest.approx(deviations[1])
+
     def test_differences_in_words(self):
         matrix = np.array([[1.0, -2.0]])
         answer = rank_revealing_least_squares(
