@@ -126,6 +126,20 @@ class TestConstructed:
         estimate = w[:, base.independent] @ base.values(pi)
         assert np.abs(estimate - w @ pi).max() <= SAME * np.abs(w * pi).sum(axis=1).max()
 
+    def test_rounding_is_relative_to_the_columns_own_size(self):
+        """One of 10⁻⁸ in length takes another with 10⁸; beside it a twentieth still counts."""
+        e, f = np.linalg.qr(np.random.default_rng(0).normal(size=(9, 2)))[0].T
+        found = base_parameters(np.column_stack([1e-8 * e, e, f, 0.05 * f]))
+        assert found.names(("e", "d", "f", "g")) == ("e + 1e+08 d", "f + 0.05 g")
+        assert found.alone.size == 0
+
+    def test_gap_between_the_last_that_counts_and_the_first_that_does_not(self):
+        """Of three orthogonal columns and four copies of them, off by 1e-11, 1e-12, …."""
+        basis = np.linalg.qr(np.random.default_rng(0).normal(size=(12, 7)))[0].T
+        copies = [basis[0] + 10.0**-k * basis[3 + k - 11] for k in range(11, 15)]
+        found = base_parameters(np.column_stack([*basis[:3], *copies]))
+        assert found.gap == pytest.approx((1.0, 1e-11), rel=1e-3)
+
     @pytest.mark.parametrize("size", [0.0, 1e-11])
     def test_null_columns_are_dropped(self, independent, size):
         """Noise of 1e-11 (π/2 rounded in a file) is no parameter, although its direction is independent."""

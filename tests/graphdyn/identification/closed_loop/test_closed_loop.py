@@ -22,9 +22,10 @@ from graphdyn.identification import (
     TorqueModel,
     WeightedLeastSquares,
 )
-from graphdyn.identification.closed_loop import Exogeneity, SimulatedLoop, held_torque
-from graphdyn.identification.closed_loop.equations import CrossedEquations, beside
+from graphdyn.identification.closed_loop import Exogeneity, SimulatedLoop, held_torque, iterating
+from graphdyn.identification.closed_loop.equations import CrossedEquations, LoopSolution, beside
 from graphdyn.identification.closed_loop.exogeneity_test import exogeneity
+from graphdyn.identification.closed_loop.loop import DrivenRobot
 from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
@@ -155,6 +156,64 @@ def test_no_bias(method, noisy):
     assert torque_error(run, problem, found) < 0.01
     error = values(problem, found) - problem.base.values(run.truth)
     assert np.mean(error**2 / np.diag(found.block_covariance)) < 2
+    of_positions = getattr(method(), "output", "torque") == "position"
+    assert (found.noise is None) == of_positions, "noise of positions is no noise of torques"
+
+
+def test_drives_that_would_drive_count_as_none():
+    run = closed_loop_data.two_axes()
+    parameters = np.array([run.torque_model.prior(), run.torque_model.prior()])
+    columns = run.torque_model.slice_of(Viscous)
+    parameters[:, columns] = [[-3.0, 2.0], [1.0, -1e-9]]
+    assert DrivenRobot.of(run.torque_model, parameters).friction.viscous.tolist() == [[0.0, 2.0], [1.0, 0.0]]
+
+
+def test_simulated_motions_are_differentiated_at_their_rate():
+    """Of 101 rows in two seconds: 50 Hz."""
+    rates, time = [], 7.0 + np.linspace(0.0, 2.0, 101)
+
+    def differentiation(q, v, rate):
+        rates.append(rate)
+        return q, v, v
+
+    samples = Samples(*np.zeros((4, 101, 1)), time=time)
+    ClosedLoop(lambda t, q, v: q, differentiation=differentiation).seen(samples)
+    assert rates == pytest.approx([50.0])
+
+
+def test_steps_are_halved_until_the_loop_holds(monkeypatch):
+    """From 0 to 1, held below a fifth: at an eighth."""
+
+    def simulated(loop, x):
+        if x[0] > 0.2:
+            raise EstimationFailed("runs away")
+        return []
+
+    monkeypatch.setattr(iterating, "_simulated", simulated)
+    assert iterating._as_far_as_held(None, np.zeros(1), np.ones(1))[0] == 0.125
+
+
+@pytest.mark.parametrize(("blocks", "iterations"), [(None, 2), (0.1, 3)])
+def test_converged_within_the_deviations_of_blocks(blocks, iterations, monkeypatch):
+    """Steps of 0.5, 0.05, 0.005: a tenth of 1 after the second, of the 0.1 that time blocks state after the third."""
+    steps = iter([0.5, 0.05, 0.005])
+    arm = SimpleNamespace(torque_model=SimpleNamespace(model=SimpleNamespace(independent_joints=("a",))))
+    loop = SimpleNamespace(problem=arm, simulations=1)
+    for name, value in {
+        "starts": lambda *_: [],
+        "_begun": lambda *_: (np.zeros(1), [], ()),
+        "_resolved": lambda _: np.array([1e-9]),
+        "_as_far_as_held": lambda _, before, wanted: (wanted, []),
+        "exogeneity": lambda *_: Exogeneity(np.array([0.5]), np.array([10])),
+        "base_estimate": lambda *_, iterations, **__: iterations,
+    }.items():
+        monkeypatch.setattr(iterating, name, value)
+
+    def step(x, _):
+        over_blocks = None if blocks is None else np.array([[blocks**2]])
+        return LoopSolution(x + next(steps), np.eye(1), over_blocks, np.ones(1))
+
+    assert iterating.iterated(loop, "wls", step) == iterations
 
 
 def test_covariance_of_instrumental_variables():

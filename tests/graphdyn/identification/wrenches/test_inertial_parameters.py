@@ -225,8 +225,9 @@ class TestReading:
     def test_deviations_of_combinations(self, column_scale):
         """Those of the regression on the columns that are left: noise over N - 2, times (AᵀA)⁻¹."""
         w, z, noise = np.random.default_rng(0).normal(size=(3, 50))
+        matrix = np.column_stack([w, 2 * w, z])
         answer = rank_revealing_least_squares(
-            np.column_stack([w, 2 * w, z]), 3 * w - z + noise, ("x", "y", "z"),
+            matrix, 3 * w - z + noise, ("x", "y", "z"),
             column_scale=np.array(column_scale), groups=np.zeros(50, dtype=int), precision=1e-12,
         )  # fmt: skip
         first = 0 if answer.combination_names[0].startswith("x") else 1
@@ -236,6 +237,7 @@ class TestReading:
         assert answer.combination_values == pytest.approx(x)
         assert answer.combination_standard_deviations == pytest.approx(deviations)
         assert answer.standard_deviations[2] == pytest.approx(deviations[1])
+        assert np.abs(matrix @ answer.null_space).max() < EXACT * np.abs(answer.null_space).max()
 
     def test_differences_in_words(self):
         matrix = np.array([[1.0, -2.0]])
