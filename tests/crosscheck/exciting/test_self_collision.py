@@ -3,10 +3,11 @@
 import json
 import re
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from urdf_text import inertial, joint, robot_text
 
 import urdf
@@ -116,6 +117,26 @@ def box_triangles(low, high):
     corners = np.array([[(low, high)[k >> axis & 1][axis] for axis in range(3)] for k in range(8)])
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     return corners[[triangle for a, b, c, d in quads for triangle in ((a, b, c), (a, c, d))]]
+
+
+def test_shapes_are_placed_in_their_link(tmp_path):
+    """Two boxes of one link, one of them turned about all three axes: corners as SciPy turns them."""
+    size, xyz, rpy = np.array([0.4, 0.1, 0.2]), [0.1, -0.2, 0.3], [0.3, -0.5, 0.9]
+    places = f'<origin xyz="{" ".join(map(str, xyz))}" rpy="{" ".join(map(str, rpy))}"/>', "<origin/>"
+    boxes = [
+        f'<collision>{place}<geometry><box size="{" ".join(map(str, size))}"/></geometry></collision>'
+        for place in places
+    ]
+    moving = joint("j", "base", "a", more=ENDS.format(x=0, y=0, z=1, low=-3))
+    link = f'<link name="a">{inertial(1.0)}{"".join(boxes)}</link>'
+    path = tmp_path / "turned.urdf"
+    path.write_text(robot_text("turned", '<link name="base"/>', link, moving), encoding="utf-8")
+    ((mesh,), _) = link_meshes(str(path), urdf.load(path), urdf.Reading())
+    corners = np.array([*product(*([-x / 2, x / 2] for x in size))])
+    expected = np.concatenate([Rotation.from_euler("xyz", rpy).apply(corners) + xyz, corners])
+    apart = np.linalg.norm(mesh.vertices[:, None] - expected, axis=-1)
+    assert apart.min(axis=0).max() < ROUNDING
+    assert apart.min(axis=1).max() < ROUNDING
 
 
 def test_slopes_of_clearances(folding_arm):

@@ -400,6 +400,36 @@ def test_every_seed_starts_elsewhere(monkeypatch):
     assert not np.isclose(*first).any()
 
 
+def test_use_of_limits_is_how_far_from_the_middle():
+    """Positions relative to half of their range, or one more than what is left to the only limit; rates by size."""
+    problem = problem_of(lower=[-1.0, -np.inf, -np.inf], upper=[3.0, 0.5, np.inf], velocity=[2.0, 4.0, 5.0])
+    course = Trajectory(problem.basis, np.random.default_rng(0).normal(size=(3, problem.basis.size)))
+    motion = course.motion(np.linspace(0.0, 5.0, 200))
+    used = {(usage.kind, usage.name): usage.used for usage in problem.usages(motion)}
+    first, second, third = problem.torque_model.model.joint_names
+    assert used["position", first] == pytest.approx(np.abs(motion.q[:, 0] - 1.0).max() / 2.0)
+    assert used["position", second] == pytest.approx(1 + motion.q[:, 1].max() - 0.5)
+    assert ("position", third) not in used
+    assert [used["velocity", name] for name in (first, second, third)] == pytest.approx(
+        np.abs(motion.v).max(axis=0) / [2.0, 4.0, 5.0]
+    )
+    assert used["jerk", first] == pytest.approx(np.abs(motion.jerk[:, 0]).max() / 60.0)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "span"),
+    [(-np.inf, 0.5, (0.5 - 2 * np.pi, 0.5)), (0.5, np.inf, (0.5, 0.5 + 2 * np.pi)), (-np.inf, np.inf, (-np.pi, np.pi))],
+)
+def test_random_positions_without_a_limit_are_within_a_turn(lower, upper, span):
+    problem, rng = problem_of(lower=lower, upper=upper, velocity=1e-3, torque=np.inf), np.random.default_rng(0)
+    drawn = [
+        random_trajectory(problem.torque_model.model, problem.limits, (), problem.basis, rng).motion(np.zeros(1)).q[0]
+        for _ in range(15)
+    ]
+    assert span[0] - 0.01 < np.min(drawn) < span[0] + 0.7
+    assert span[1] - 0.7 < np.max(drawn) < span[1] + 0.01
+
+
 def test_random_motions_use_the_whole_range():
     """From end to end of ranges so narrow that no other limit matters; in the middle between them."""
     problem = problem_of(lower=[-0.03, 0.5, -0.2], upper=[0.01, 0.52, -0.19], jerk=np.inf)

@@ -41,6 +41,18 @@ class EveryThird:
         return ((y[:-2] + 2 * y[1:-1] + y[2:]) / 4)[::3]
 
 
+@dataclass(frozen=True)
+class Mean:
+    """Of fifteen rows, the ends repeated, at every third."""
+
+    factor: int = 3
+    memory: int = 7
+
+    def __call__(self, x):
+        padded = np.concatenate([np.repeat(x[:1], 7, axis=0), x, np.repeat(x[-1:], 7, axis=0)])
+        return np.mean([padded[k : k + len(x)] for k in range(15)], axis=0)[::3]
+
+
 class TestRowFilter:
     def rows(self, *pieces):
         parts = list(Problem(MODEL, pieces, n_blocks=4).rows())
@@ -49,8 +61,8 @@ class TestRowFilter:
         }
         return joined, parts
 
-    def filtered(self, samples, **changed):
-        return dataclasses.replace(samples, row_filter=EveryThird(), **changed)
+    def filtered(self, samples, row_filter=EveryThird(), **changed):
+        return dataclasses.replace(samples, row_filter=row_filter, **changed)
 
     def test_everything_is_filtered(self, samples):
         rows, parts = self.rows(self.filtered(samples))
@@ -61,12 +73,13 @@ class TestRowFilter:
         assert rows["velocity"] == pytest.approx(alone(samples.v), abs=ROUNDING)
         assert [len(part) for part in parts] == [50] * 4
 
+    @pytest.mark.parametrize("row_filter", [EveryThird(), Mean()], ids=["short", "long"])
     @pytest.mark.parametrize("borders", [(300,), (1, 2, 100, 350, 599), tuple(range(7, 600, 7))])
-    def test_pieces_and_windows_that_continue_each_other(self, samples, borders, monkeypatch):
-        whole, _ = self.rows(self.filtered(samples))
+    def test_pieces_and_windows_that_continue_each_other(self, samples, borders, row_filter, monkeypatch):
+        whole, _ = self.rows(self.filtered(samples, row_filter))
         monkeypatch.setattr("graphdyn.identification.data.rows.MIN_FILTERED_ROWS", 20)
         edges = [0, *borders, len(samples)]
-        pieces = [self.filtered(samples[a:b], continues=a > 0) for a, b in itertools.pairwise(edges)]
+        pieces = [self.filtered(samples[a:b], row_filter, continues=a > 0) for a, b in itertools.pairwise(edges)]
         cut, parts = self.rows(*pieces)
         for name, values in whole.items():
             assert cut[name] == pytest.approx(values, abs=ROUNDING), name
