@@ -3,11 +3,12 @@
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from crosscheck.bench import cold, identification
+from crosscheck.bench import cold, contender, identification
 from crosscheck.bench.benchmark import thread_numbers
-from crosscheck.bench.contender import MIN_CORE_SHARE, MeasuredWork, TimedContender
+from crosscheck.bench.contender import MIN_CORE_SHARE, Contender, MeasuredWork, TimedContender, Work, measure
 from crosscheck.bench.curves import Line, long_notes
 from crosscheck.bench.machine.timing import CoreShare, Ratio, Times, fitting_count, in_turns, ratio
 from graphdyn.compiler.running import interpreted
@@ -77,3 +78,24 @@ def test_note_on_long_chains():
     assert long_notes((2, 24)) == ()
     with interpreted():
         assert long_notes((2, 60)) == ()
+
+
+def test_times_are_per_sample(monkeypatch):
+    """Ten samples, five for one that takes no more; the limit runs second, on one thread; a core half of the time."""
+    taken = []
+
+    def in_turns(runs, threads, repeats, shortest, share):
+        taken.extend(threads)
+        share.add(2.0, 1.0)
+        return [[2.0, 4.0], [1.0, 3.0], [6.0, 8.0]]
+
+    monkeypatch.setattr(contender, "fitting_count", lambda run, least, most, duration: most)
+    monkeypatch.setattr(contender, "in_turns", in_turns)
+    ours = Contender("graphdyn", 1, lambda count: None, None, "", ours=True)
+    theirs = Contender("other", 2, lambda count: None, lambda _: np.array([1e-9, np.nan]), "", most=5)
+    found = measure(Work("w", "w", "", 1e-9, (ours, theirs)), 10, 1.0, 2, limit=lambda count: None)
+    assert [entry.times.seconds for entry in found.entries] == [(0.2, 0.4), (1.2, 1.6)]
+    assert [(entry.samples, entry.error, entry.judged) for entry in found.entries] == [(10, None, 0), (5, np.inf, 2)]
+    assert found.limit.seconds == (0.1, 0.3)
+    assert (taken, found.core_share) == ([1, 1, 2], 0.5)
+    assert found.above_limit == ratio(found.limit, found.entries[0].times)

@@ -430,7 +430,7 @@ class TestEveryNumber:
             if "x" in drawn:
                 assert drawn["x"].item() == pytest.approx(place(printed))
 
-    def test_errata_drawn(self, found):
+    def test_errata_drawn(self, found, page):
         """Towards gimbal lock: medians by |cos β|; of missing ranks: their shares of the states."""
         lock = [effect for effect in found.effects if effect.erratum == "A3"]
         axes = Figure().add_axes((0, 0, 1, 1))
@@ -453,3 +453,5 @@ class TestEveryNumber:
                 counts = [int((errors == missing).sum()) for missing in sorted({*errors.tolist()})]
                 shares += [f"{count / len(errors):.0%} of {len(errors)} states" for count in counts]
         assert said == shares
+        reach = [f"{one.robot} {min(one.errors):.0f} to {max(one.errors):.0f}" for one in ranks]
+        assert f'aria-label="A2: missing rank of the printed rows: {"; ".join(reach)}"' in page

@@ -14,6 +14,7 @@ from shown import pages
 from shown.blocks import blocks, cells, tables, texts
 from typer.testing import CliRunner
 
+import graphdyn
 import urdf
 from crosscheck.commands import app
 from crosscheck.commands.show.description import describe
@@ -367,6 +368,15 @@ def test_picture(arm, tmp_path, small_arm_text):
 
 
 class TestLoops:
+    def test_both_ends_of_a_chord_are_drawn_in_one_place(self):
+        """Where the loop is closed: 2 m along the coupler, 1.5 m along the rocker."""
+        model = four_bar()
+        q = model.closed_pose
+        ((one, other),) = (drawing := stick_figure._Drawing(model, q)).chord_ends
+        rotation, position = graphdyn.frame_placement(model, q, "coupler")
+        expected = drawing._view @ (position + rotation @ [2, 0, 0])
+        np.testing.assert_allclose([one, other], [expected, expected], atol=1e-9)
+
     def test_page(self):
         """Ends of the chord on its bodies, what holds itself, largest first, and reactions as the record has them."""
         described = describe(four_bar(), "four-bar", {})
