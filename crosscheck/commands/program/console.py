@@ -76,7 +76,7 @@ def in_words(error: Exception) -> str:
     if not isinstance(error, OSError) or error.filename is None or not error.strerror:
         return str(error)
     remedy = f"; {SYSTEM_ERROR_REMEDIES[error.errno]}" if error.errno in SYSTEM_ERROR_REMEDIES else ""
-    return f"{error.filename}: {error.strerror.lower()}{remedy}"
+    return f"{error.filename}: {error.strerror[0].lower()}{error.strerror[1:]}{remedy}"
 
 
 def trace(error: BaseException, context: typer.Context) -> None:

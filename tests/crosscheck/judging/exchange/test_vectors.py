@@ -14,6 +14,7 @@ from jsonschema import Draft202012Validator
 from shared_data import REPOSITORY
 
 import urdf
+from crosscheck.commands.program.console import in_words
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.commands.program.output_files import write_folder
 from crosscheck.judging.exchange.rounds import states_for
@@ -181,6 +182,7 @@ class TestWholeFolder:
             write_folder(tmp_path / "v", {"a": b"new"})
         aside = Path(error.value.strerror.rpartition(" ")[2])
         assert (aside / "a").read_bytes() == b"old"
+        assert str(aside) in in_words(error.value)
 
     def test_permissions(self, tmp_path):
         write_folder(tmp_path / "v", {"a": b""})
