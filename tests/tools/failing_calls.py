@@ -199,6 +199,7 @@ class _Trial:
         code = self.ended(self.run.arguments)
         count, kinds = self.calls.count, bytes(self.calls.kinds_raw[1 : self.calls.count + 1]).decode()
         assert code == self.run.code, (self.run.name, code, self.errors.read_text())
+        print(f"{self.run.name}: {count} calls", flush=True)
         self.whole = self.files()
         self.fresh()
         self.ended(self.run.arguments)
@@ -212,7 +213,7 @@ class _Trial:
             if problems:
                 wrong += 1
                 print(f"{self.run.name}, call {target} ({KINDS[kinds[target - 1]]}): {'; '.join(problems)}")
-                print(self.errors.read_text()[-3000:])
+                print(self.errors.read_text()[-3000:], flush=True)
         seconds = time.monotonic() - begin
         print(f"{self.run.name}: {found.total()} of {count} calls failed, {wrong} wrong, {seconds:.0f} s", flush=True)
         print(*(f"    {number:4} {what}" for what, number in sorted(found.items())), sep="\n", flush=True)
