@@ -98,6 +98,18 @@ class TestFigures:
         assert (np.abs(found - vertices) <= half * (1 + 1e-6)).all()
         assert sent["color"] == [0.123, 0.5, 1.0, 0.25]
 
+    @pytest.mark.parametrize(("count", "kind"), [(300, "u2"), (70_000, "u4")])
+    def test_faces_as_they_are_sent(self, count, kind):
+        """Numbers of vertices, whole, in as few bytes as hold the largest."""
+        faces = np.array([[0, 1, count - 1], [count - 2, 5, 7]])
+        shape = BodyShape(1, np.random.default_rng(1).normal(size=(count, 3)), faces, (1, 1, 1, 1))
+        store = NumberStore()
+        (sent,) = scene("one", [Figure("a", ShownRobot(pendulum(), (shape,)))], store)["robots"][0]["shapes"]
+        found, first, length = sent["faces"]
+        assert found == kind
+        numbers = np.frombuffer(gzip.decompress(b64decode(store.text())), f"<{kind}", length, first)
+        assert np.array_equal(numbers.reshape(-1, 3), faces)
+
     def test_usual_loads(self):
         """2.5 kg at 0.8 m and 0.1 m; without gravity on Earth; without mass the efforts, apart."""
         model = pendulum()
@@ -148,6 +160,12 @@ class TestMotions:
         assert np.array_equal(motion.q, q)
         assert np.abs(motion.tau - inverse_dynamics(model, q, v, a).tau).max() < 1e-9
         assert told == ("as planned", "loads by inverse dynamics of q, v and a")
+
+    def test_a_long_plan_is_thinned(self):
+        """400 s: no more than the most instants, from its start to its end."""
+        course = Trajectory(FourierBasis(400.0, 2), np.zeros((2, 3)) + 0.1)
+        motion, _ = planned_motion(pendulum(), course)
+        assert motion.time == pytest.approx(np.linspace(0, 400, MAX_INSTANTS + 1))
 
     def test_pieces_are_told(self):
         model = pendulum()
