@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from crosscheck.commands.crosscheck.record import CrosscheckRecord, sweep_record
+from crosscheck.commands.crosscheck.record import CrosscheckRecord, RobotRecord, sweep_record
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.reference.subject import content_sha256
-from crosscheck.report.records.record import as_bytes, plain, versions
+from crosscheck.report.records.record import as_bytes, has_form, plain, versions
 from graphdyn import InvalidInput
 from urdf import InvalidXacro
 
@@ -79,27 +79,38 @@ class SweepFile:
 def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> dict[str, dict[str, Any]]:
     """Records of an earlier sweep, by robot, that a new one would repeat: same content, states, lock and versions.
 
+    A record that is not whole is left out, so that its robot is compared again.
+
     Empty where there is no file. Raises InvalidInput for a file of another format, OSError.
     """
     if not path.exists():
         return {}
     try:
         earlier = json.loads(path.read_bytes())
-    except ValueError:
+    except (ValueError, RecursionError):
         earlier = None
-    if not isinstance(earlier, dict) or earlier.get("format") not in FORMATS_TAKEN_OVER:
+    known = isinstance(earlier, dict) and earlier.get("format") in FORMATS_TAKEN_OVER
+    if not known or not isinstance(earlier.get("robots"), list):
         raise InvalidInput(
             f"--resume: {path} is not a file of the format '{CrosscheckRecord.format}'; name another, or delete it"
         )
     if earlier.get("versions") != versions():
         return {}
     wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}
+    renamed = (_renamed(record) for record in earlier["robots"] if _is_whole(record))
     records = {
-        record["robot"]: record
-        for record in map(_renamed, earlier["robots"])
-        if wanted.items() <= record.items() and record.get("file_sha256")
+        str(record["robot"]): record
+        for record in renamed
+        if record["file_sha256"] and all(record[name] == value for name, value in wanted.items())
     }
     return {robot: records[robot] for robot in robots if robot in records and _unchanged(records[robot])}
+
+
+def _is_whole(record: object) -> bool:
+    return has_form(RobotRecord, record) and all(
+        isinstance(record[field], dict)  # type: ignore[index]  # has_form has seen it
+        for field in ("quantities", "not_compared")
+    )
 
 
 def _renamed(record: Mapping[str, Any]) -> dict[str, Any]:

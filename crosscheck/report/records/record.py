@@ -140,6 +140,22 @@ def written(record: type[Record], result: object = None, **said: Any) -> dict[st
     return head | {name: _as_typed(value, *inside.get(name, (None, False))) for name, value in values.items()}
 
 
+def has_form(record: type[Record], value: Any) -> bool:
+    """Whether what a file holds has the members of a record, and those of the records inside."""
+    if not isinstance(value, dict) or not set(record.paths) <= set(value):
+        return False
+    inside = _records_inside(record)  # type: ignore[arg-type]  # mypy takes the class for an instance
+    for name in record.paths:
+        kind, by_name = inside.get(name, (None, False))
+        held = value[name]
+        if kind is None or held is None:
+            continue
+        items = held.values() if by_name and isinstance(held, dict) else held if isinstance(held, list) else [held]
+        if not all(has_form(kind, item) for item in items):
+            return False
+    return True
+
+
 class CommandRecord(Record):
     """The base of outermost records that say how their command was called, and of what it warned."""
 

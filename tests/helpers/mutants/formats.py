@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import copy
 import random
+import sqlite3
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -25,6 +27,7 @@ from mutants.readings import Reading
 from mutants.trial import trial as robot_trial
 
 import urdf
+from crosscheck.study.store import opened
 
 Damaged = tuple[tuple[str, ...], bytes]
 """What was done to a file, in order, and its bytes."""
@@ -330,6 +333,73 @@ name_mot: ['mot1', 'mot2']
 """
 
 
+LOOPED = b"""\
+<?xml version="1.0"?>
+<robot name="four_bar">
+  <link name="base"/>
+  <link name="crank"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  <link name="rod"><inertial><mass value="2"/>
+    <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial></link>
+  <link name="rocker"><inertial><mass value="3"/>
+    <inertia ixx="0.3" ixy="0" ixz="0" iyy="0.3" iyz="0" izz="0.3"/></inertial></link>
+  <joint name="a" type="continuous" independent="true">
+    <parent link="base"/><child link="crank"/><axis xyz="0 0 1"/></joint>
+  <joint name="b" type="continuous" independent="false">
+    <origin xyz="0.5 0 0"/><parent link="crank"/><child link="rod"/><axis xyz="0 0 1"/></joint>
+  <joint name="c" type="continuous" independent="false">
+    <origin xyz="1 0 0"/><parent link="base"/><child link="rocker"/><axis xyz="0 0 1"/></joint>
+  <loop name="l" type="revolute">
+    <predecessor link="rod"><origin xyz="1.0 0 0"/></predecessor>
+    <successor link="rocker"><origin xyz="0.5 0 0"/></successor>
+    <axis xyz="0 0 1"/>
+  </loop>
+</robot>
+"""
+
+XACRO = b"""\
+<?xml version="1.0"?>
+<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:property name="mass" value="2.5"/>
+  <xacro:arg name="long" default="true"/>
+  <xacro:macro name="link" params="name factor:=1">
+    <link name="${name}"><inertial><origin xyz="0 0 ${0.1 * factor}"/><mass value="${mass * factor}"/>
+      <inertia ixx="${0.1 * factor}" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  </xacro:macro>
+  <link name="base"/>
+  <xacro:link name="upper"/>
+  <xacro:if value="$(arg long)"><xacro:link name="fore" factor="0.5"/></xacro:if>
+  <joint name="a" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+  <joint name="b" type="continuous">
+    <origin xyz="0 0 ${2 * 0.3}"/><parent link="upper"/><child link="fore"/><axis xyz="0 1 0"/></joint>
+</robot>
+"""
+
+
+@cache
+def study_store() -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "study.sqlite")
+        with opened(path) as store:
+            store.begin(readings.INPUTS)
+            for key, outcome in readings.stored().items():
+                store.write(key, outcome)
+        with closing(sqlite3.connect(path)) as connection:
+            connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+            connection.execute("PRAGMA journal_mode = DELETE")
+        return path.read_bytes()
+
+
+@cache
+def sweep() -> bytes:
+    import crosscheck
+    from crosscheck.commands.crosscheck.record import robot_record, sweep_record
+    from crosscheck.report.records.record import as_bytes, plain
+
+    record = robot_record(crosscheck.compare(str(readings.urdf_file()), 1, 0))
+    return as_bytes(plain(sweep_record([record], [], [], ["crosscheck"])))
+
+
 def cube() -> Any:
     from trimesh import creation
 
@@ -395,6 +465,12 @@ FORMATS: dict[str, Format] = {
     ),
     "study": of_text(".toml", lambda: STUDY, Reading(readings.study, readings.study_fault)),
     "models": of_text(".toml", lambda: MODELS, Reading(readings.models, readings.models_fault)),
+    "study store": of_bytes(
+        ".sqlite", study_store, Reading(readings.study_store, readings.study_store_fault)
+    ),
+    "sweep": of_text(".json", sweep, Reading(readings.sweep, readings.sweep_fault)),
+    "urdf with loops": of_xml(".urdf", [lambda: LOOPED], Reading(readings.looped, readings.looped_fault).trial),
+    "xacro": of_xml(".xacro", [lambda: XACRO], Reading(readings.xacro, readings.xacro_fault).trial),
     "state": of_text(".json", lambda: STATE, Reading(readings.state, readings.state_fault)),
     "srdf": of_xml(".srdf", [lambda: SRDF], Reading(readings.srdf, readings.srdf_fault).trial),
     "loops": of_text(".yaml", lambda: LOOPS, Reading(readings.loop_yaml, readings.loop_yaml_fault)),

@@ -26,6 +26,7 @@ from planting import mixed_tree
 from scipy.spatial import KDTree
 
 import urdf
+from crosscheck.commands.crosscheck.folder_file import taken_over
 from crosscheck.commands.identify.models import models_of
 from crosscheck.commands.show.command import given_state
 from crosscheck.exciting.motion_formats.krl import AxisSettings
@@ -34,6 +35,8 @@ from crosscheck.exciting.srdf import disabled_pairs
 from crosscheck.judging.exchange.answer_files import read_answers
 from crosscheck.recordings import Recording, load_mapping, load_recording
 from crosscheck.study.settings.configuration import configuration_of
+from crosscheck.study.store import opened
+from crosscheck.study.tasks import Result, StudyOutcome
 from graphdyn import GraphDynError
 from graphdyn.layout import Array
 
@@ -457,6 +460,63 @@ def state_fault(path: Path, found: Any) -> str | None:
     return differs("q", np.asarray(q, float), there["q"]) or differs("v", np.asarray(v, float), there.get("v", 0 * q))
 
 
+@cache
+def stored() -> dict[tuple[str, int], StudyOutcome]:
+    """Outcomes of a study."""
+    found = StudyOutcome(
+        (Result("wls", "torques", None, 3, base=(1.5, -2.0, 0.25), sigma=(0.1, 0.2, 0.3)),), (0.5,), 1.0
+    )
+    lost = StudyOutcome((Result("wls", "torques", "no base"),), (None,), 0.25)
+    return {(f"{k:016x}", run): found if run else lost for k in range(4) for run in range(3)}
+
+
+INPUTS = {"configuration": "[study]\nseed = 3\n", "versions": "{}"}
+
+
+def study_store(path: Path) -> tuple[dict[str, str], dict[tuple[str, int], StudyOutcome], list[str]]:
+    """Of a copy, which reading may mend; what a study was begun with, what is done, and what is said."""
+    told: list[str] = []
+    copied = path.with_name(f"copy_{path.name}")
+    copied.write_bytes(path.read_bytes())
+    try:
+        with opened(copied, told.append) as store:
+            return store.inputs(), dict(store.outcomes()), told
+    finally:
+        for file in path.parent.glob(f"{copied.name}*"):
+            file.unlink()
+
+
+HEADER_BYTES = 100
+"""Of a database of SQLite, which takes less for an empty one [bytes]."""
+
+
+def study_store_fault(path: Path, found: Any) -> str | None:
+    """Whatever is there is what was written; what is lost is said, or the whole file is empty."""
+    inputs, outcomes, told = found
+    odd = [key for key, outcome in outcomes.items() if stored().get(key) != outcome]
+    if odd:
+        return f"the outcome of {odd[0]} is another than was written"
+    if not inputs and not outcomes and path.stat().st_size < HEADER_BYTES:
+        return None
+    if inputs != INPUTS:
+        return f"what it was begun with is {inputs}, another than was written"
+    return None if told or len(outcomes) == len(stored()) else "tasks are lost, and no word of it"
+
+
+def sweep(path: Path) -> dict[str, Any]:
+    return taken_over(path, [str(urdf_file())], 1, 0)
+
+
+def urdf_file() -> Path:
+    return next(entry.path for entry in urdf.robots() if entry.name == "kr500")
+
+
+def sweep_fault(path: Path, found: dict[str, Any]) -> str | None:
+    there = json.loads(path.read_bytes())
+    records = {record["robot"]: record for record in there["robots"] if isinstance(record, dict) and "robot" in record}
+    return first(differs(robot, record, records[robot]) for robot, record in found.items())
+
+
 # Documents beside a robot's
 
 
@@ -499,6 +559,65 @@ def loop_yaml_fault(path: Path, found: Any) -> str | None:
     return differs("loops", [(loop.link_i, loop.link_j, loop.kind) for loop, _ in found.loops], loops) or differs(
         "motors", [motor.joint for motor in found.motors], list(there.get("name_mot") or [])
     )
+
+
+AXES = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "spherical": "ball", "fixed": "weld"}
+
+
+def looped(path: Path) -> Any:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return urdf.load(path)
+
+
+def looped_fault(path: Path, found: Any) -> str | None:
+    """The chords are the <loop> elements of the file, between the same links at the same places, and so is its tree."""
+    root = etree.fromstring(path.read_bytes())
+    loops = {e.get("name"): e for e in root.findall("{*}loop")}
+    parents = {j.find("{*}child").get("link"): j for j in root.findall("{*}joint")}
+
+    def numbers(e: Any, name: str, default: str) -> Array:
+        return np.array((e.get(name, default) if e is not None else default).split(), dtype=float)
+
+    def chord(one: Any) -> Iterable[str | None]:
+        element = loops[one.name]
+        yield differs(f"kind of {one.name}", one.kind, AXES[element.get("type")])
+        for tag, body, placement in (
+            ("predecessor", one.body_i, one.placement_i),
+            ("successor", one.body_j, one.placement_j),
+        ):
+            end = element.find(f"{{*}}{tag}")
+            name = "base" if body == 0 else found.bodies[body - 1].name
+            yield differs(f"{tag} of {one.name}", name, end.get("link"))
+            yield differs(f"place of {tag}", placement.translation, numbers(end.find("{*}origin"), "xyz", "0 0 0"))
+
+    def joint(one: Any) -> Iterable[str | None]:
+        element = next(e for e in parents.values() if e.get("name") == one.name)
+        axis = numbers(element.find("{*}axis"), "xyz", "1 0 0")
+        yield differs(f"axis of {one.name}", np.round(one.axis, 9), np.round(axis / np.linalg.norm(axis), 9))
+
+    return (
+        differs("names of loops", sorted(c.name for c in found.chords), sorted(map(str, loops)))
+        or differs("number of moving links", found.n_bodies, sum(j.get("type") != "fixed" for j in parents.values()))
+        or first(fault for one in found.chords for fault in chord(one))
+        or first(fault for one in found.joints for fault in joint(one))
+    )
+
+
+def xacro(path: Path) -> Any:
+    return urdf.load(path, mimic="independent")
+
+
+def xacro_fault(path: Path, found: Any) -> str | None:
+    """The masses are those of the document that the package xacro makes of the file."""
+    from xacro import process_file
+
+    with quiet("xacro"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        root = etree.fromstring(process_file(str(path)).toxml().encode())
+    there = {e.get("name"): float(e.find("inertial/mass").get("value")) for e in root.findall("link") if len(e)}
+    odd = [body.name for body in found.bodies if body.mass != there[body.name]]
+    return f"the mass of {odd[0]} is not that of the second reader, {there[odd[0]]}" if odd else None
 
 
 # Meshes

@@ -299,6 +299,18 @@ class TestResume:
         assert written(path)["format"] == "graphdyn crosscheck 3"
         assert [set(robot["quantities"]) for robot in written(path)["robots"]] == present
 
+    @pytest.mark.parametrize("lost", [["quantities"], ["conditioning", "kkt_rank"], ["quantities", 0, "bound"]])
+    def test_a_record_that_is_not_whole_is_compared_again(self, sweep, tmp_path, lost):
+        path = tmp_path / "r.json"
+        record = written(path)
+        *inside, name = lost
+        part = record["robots"][0]
+        for step in inside:
+            part = part[step] if isinstance(step, str) else list(part.values())[step]
+        del part[name]
+        path.write_text(json.dumps(record), encoding="utf-8")
+        assert sweep()[0] == ["good.urdf"]
+
     def test_a_changed_file(self, sweep, good_folder):
         path = good_folder / "good.urdf"
         path.write_text(path.read_text(encoding="utf-8") + "\n", encoding="utf-8")
@@ -335,7 +347,10 @@ class TestResume:
         assert program(good_folder, "--samples", 1, "--json", path, "--resume").code == AGREED
         assert here == ["bare.urdf"]
 
-    @pytest.mark.parametrize("content", ["not JSON", "[]", '{"format": "graphdyn robots 1"}'])
+    @pytest.mark.parametrize(
+        "content",
+        ["not JSON", "[]", '{"format": "graphdyn robots 1"}', '{"format": "graphdyn crosscheck 3"}', "[" * 10**5],
+    )
     def test_some_other_file(self, program, here, good_folder, tmp_path, content):
         path = tmp_path / "r.json"
         path.write_text(content, encoding="utf-8")
