@@ -47,18 +47,25 @@ def infinitesimal_motions(loops: Loops, q: Array) -> Array:
     return shaky if np.abs(moved).max() < MOVED_SHARE * SHAKE else shaky[:, :0]
 
 
-def refuse_infinitesimal(who: str, loops: Loops, q: Array) -> None:
-    """Raises InconsistentState, naming the joints, where loops close at q (nv,) only when stretched or folded."""
+def infinitesimal_refusal(who: str, loops: Loops, q: Array) -> InconsistentState | None:
+    """The error that names the joints, where loops close at q (nv,) only when stretched or folded."""
     motions = infinitesimal_motions(loops, q)
     if not motions.shape[1]:
-        return
+        return None
     parts = np.abs(motions / loops.column_units[:, None]).max(axis=1)
     joints = [joint.name for joint, part in zip(loops.free_joints, parts, strict=True) if part > SHAKE]
-    raise InconsistentState(
+    return InconsistentState(
         f"{who}: its loops close only stretched or folded: motions of {', '.join(joints)} keep them closed to first "
         f"order only (infinitesimal mobility {motions.shape[1]}), so that torques determine no accelerations and "
         "reactions; change lengths, or lock these joints"
     )
+
+
+def refuse_infinitesimal(who: str, loops: Loops, q: Array) -> None:
+    """Raises infinitesimal_refusal."""
+    refusal = infinitesimal_refusal(who, loops, q)
+    if refusal is not None:
+        raise refusal
 
 
 def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ Leading dimensions of the arguments broadcast. Each verb raises InvalidInput for
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Unpack
 
 from numpy.typing import ArrayLike
@@ -20,6 +21,7 @@ from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.kkt import Coordinates, KKTSystem, cardano_system
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
+from graphdyn.model.assembly import infinitesimal_refusal
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.verbs.answers import ForwardDynamics, InverseDynamics
 from graphdyn.verbs.single_state import OfMotion, OfPositions, OfState, OfTorques, SingleState
@@ -200,11 +202,15 @@ def kkt_system(
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")
     x = one_state(model, base, q=q, v=v, tau=tau, external_wrenches=external_wrenches)
     if model.chords:
-        loops.closed(model, x["q"], x["v"])  # refuses open states
+        loops.closed(model, x["q"], x["v"], moving=False)  # refuses open states
     state = Arguments(model, x, base).rooted_state()
     bias = bias_acceleration(model.rooted, x["q"], x["v"], state.ground)
     system = projected.kkt(state, x["tau"], x["external_wrenches"], bias)
-    return system if coordinates == "twist" else cardano_system(state, system)
+    if coordinates == "cardano":
+        system = cardano_system(state, system)
+    if not model.chords:
+        return system
+    return replace(system, refusal=infinitesimal_refusal(f"robot '{model.name}'", model.loops, x["q"]))
 
 
 class DynamicsCalls:

@@ -74,11 +74,14 @@ def describe(
     Raises InconsistentState, naming the loop, where none of many poses closes it.
     """
     loops = describe_loops(model, None if state is None else state.q) if model.chords else None
-    return RobotDescription(model, robot, locked, loops, _system(model), state)
+    return RobotDescription(model, robot, locked, loops, _system(model, loops), state)
 
 
-def _system(model: RobotModel) -> SystemDescription:
-    q, v = model.random_state(np.random.default_rng(SEED))
+def _system(model: RobotModel, loops: LoopsDescription | None) -> SystemDescription:
+    if loops is not None and loops.analysis.infinitesimal_mobility:  # no velocities keep the loops closed
+        q, v = loops.q, np.zeros_like(loops.q)
+    else:
+        q, v = model.random_state(np.random.default_rng(SEED))
     system = kkt_system(model, q, v, np.zeros_like(q))
     rank, size = int(system.rank()), len(system.rhs)
     return SystemDescription(

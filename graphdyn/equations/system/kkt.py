@@ -17,7 +17,7 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.equations.kinematics import MaximalState
-from graphdyn.errors import GimbalLock, RankDeficientConstraints, SingularMassMatrix
+from graphdyn.errors import GimbalLock, InconsistentState, RankDeficientConstraints, SingularMassMatrix
 from graphdyn.layout import (
     ANGULAR,
     BODY_DOF,
@@ -51,6 +51,7 @@ class KKTSystem:
     coordinates: "twist", q̈ = (r̈, ω̇) per body, or "cardano", q̈ = (r̈, θ̈) with the rotational rows times Dᵀ
     n_chord_rows: how many of the last rows are those of chords; with these, rows may depend on each other
     length_unit: in which lengths are compared with angles where rows may depend on each other [m]
+    refusal: why there is no solution, although the equations have one
     """
 
     mass: Array
@@ -60,6 +61,7 @@ class KKTSystem:
     coordinates: Coordinates = "twist"
     n_chord_rows: int = 0
     length_unit: float = 1.0
+    refusal: InconsistentState | None = None
 
     @property
     def matrix(self) -> Array:
@@ -99,9 +101,12 @@ class KKTSystem:
         With chords, multipliers that the equations do not determine are NaN. least_norm: the smallest ones that satisfy
         the equations instead, which depend on the units: newtons and newton meters count alike
 
-        Raises RankDeficientConstraints, naming rank and rows, where φ_q loses rank; SingularMassMatrix where the
+        Raises InconsistentState where loops close only when stretched; RankDeficientConstraints, naming rank and rows,
+        where φ_q loses rank; SingularMassMatrix where the
         matrix is singular although the constraints are independent, or are those of loops (a massless body).
         """
+        if self.refusal is not None:
+            raise self.refusal
         if self.n_chord_rows:
             return self.solve_redundant(least_norm, check=True)
         n_rows, size = self.constraint_jacobian.shape[-2], self.matrix.shape[-1]

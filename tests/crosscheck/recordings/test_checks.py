@@ -11,7 +11,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.checks import increasing
+from crosscheck.recordings.checks import increasing, motion_findings
 from crosscheck.recordings.errors import spans
 from graphdyn import InvalidInput
 
@@ -321,3 +321,12 @@ def test_a_long_cell_is_shortened(tmp_path):
     with pytest.raises(DirtyRecording, match=r"'begin[x.]+end' is not a finite number") as caught:
         load_recording(path)
     assert len(str(caught.value)) < 1000
+
+
+def test_velocities_are_integrated_by_trapezoids():
+    """Which are exact for v = t and q = t²/2, whatever the step; a velocity twice as large is off by all of it."""
+    t, block, names = 0.1 * np.arange(8), np.zeros(8, dtype=int), ["a"]
+    q, v = t[:, None] ** 2 / 2, t[:, None]
+    assert list(motion_findings("m.csv", names, t, block, q, v)) == []
+    (finding,) = motion_findings("m.csv", names, t, block, q, 2 * v)
+    assert finding.message == "v of 'a' is not the rate of its q: its integral is off by 100%"

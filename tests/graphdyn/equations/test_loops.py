@@ -218,6 +218,10 @@ def test_a_stretched_linkage_that_is_slightly_open_is_one():
     assert graphdyn.analyze_loops(model, q).mobility == 0
     with pytest.raises(InconsistentState, match="infinitesimal mobility"):
         graphdyn.forward_dynamics(model, q, np.zeros(3), np.zeros(3))
+    assert graphdyn.kkt_system(model, q, np.zeros(3), np.zeros(3)).n_chord_rows == 5
+    for coordinates in ("twist", "cardano"):
+        with pytest.raises(InconsistentState, match="infinitesimal mobility"):
+            graphdyn.kkt_system(model, q, np.zeros(3), np.zeros(3), coordinates=coordinates).solve()
     with pytest.raises(InconsistentState, match="infinitesimal mobility"):
         model.random_state(np.random.default_rng(0))
     with pytest.raises(InconsistentState, match="infinitesimal mobility"):

@@ -146,3 +146,13 @@ def test_unknown_motors(tmp_path):
     assert "which joints have motors is not known" in found["loops"]["reactions_missing"]
     assert {value for reaction in found["loops"]["reactions"] for value in reaction["values"]} == {None}
     assert len(found["loops"]["undetermined"]) == 12
+
+
+def test_a_linkage_that_closes_only_stretched(tmp_path):
+    """It is described, with why nothing is known of its reactions."""
+    path = tmp_path / "stretched.urdf"
+    urdf.save(four_bar(1, 1, 1, 3).with_gravity((0, 0, -9.81)), path)
+    told = show(path)
+    assert told.exit_code == 0
+    assert "0, and 2 infinitesimal" in told.output
+    assert "motions of a, b, c keep them closed to first order only" in " ".join(told.output.split())

@@ -252,6 +252,11 @@ def test_resampling_block_by_block():
         sampling_rate(record(T[:1]))
 
 
+def test_the_steps_between_blocks_are_no_steps_of_the_rate():
+    t = np.array([0.0, 0.01, 5.0, 5.01, 9.0, 9.01, 20.0])
+    assert sampling_rate(record(t, block=np.array([0, 0, 1, 1, 2, 2, 3]))) == pytest.approx(100.0)
+
+
 def test_decimation_of_any_columns_is_that_of_scipy():
     from scipy.signal import decimate
 
