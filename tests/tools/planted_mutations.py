@@ -118,8 +118,11 @@ LEFT_OUT = (
 )
 """Kinds of changes that are not made."""
 
-WITHOUT_EFFECT = ("strict=", "frozen=", "eq=", "kw_only=", "slots=")
-"""What stands before a truth value that no answer depends on, where nothing else is wrong."""
+WITHOUT_EFFECT = (
+    *("strict=", "frozen=", "eq=", "kw_only=", "slots="),  # where nothing else is wrong
+    *("fontsize=", "labelsize=", "linewidth=", "markersize=", "alpha=", "zorder="),  # of pictures
+)
+"""What stands before a value that no answer depends on."""
 
 CONFIG = """
 [cosmic-ray]
