@@ -3,6 +3,7 @@
 import json
 import re
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -130,6 +131,9 @@ def test_assumed_noise(small_arm):
     q, v = model.random_state(np.random.default_rng(0), 1000)
     squares = PinocchioModel.from_model(model).rnea(q, v, np.zeros_like(q)) ** 2
     assert noise == pytest.approx(0.01 * np.sqrt(squares.mean(axis=0)))
+    first, *others = model.joints
+    partly = (replace(first, limits=replace(first.limits, effort=50.0)), *others)
+    assert assumed_noise(replace(model, joints=partly))[0] == pytest.approx(noise), "one effort is not enough"
     massless = mixed_tree().with_inertial_parameters(np.zeros(30))
     assert assumed_noise(massless)[0].tolist() == [1, 1, 1]
 

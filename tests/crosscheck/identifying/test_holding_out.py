@@ -8,6 +8,7 @@ from identified.identified_arm import CUTOFF, NOISE_FLOOR, compared, identified,
 
 from crosscheck.identifying import ByRows, ByTime, Folds, FromWrenches, LastPart, OtherRecordings, Preparation
 from crosscheck.identifying.preparing.trials import pooled_sizes
+from crosscheck.identifying.results.identified_model import HeldOutPrediction
 from crosscheck.recordings import Recording, concatenated
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import ResidualSizes, WeightedLeastSquares
@@ -113,6 +114,13 @@ class TestHoldingOut:
             ):
                 expected = [np.sum(values**2 * rows, axis=0) for rows in (here, here & moves)]
                 np.testing.assert_allclose([everything[number], moving[number]], expected, rtol=1e-7)
+
+    def test_period_of_the_longest_interval(self):
+        """Whose last row came late."""
+        times = [np.array([0.0, 1.0]), np.array([5.0, 5.1, 5.2, 5.3, 5.9])]
+        assert HeldOutPrediction(None, times, {}, {}).period == pytest.approx(0.1)
+        assert HeldOutPrediction(None, times, {}, {}).n_rows == 7
+        assert np.isnan(HeldOutPrediction(None, [np.zeros(1)], {}, {}).period)
 
     def test_errors_of_the_fit(self):
         found = compared()

@@ -223,6 +223,13 @@ class TestGeneralized:
         error = problem.base.values(estimate.parameters) - problem.base.values(torque_data.small_parameters())
         assert error @ np.linalg.solve(estimate.covariance, error) < 30  # χ² of 12
 
+    @pytest.mark.parametrize("sign", [-1.0, 1.0])
+    def test_largest_correlation_is_told_whatever_its_sign(self, sign):
+        noise = np.random.default_rng(0).normal(size=(120, 2)) @ [[1.0, sign * 0.8], [0.0, 0.6]]
+        found = GeneralizedLeastSquares().estimate(torque_data.small_problem(noise))
+        expected = abs(np.corrcoef(noise.T)[0, 1])
+        assert found.settings["largest correlation between joints"] == pytest.approx(expected, abs=0.05)
+
     def test_too_few_complete_samples(self):
         with pytest.raises(EstimationFailed, match=r"only \d+ samples have equations of all 2 joints, 20 needed"):
             GeneralizedLeastSquares().estimate(torque_data.small_problem(self.NOISE, min_speed=[0.9, 0.9]))
