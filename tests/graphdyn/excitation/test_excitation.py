@@ -475,3 +475,19 @@ def test_torques_have_the_friction_that_the_file_states():
     needed = np.abs(joint_torques(model, q, v, a) + damping * v) + friction
     used = [usage(one).used for one in signals(model, limits, (), motion) if one.kind == "torque"]
     assert used == pytest.approx(needed.max(axis=0) / 200.0)
+
+
+def test_positions_use_their_range_from_its_middle():
+    """0 in the middle, 1 at either end; from a single limit in radians or meters."""
+    model = mixed_tree()
+    limits = MotionLimits.of_model(model, lower=[-1.0, -np.inf, -np.inf], upper=[3.0, 3.0, np.inf], velocity=1.0)
+    still = np.zeros((1, 3))
+
+    def used(q):
+        found = signals(model, limits, (), JointMotion(np.full((1, 3), q), still, still, still))
+        return {one.name: usage(one).used for one in found if one.kind == "position"}
+
+    first, second, _ = model.joint_names
+    assert used(1.0) == {first: 0.0, second: -1.0}
+    assert used(2.5) == {first: 0.75, second: 0.5}
+    assert used(-1.0) == {first: 1.0, second: -3.0}

@@ -23,7 +23,7 @@ from crosscheck.recordings import (
 )
 from crosscheck.recordings.mapping.mapping import Channel, ColumnMapping
 from crosscheck.recordings.preparation.derivatives import white_noise
-from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING_ROWS, border, rows_needed
+from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING_ROWS, TorqueFilter, border, rows_needed
 from crosscheck.recordings.preparation.resampling import with_delays_undone
 from graphdyn import InvalidInput
 
@@ -353,3 +353,15 @@ def test_delays_of_either_sign_are_undone_where_torques_are_recorded():
     shifted = np.cos((kept[:, None] + delays) * SLOW)
     assert np.abs(found.tau - shifted).max() < 1e-6
     assert np.abs(found.tau - shifted)[50:-50].max() < 1e-10
+
+
+@pytest.mark.parametrize("factors", [(10,), (4, 10), (10, 3)])
+def test_stages_of_a_decimation_forget_a_row_within_their_memory(factors):
+    """Hardly anything of the response to one row is left at the end of the memory, and something halfway."""
+    values = np.zeros(20_000)
+    values[10_000] = 1.0
+    response = np.abs(decimated_columns(values, factors))
+    away = np.abs(np.arange(len(response)) * int(np.prod(factors)) - 10_000)
+    memory = TorqueFilter(factors=factors).memory
+    assert response[away > memory].max() < 1e-5 * response.max()
+    assert response[away > memory / 2].max() > 1e-5 * response.max()
