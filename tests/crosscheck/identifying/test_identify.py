@@ -23,6 +23,7 @@ from crosscheck.report.records.record import plain
 from graphdyn import InvalidInput, mass_matrix
 from graphdyn.identification import Problem, Samples, WeightedLeastSquares
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
+from graphdyn.model.inertia import PARAMETER_NAMES
 
 NOISE = [2.0, 3.0, 1.0, 0.5, 0.4, 0.2]
 """[N m] Given for the torques of an arm."""
@@ -92,6 +93,22 @@ class TestParameters:
         alone = replace(found, comparison=replace(found.comparison, results=(bare,)), others=())
         assert deviations_of(alone, bare) == (None, "consistent, entropic prior gives none")
         assert np.isnan(base_rows(alone, bare)[0].deviation)
+
+    def test_rows_of_parameters(self):
+        """Found minus true, and the smallest eigenvalue of [[tr(I)/2 - I, m c], [m c, m]] of every link."""
+        arm, found = virtual(), replace(compared(), truth=virtual().truth)
+        result = found.comparison.of("WLS")
+        truth = found.problem.base.values(arm.truth)
+        for row, value, true in zip(base_rows(found, result), result.base_values, truth, strict=True):
+            assert (row.value, row.truth) == pytest.approx((value, true), abs=1e-12)
+            assert row.error == pytest.approx(value - true, abs=1e-12)
+        for row, ten in zip(body_rows(found, result), found.body_parameters(result), strict=True):
+            of = dict(zip(PARAMETER_NAMES, ten, strict=True))
+            tensor = np.array([[of["I_" + "".join(sorted(a + b))] for b in "xyz"] for a in "xyz"])
+            moment = np.array([[of[f"mc_{a}"]] for a in "xyz"])
+            whole = np.block([[np.trace(tensor) / 2 * np.eye(3) - tensor, moment], [moment.T, np.array([[of["m"]]])]])
+            assert row.eigenvalue == pytest.approx(np.linalg.eigvalsh(whole)[0])
+            assert row.mass == of["m"]
 
     def test_a_known_payload_is_no_part_of_the_links(self):
         load = KnownPayload([1.0, *[0.0] * 9])
