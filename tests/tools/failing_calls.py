@@ -297,6 +297,8 @@ class _Trial:
             yield f"told: {said.strip().splitlines()[-1][:150]}"
 
     def of_files(self, found: dict[str, bytes]) -> Iterator[str]:
+        if "what was there is in" in self.errors.read_text():
+            return  # nothing can be renamed any more, not even back
         known = {f"work/{name}": content for name, content in {**self.run.inputs, **self.old}.items()}
         for name, content in found.items():
             if name == "stdout" or STORE.search(name):
