@@ -62,7 +62,7 @@ def infinitesimal_refusal(who: str, loops: Loops, q: Array) -> InconsistentState
 
 
 def refuse_infinitesimal(who: str, loops: Loops, q: Array) -> None:
-    """Raises infinitesimal_refusal."""
+    """Refuse loops that close only when stretched: raises infinitesimal_refusal."""
     refusal = infinitesimal_refusal(who, loops, q)
     if refusal is not None:
         raise refusal

@@ -56,7 +56,10 @@ class Command(TyperCommand):
     def invoke(self, ctx: Any) -> Any:
         refuse_harm(ctx)
         out.quiet = any(isinstance(file, OutputFile) and file.is_standard_output for file in ctx.params.values())
-        return super().invoke(ctx)
+        try:
+            return super().invoke(ctx)
+        finally:
+            out.quiet = False
 
 
 class CommandGroup(TyperGroup):

@@ -25,7 +25,7 @@ class OddYaml(ValueError):
 
 
 def refuse_growing_yaml(content: bytes) -> None:
-    """Raises OddYaml for text that is no YAML, and for what would become too large."""
+    """Refuse YAML that grows: raises OddYaml for text that is no YAML, and for what would become too large."""
     sizes: dict[str, int] = {}
     within: list[tuple[str | None, int]] = []  # the names of what is not closed yet, and their sizes so far
     size = 0

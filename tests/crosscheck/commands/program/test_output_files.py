@@ -12,7 +12,7 @@ import typer
 from long_check import few
 
 from crosscheck.commands import app
-from crosscheck.commands.program import output_files
+from crosscheck.commands.program import console, output_files
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, Command
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.distributing import LocalProcesses
@@ -199,6 +199,7 @@ class TestStandardOutput:
         done = program("show", small_arm, "--json", "-")
         assert done.code == AGREED
         assert json.loads(done.out)["format"].startswith("graphdyn show")
+        assert not console.out.quiet  # what is printed next, in the same process, is seen
 
     def test_html_alone(self, program, small_arm, tmp_path):
         done = program("show", small_arm, "--html", "-", "--json", tmp_path / "r.json")
