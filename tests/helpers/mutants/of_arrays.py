@@ -37,9 +37,9 @@ def other_kind(rng: random.Random, arrays: Arrays) -> None:
 
 def other_shape(rng: random.Random, arrays: Arrays) -> None:
     name = _some(rng, arrays)
-    x = arrays[name]
+    x = np.atleast_1d(arrays[name])
     shapes = [x.T, x[None], x[..., None], x.ravel(), x[:0], x[:1], x[..., :1], x[1:], x[..., 1:], x.reshape(-1, 1)]
-    arrays[name] = rng.choice(shapes) if x.ndim else x[None]
+    arrays[name] = rng.choice(shapes)
 
 
 def scalar(rng: random.Random, arrays: Arrays) -> None:
