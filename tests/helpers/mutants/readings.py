@@ -570,11 +570,16 @@ def looped(path: Path) -> Any:
         return urdf.load(path)
 
 
+def named(parent: Any, tag: str) -> list[Any]:
+    """Its elements whose tag is written so, without a prefix."""
+    return [e for e in parent.iterchildren(etree.Element) if e.prefix is None and etree.QName(e).localname == tag]
+
+
 def looped_fault(path: Path, found: Any) -> str | None:
     """The chords are the <loop> elements of the file, between the same links at the same places, and so is its tree."""
     root = etree.fromstring(path.read_bytes())
-    loops = {e.get("name"): e for e in root.findall("{*}loop")}
-    parents = {j.find("{*}child").get("link"): j for j in root.findall("{*}joint")}
+    loops = {e.get("name"): e for e in named(root, "loop")}
+    parents = {named(j, "child")[0].get("link"): j for j in named(root, "joint")}
 
     def numbers(e: Any, name: str, default: str) -> Array:
         return np.array((e.get(name, default) if e is not None else default).split(), dtype=float)
@@ -586,14 +591,18 @@ def looped_fault(path: Path, found: Any) -> str | None:
             ("predecessor", one.body_i, one.placement_i),
             ("successor", one.body_j, one.placement_j),
         ):
-            end = element.find(f"{{*}}{tag}")
+            end = named(element, tag)[0]
             name = "base" if body == 0 else found.bodies[body - 1].name
             yield differs(f"{tag} of {one.name}", name, end.get("link"))
-            yield differs(f"place of {tag}", placement.translation, numbers(end.find("{*}origin"), "xyz", "0 0 0"))
+            yield differs(
+                f"place of {tag}",
+                placement.translation,
+                numbers(next(iter(named(end, "origin")), None), "xyz", "0 0 0"),
+            )
 
     def joint(one: Any) -> Iterable[str | None]:
         element = next(e for e in parents.values() if e.get("name") == one.name)
-        axis = numbers(element.find("{*}axis"), "xyz", "1 0 0")
+        axis = numbers(next(iter(named(element, "axis")), None), "xyz", "1 0 0")
         yield differs(f"axis of {one.name}", np.round(one.axis, 9), np.round(axis / np.linalg.norm(axis), 9))
 
     return (
