@@ -57,7 +57,7 @@ def _row(scenario, run, method, noise, shared):
         "base": base.tolist(),
         "sigma": (noise * spread * np.abs(TRUTH)).tolist(),
         "parameter_error": error,
-        "torque_error": (0.4 + 0.1 * ((run + round(10 * bias)) % 3)) * error,
+        "torque_error": (0.2 + 0.2 * ((run + round(10 * bias)) % 4)) * error,
         "trajectory_error": 0.2 * error,
         "consistent": bool(run % 3 or bias == 0),
     }
