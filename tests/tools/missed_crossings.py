@@ -8,6 +8,7 @@ The exit code is 1 if any is missed, found where there is none, or leaves a row 
 
 import argparse
 import itertools
+import sys
 
 from grazed_limits import KINDS, METHODS, problems
 
@@ -28,6 +29,7 @@ def main() -> int:
             asked[kind, method] += count
             wrong += len(found)
             print(*found, sep="\n", end="\n" if found else "", flush=True)
+        print(f"{sum(asked.values())} simulations, {wrong} wrong", file=sys.stderr)
         if sum(asked.values()) >= given.count:
             break
     print("| motion | " + " | ".join(methods) + " |\n|---|" + "---|" * len(methods))
