@@ -549,3 +549,15 @@ def test_refused_chords(change, message):
 def test_refused_models(change, message):
     with pytest.raises(InvalidModel, match=message):
         replace(four_bar(), **change)
+
+
+def test_joints_that_follow_a_coupling_several_turns_away_are_read():
+    """Driven by 3 at 2.5 rad, a joint is at 7.5 rad, read as 1.217: by a full turn off, and no further."""
+    model = replace(four_bar(), chords=(), couplings=(graphdyn.Coupling("c", {"a": 3.0}),), actuated=None)
+    u, rate = np.array([2.5, 0.4]), np.array([1.0, -2.0])
+    q, v = graphdyn.joint_state(model, graphdyn.maximal_state(model, u, rate))
+    np.testing.assert_allclose(q, u, atol=1e-14)
+    np.testing.assert_allclose(v, rate, atol=1e-14)
+    elsewhere = graphdyn.maximal_state(model.uncoupled, [2.5, 0.4, 7.6], [1.0, -2.0, 3.0])
+    with pytest.raises(InconsistentState, match=r"position of joint 'c' is off its coupling by 0\.1 rad"):
+        graphdyn.joint_state(model, elsewhere)

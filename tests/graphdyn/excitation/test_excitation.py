@@ -491,3 +491,13 @@ def test_positions_use_their_range_from_its_middle():
     assert used(1.0) == {first: 0.0, second: -1.0}
     assert used(2.5) == {first: 0.75, second: 0.5}
     assert used(-1.0) == {first: 1.0, second: -3.0}
+
+
+def test_rates_use_the_limits_of_their_own_joints():
+    model, ones = mixed_tree(), np.ones((1, 3))
+    limits = MotionLimits.of_model(model, velocity=[1.0, 2.0, 4.0], acceleration=[2.0, 4.0, 5.0], jerk=[10.0, 4.0, 8.0])
+    motion = JointMotion(0 * ones, ones, -2 * ones, 4 * ones)
+    found = [(one.kind, usage(one).used) for one in signals(model, limits, (), motion) if one.kind != "position"]
+    assert [used for kind, used in found if kind == "velocity"] == [1.0, 0.5, 0.25]
+    assert [used for kind, used in found if kind == "acceleration"] == [1.0, 0.5, 0.4]
+    assert [used for kind, used in found if kind == "jerk"] == [0.4, 1.0, 0.5]
