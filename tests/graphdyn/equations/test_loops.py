@@ -561,3 +561,20 @@ def test_joints_that_follow_a_coupling_several_turns_away_are_read():
     elsewhere = graphdyn.maximal_state(model.uncoupled, [2.5, 0.4, 7.6], [1.0, -2.0, 3.0])
     with pytest.raises(InconsistentState, match=r"position of joint 'c' is off its coupling by 0\.1 rad"):
         graphdyn.joint_state(model, elsewhere)
+
+
+@pytest.mark.parametrize("ground_first", [False, True])
+def test_a_chord_on_a_ground_that_accelerates(ground_first):
+    """Along a line, as in a field of gravity that is less by as much."""
+    there, end = at(2.2, 0, 0), at(1.5, 0, 0)
+    chord = Chord("end", "hinge", 0, there, 3, end) if ground_first else Chord("end", "hinge", 3, end, 0, there)
+    joints = (*four_bar().joints[:2], Joint("c", "revolute", 2, at(2, 0, 0), np.array([0, 0, 1.0])))
+    model = replace(four_bar(), joints=joints, chords=(chord,))
+    q, v = graphdyn.assemble(model, [0.7, -0.3, -2.0], [1.0, 0.5, -0.3])
+    tau, acceleration = np.array([1.0, 2.0, -0.5]), np.array([1.0, -2.0, 0.5])
+    base = graphdyn.BaseMotion(acceleration=[*acceleration, 0, 0, 0])
+    wanted = graphdyn.forward_dynamics(model.with_gravity(model.gravity - acceleration), q, v, tau, method="dense")
+    for method in METHODS:
+        found = graphdyn.forward_dynamics(model, q, v, tau, base=base, method=method)
+        assert relative_error(found.a, wanted.a) < 1e-12, method
+        compare(found, wanted, 1e-11)
