@@ -304,6 +304,8 @@ def bag_columns(path: Path) -> Numbers:
     with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
         for connection, received, raw in reader.messages():
             message = reader.deserialize(raw, connection.msgtype)
+            if not set(JOINTS) <= set(message.name):
+                continue
             order = [list(message.name).index(name) for name in JOINTS]
             rows.setdefault("time", []).append(message.header.stamp.sec * 10**9 + message.header.stamp.nanosec)
             rows.setdefault("received", []).append(received)

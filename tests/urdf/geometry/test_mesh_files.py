@@ -147,6 +147,11 @@ def damaged():
             "the file is damaged: IndexError: index 8",
         ),
         "two coordinates": ("v 0 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", ".obj", "the file is damaged: line 2: 'v 1 0'"),
+        "text of four bytes each": (
+            box().export(file_type="stl_ascii").encode("utf-32-le"),
+            ".stl",
+            "bytes behind its ",
+        ),
         "vertex 0 in OBJ": ("v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 0\n", ".obj", "line 5: 'f 1 2 0'"),
         "a word in OBJ": ("v 0 0 0\nv 1 0 0\nv 0 1 0\nvv 0 1 0\nf 1 2 3\n", ".obj", "line 4: 'vv 0 1 0'"),
         "half a number in OBJ": ("v 0 0 0\rv 1 0 0\rv 0 1 0e\rf 1 2 3\r", ".obj", "line 3: 'v 0 1 0e'"),

@@ -139,6 +139,8 @@ def _stl(content: bytes, path: Path) -> list[Triangles]:
     if len(content) < end:
         held = (len(content) - STL_HEADER) // STL_TRIANGLE
         raise UnreadableMesh(f"the file is truncated: {held} of {number} triangles")
+    if content[end:].strip(b"\0"):
+        raise UnreadableMesh(f"the file is damaged: {len(content) - end} bytes behind its {number} triangles")
     return _of_trimesh(load_stl_binary, io.BytesIO(content[:end]))
 
 
