@@ -26,7 +26,7 @@ def parquet_table(path: Path) -> Any:
 
     content = path.read_bytes()
     with refusing_damage(path, "Parquet file", "save it again"):
-        file = parquet.ParquetFile(pa.BufferReader(content))
+        file = parquet.ParquetFile(pa.BufferReader(content), page_checksum_verification=True)
         batches, size = [], 0
         check_expanded(path, 8 * file.metadata.num_rows * file.metadata.num_columns)
         for batch in file.iter_batches():  # lists may have any number of elements per row
@@ -42,7 +42,7 @@ def batches_of_parquet(path: Path, _mapping: ColumnMapping | None, rows: int) ->
     """The names of the columns, and batches of at most this number of rows."""
     from pyarrow import parquet
 
-    file = parquet.ParquetFile(path)
+    file = parquet.ParquetFile(path, page_checksum_verification=True)
     return file.schema_arrow.names, file.iter_batches(rows)
 
 

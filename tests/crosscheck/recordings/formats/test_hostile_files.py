@@ -68,6 +68,19 @@ def test_a_damaged_header(tmp_path):
         load_recording(path)
 
 
+def test_a_parquet_file_whose_checksum_does_not_fit(tmp_path):
+    """Pages may have one; a changed digit is then no number of the recording."""
+    path = tmp_path / "r.parquet"
+    table = pa.table({"t": T, "q_1": Q[:, 0]})
+    parquet.write_table(table, path, write_page_checksum=True, compression="none", use_dictionary=False)
+    assert load_recording(path).q[:, 0].tolist() == Q[:, 0].tolist()
+    content = bytearray(path.read_bytes())
+    content[content.index(T.tobytes()) + 20] ^= 1
+    path.write_bytes(content)
+    with pytest.raises(BadRecordingFile, match=r"r.parquet: not a readable Parquet file \(.*CRC checksum.*\); save it"):
+        load_recording(path)
+
+
 def write_parquet(path, lists=False):
     columns = {"t": np.zeros(200), "q": np.zeros((200, 10)).tolist()} if lists else {"t": np.zeros(2000)}
     parquet.write_table(pa.table(columns), path)
