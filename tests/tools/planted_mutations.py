@@ -112,6 +112,7 @@ LONGEST = 600
 
 LEFT_OUT = (
     ".*_BitOr_.*",  # types of annotations
+    ".*_BitAnd_Mul$",  # the same of truth values
     ".*_(FloorDiv|Mod|LShift|RShift|BitOr|BitAnd|BitXor|MatMul)$",  # Add, Sub, Mul, Div and Pow in their place suffice
     ".*_(Eq|NotEq|Is|IsNot)_(Lt|Gt|LtE|GtE|Is|IsNot)",  # of words; Eq for NotEq and back suffice
     "core/(RemoveDecorator|ExceptionReplacer|ZeroIterationForLoop|VariableReplacer|VariableInserter)",
