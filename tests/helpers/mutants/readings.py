@@ -160,7 +160,10 @@ def motion_fault(second: Callable[[Path], tuple[Array, Array]]) -> Callable[[Pat
 def csv_motion(path: Path) -> tuple[Array, Array]:
     table, units = plain_table(path), ("rad", "m", "rad")
     names = [f"{name}.q[{unit}]" for name, unit in zip(arm().independent_joints, units, strict=True)]
-    columns = np.array([[cell for cell in table[name] if cell] for name in ("time[s]", *names)], dtype=float)
+    rows = [row for row in zip(*(table[name] for name in ("time[s]", *names)), strict=True) if any(row)]
+    if "joint3.a[rad/s^2]" not in table and not all(rows[-1]):
+        rows.pop()  # of a recording, which is cut off, with a warning
+    columns = np.array(rows, dtype=float).T
     return columns[0], columns[1:].T
 
 
@@ -408,7 +411,9 @@ def study_fault(path: Path, found: Any) -> str | None:
     there = tomllib.loads(path.read_text("utf-8"))
 
     def plain(value: Any) -> Any:
-        return [plain(one) for one in value] if isinstance(value, list | tuple) else value
+        if isinstance(value, list | tuple):
+            return [plain(one) for one in value]
+        return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
     faults = [differs(key, getattr(found, key), there["study"].get(key, default)) for key, default in (("seed", 0),)]
     faults.append(differs("runs", found.runs, there["study"].get("runs", 5)))
@@ -595,6 +600,8 @@ def looped_fault(path: Path, found: Any) -> str | None:
         ):
             end = named(element, tag)[0]
             name = "base" if body == 0 else found.bodies[body - 1].name
+            if end.get("link") in parents and parents[end.get("link")].get("type") == "fixed":
+                continue  # the link is fused into another
             yield differs(f"{tag} of {one.name}", name, end.get("link"))
             yield differs(
                 f"place of {tag}",
@@ -697,7 +704,7 @@ def obj(path: Path) -> Array:
 
 def collada(path: Path) -> Array:
     """The one geometry of the file, in whatever namespace; its counts are those that it states."""
-    root = etree.fromstring(path.read_bytes())
+    root = etree.fromstring(path.read_bytes(), etree.XMLParser(huge_tree=True))
     unit, floats, faces = map(root.find, ("./{*}asset/{*}unit", ".//{*}float_array", ".//{*}triangles"))
     corners = root.find(".//{*}triangles/{*}p")
     meter = float(unit.get("meter", "1")) if unit is not None else 1.0
