@@ -105,6 +105,8 @@ onload = () => {
   press(); said.on = panel.series[1].show;
   panel.setScale("x", { min: 10, max: 20 });
   page.style.width = "900px";
+  page.contentDocument.body.getBoundingClientRect();  // lay it out, and tell it now: a busy browser does so too late
+  page.contentWindow.dispatchEvent(new Event("resize"));
   setTimeout(() => { said.zoom = [panel.scales.x.min, panel.scales.x.max, panel.width < 1000].join(" "); }, 300);
 };
 </script></body></html>
