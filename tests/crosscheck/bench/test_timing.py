@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crosscheck.bench import cold, contender, identification
+from crosscheck.bench import cold, contender, curves, identification
 from crosscheck.bench.benchmark import thread_numbers
 from crosscheck.bench.contender import MIN_CORE_SHARE, Contender, MeasuredWork, TimedContender, Work, measure
 from crosscheck.bench.curves import Line, long_notes
@@ -21,6 +21,18 @@ class TestTimes:
         rows = in_turns(runs, [1, 1], repeats=3, shortest=0.0)
         assert [len(row) for row in rows] == [3, 3]
         assert "".join(calls).endswith("ababab")
+
+    def test_seconds_are_those_of_one_call(self, monkeypatch):
+        """Of a clock that each call moves on by 2 s: four calls in a row last at least 8 s."""
+        now, calls = [0.0], []
+
+        def run():
+            now[0] += 2.0
+            calls.append(now[0])
+
+        monkeypatch.setattr(time, "perf_counter", lambda: now[0])
+        assert in_turns([run], [1], repeats=2, shortest=8.0) == [[2.0, 2.0]]
+        assert len(calls) == 2 + 2 * 4
 
     def test_fitting_count(self):
         asked = []
@@ -78,6 +90,13 @@ def test_note_on_long_chains():
     assert long_notes((2, 24)) == ()
     with interpreted():
         assert long_notes((2, 60)) == ()
+
+
+def test_the_first_call_is_timed_in_seconds(monkeypatch):
+    """Of a function that takes 10 ms, no longer than all around it takes."""
+    monkeypatch.setattr(curves.graphdyn, "forward_dynamics", lambda *_args, **_options: time.sleep(0.01))
+    start = time.perf_counter()
+    assert 0.01 <= curves._first_call(2) <= time.perf_counter() - start
 
 
 def test_times_are_per_sample(monkeypatch):

@@ -16,13 +16,15 @@ from shown import pages
 
 import urdf
 from crosscheck.commands.excite import command as excite_search
+from crosscheck.commands.excite import record as excite_record
 from crosscheck.commands.excite.report import random_is_better
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.distributing import LocalProcesses, Lost
-from crosscheck.exciting.excited import assumed_noise
+from crosscheck.exciting.excited import PlannedMotion, assumed_noise
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import WRITTEN_SUFFIXES, document, read_motion, slides
 from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
+from crosscheck.exciting.self_collision import Hit
 from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.reference.pinocchio_model import PinocchioModel
@@ -136,6 +138,14 @@ def test_assumed_noise(small_arm):
     assert assumed_noise(replace(model, joints=partly))[0] == pytest.approx(noise), "one effort is not enough"
     massless = mixed_tree().with_inertial_parameters(np.zeros(30))
     assert assumed_noise(massless)[0].tolist() == [1, 1, 1]
+
+
+def test_the_time_of_a_collision():
+    """Poses are looked at 1000 times per second: that of number 2345 comes at 2.345 s."""
+    model = mixed_tree()
+    motion = PlannedMotion(course(model), (), (Hit("a - b", 7, 2345),), 4001)
+    (found,) = excite_record._motion(1, motion, model)["collisions"]
+    assert found == {"links": "a - b", "poses": 7, "first": 2.345}
 
 
 def test_the_program(program, small_arm, tmp_path):

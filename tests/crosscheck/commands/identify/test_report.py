@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from shown.blocks import cells, tables
 
 import graphdyn
 from crosscheck.commands.identify.model_report import _torque_sizes
+from crosscheck.commands.identify.quality_report import _of_predicted
 from crosscheck.commands.identify.record import record as identify_record
 from crosscheck.commands.identify.report import _singular_values, identify_report
 from crosscheck.identifying import Folds
@@ -39,6 +41,16 @@ def report(found):
 
 def section(report, key):
     return next(part for part in report.sections if part.key == key)
+
+
+def test_findings_stand_under_their_recording():
+    """Of two that are predicted, the second is too short to be examined."""
+    finding = Mock(severity="fault", message="τ is late", remedy="shift it", code="delay", lines=())
+    found = Mock(predicted_recordings=("a.csv", "b.csv"), validation_data_quality=(Mock(findings=[finding]), None))
+    heading, notes, last = _of_predicted(found)
+    assert heading.text == "Of a.csv, which is predicted:"
+    assert notes.notes[0].text == "fault: τ is late; shift it"
+    assert last.text == "b.csv, which is predicted, is too short to be examined."
 
 
 class TestMethods:

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from identified.small_study import GRID, ROBOT, SCENARIO, STUDY
@@ -219,6 +220,15 @@ class TestErrors:
         said = " ".join(done.err.split())
         assert "importing own.py raised ZeroDivisionError: division by zero" in said
         assert f"({own}, line 3, in <module>)" in said
+
+
+def test_a_process_that_does_not_unwind_is_killed():
+    process = Mock(pid=None, exitcode=None)
+    own_process._end(process, signal.SIGINT)
+    assert [name for name, *_ in process.mock_calls] == ["join", "kill", "join"]
+    process = Mock(pid=None, exitcode=130)
+    own_process._end(process, signal.SIGINT)
+    process.kill.assert_not_called()
 
 
 def test_a_process_that_nobody_could_watch_is_ended(monkeypatch):

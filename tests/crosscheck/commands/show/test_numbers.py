@@ -360,6 +360,7 @@ def test_picture(arm, tmp_path, small_arm_text):
     np.testing.assert_allclose(drawing.centers, np.array(centers) @ view.T, atol=1e-9)
     origins = [np.zeros(3), *(frames[name][:3, 3] for name in BODIES)]
     np.testing.assert_allclose(drawing.origins, np.array(origins) @ view.T, atol=1e-9)
+    np.testing.assert_allclose(drawing.shadow, (origins * np.array([1, 1, 0])) @ view.T, atol=1e-9)  # on the ground
     axes = Figure().add_axes((0, 0, 1, 1))
     drawing.draw(axes)
     masses = np.array([arm.body(name)[0] for name in BODIES])

@@ -360,6 +360,10 @@ class TestReading:
             path.write_bytes(content.encode() if isinstance(content, str) else content)
         return {number: x.numbers.tolist() for number, x in read_answers([path]).items()}
 
+    def test_lists_that_are_nested_32_times_are_read(self, tmp_path):
+        nested = f"{'[' * 32}1.5, 2{']' * 32}"
+        assert self.read(tmp_path, "a.json", f'[{{"id": 7, "answer": {nested}}}]') == {7: [1.5, 2.0]}
+
     @pytest.mark.parametrize(
         ("name", "content"),
         [
