@@ -257,6 +257,15 @@ class TestRegions:
             chosen[np.random.default_rng(seed).choice(len(chosen), 2, replace=False)] = True
             assert region(chosen, states, ("q", "v", "a")) is None
 
+    @pytest.mark.parametrize(("count", "said"), [(5, False), (6, False), (7, True)])
+    def test_two_thresholds_may_be_chance(self, ur5, count, said):
+        """80 sides of 40 quantities, 71 places of the second threshold: 80² · 71 / C(71, k) is 3e-2, 3e-3, 3e-4."""
+        states = crosscheck.judging.states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
+        (x, y), above = states.q[:, :2].T, states.q[:, 0] > np.median(states.q[:, 0])
+        chosen = above & (y >= np.sort(y[above])[-count])
+        assert chosen.sum() == count < (x >= x[chosen].min()).sum()
+        assert (region(chosen, states, ("q", "v", "a")) is not None) is said
+
     def test_no_state_and_all_states_are_no_region(self, ur5):
         states = crosscheck.judging.states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
         for all_or_none in (np.ones(14, dtype=bool), np.zeros(14, dtype=bool)):

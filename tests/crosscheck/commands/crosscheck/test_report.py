@@ -114,6 +114,9 @@ class TestOverview:
         assert next(iter(rows)) == "inverse_dynamics"
         assert rows["inverse_dynamics"][-1] == "∞ ✗"
         assert rows["verdict"] == ["", "agrees", "DISAGREES"]
+        report = crosscheck_report([comparison, broken])
+        assert report.verdict.words == "DISAGREES"
+        assert report.verdict.reason == "1 of 2 robots agree on every quantity."
 
 
 class TestData:
