@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from robots.mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletizer, rod
+from scipy.spatial.transform import Rotation
 from shared_data import DATA, existing
 from witnesses import relative_error
 
@@ -22,8 +23,9 @@ from graphdyn import (
     identification,
 )
 from graphdyn.model import random_states
+from graphdyn.model.assembly import moving_apart
 from graphdyn.model.chord import CHORD_ROWS
-from graphdyn.model.loops import Loops
+from graphdyn.model.loops import Loops, rotation_vector
 from graphdyn.model.spatial import rotation_about
 
 ROUNDING = 1e-13
@@ -123,6 +125,22 @@ def test_a_hinge_turned_over_is_open_by_half_a_turn(flip):
             graphdyn.forward_dynamics(over, q, np.zeros(3), np.zeros(3))
 
 
+def test_turns_are_those_of_scipy():
+    """Of every axis, up to half a turn."""
+    axes = np.random.default_rng(0).normal(size=(100, 3))
+    turns = axes / np.linalg.norm(axes, axis=1)[:, None] * np.linspace(0.0, 3.14, 100)[:, None]
+    rotations = Rotation.from_rotvec(turns).as_matrix()
+    np.testing.assert_allclose(rotation_vector(rotations), Rotation.from_matrix(rotations).as_rotvec(), atol=1e-12)
+
+
+def test_motions_apart_are_measured_by_what_is_summed():
+    """6 where 4 is wanted, and 1 where 3 is: errors of 2 among numbers of 6 + 4."""
+    rows = np.zeros((5, 3))
+    rows[0, 0], rows[1, 1] = 2.0, 1.0
+    apart = moving_apart(four_bar().loops, rows, np.array([3.0, 1.0, 0.0]), np.array([4.0, 3.0, 0, 0, 0]))
+    np.testing.assert_allclose(apart, [0.2, 0.2, 0, 0, 0])
+
+
 def enlarged(model, size):
     """The same robot, so many times as large and as strongly pulled, of the same masses: it moves alike."""
 
@@ -210,6 +228,16 @@ def test_stretched_linkages_have_infinitesimal_mobility_and_no_accelerations(bar
     for question, method in itertools.product(questions, METHODS):
         with pytest.raises(InconsistentState, match=r"motions of a, b, c keep them closed .* mobility 2"):
             question(model, model.closed_pose, zero, zero, method=method)
+
+
+def test_the_motion_of_a_stretched_linkage_with_a_slide_is_that_of_its_table():
+    """Two bars in line from the table to a carriage that slides across them; its meters and their radians differ."""
+    model = four_bar(1e-6, 1e-6, 1e-6, 1e-6)
+    slide = replace(model.joints[2], kind="prismatic", axis=np.array([0, 1.0, 0]))
+    model = on_turntable(replace(model, joints=(*model.joints[:2], slide)))
+    found = graphdyn.analyze_loops(model, np.zeros(4))
+    assert (found.mobility, found.infinitesimal_mobility) == (1, 2)
+    np.testing.assert_allclose(np.abs(found.motions[:, 0]), [1, 0, 0, 0], atol=1e-12)
 
 
 def test_a_stretched_linkage_that_is_slightly_open_is_one():
@@ -334,12 +362,16 @@ def test_ranks_mobility_and_self_stresses():
     np.testing.assert_array_equal(plane.determined_multipliers, [[True, True, False, False, False]] * 3)
     np.testing.assert_array_equal(plane.determined_chord_multipliers, [True, True, False, False, False])
     assert len(plane.self_stresses) == 3
+    of_chord = {name for stress in plane.self_stresses for name in stress if name.startswith("closing")}
+    assert of_chord == {"closing force p", "closing moment t1", "closing moment t2"}
     in_space = graphdyn.analyze_loops(bricard(), np.zeros(5))
     assert (in_space.n_rows, in_space.rank, in_space.mobility) == (30, 29, 1)
     assert not in_space.determined_multipliers.any()
     assert not in_space.determined_chord_multipliers.any()
     (stress,) = in_space.self_stresses
     assert len(stress) == 30
+    chords_and_joints = graphdyn.kkt_system(bricard(), *np.zeros((3, 5))).constraint_jacobian
+    np.testing.assert_allclose(np.array(list(stress.values())) @ chords_and_joints, 0, atol=1e-14)  # in equilibrium
     np.testing.assert_allclose(np.abs(list(stress.values())), 1)  # all forces [N] and moments [N m] alike: rods of 1 m
     model = n_four_bar(2)
     in_line = graphdyn.analyze_loops(model, np.zeros(5))

@@ -212,6 +212,7 @@ def test_second_motion_complements_the_first(found):
     once = problem.total_information(best.trajectory)
     further = optimized(replace(problem, known=once), 2)
     assert further.value < log_det(2 * once)[0] - 0.02
+    assert problem.samples == 5.0 * 100.0
     assert np.array_equal(
         replace(problem, known=once).total_information(further.trajectory),
         problem.total_information(further.trajectory) + once,
@@ -491,6 +492,12 @@ def test_positions_use_their_range_from_its_middle():
     assert used(1.0) == {first: 0.0, second: -1.0}
     assert used(2.5) == {first: 0.75, second: 0.5}
     assert used(-1.0) == {first: 1.0, second: -3.0}
+    # the third joint is at 0.1 - 0.5 · 1 while the first is at 1
+    model = coupled_tree()
+    limits = MotionLimits.of_model(model, lower=-1.0, upper=3.0, velocity=1.0)
+    motion = JointMotion(np.array([[1.0, 2.0]]), *(np.zeros((1, 2)),) * 3)
+    found = [usage(one).used for one in signals(model, limits, (), motion) if one.kind == "position"]
+    assert found == pytest.approx([0.0, 0.5, 0.7])
 
 
 def test_rates_use_the_limits_of_their_own_joints():

@@ -107,6 +107,15 @@ def test_each_joint_stops_and_breaks_loose_by_its_own_friction(settings):
     assert pushed.q[-1] == pytest.approx([0.0, 0.5**3 / 3], abs=1e-8)
 
 
+def test_one_joint_has_dry_friction_and_another_none(settings):
+    """3 kg run freely while 1 kg on them rests under less than its F_c."""
+    friction = Friction(coulomb=[0.0, 4.0])
+    motion = simulate(
+        crossed_slides(2.0, 1.0), [0, 0], [1.0, 0.0], 0.5, torque=[0.0, 3.0], friction=friction, **settings
+    )
+    assert motion.q[-1] == pytest.approx([0.5, 0.0], abs=1e-12)
+
+
 def test_which_joints_begin_to_slide():
     """Coulomb's law at every joint: what is held needs no more than F_c, what slides does so against its friction.
 

@@ -56,6 +56,14 @@ def test_a_limit_that_a_limited_torque_reaches_between_rows(settings):
     np.testing.assert_allclose(motion.v[-1], 1.5 * motion.time[-1], rtol=1e-9)
 
 
+def test_a_single_limit(settings):
+    """A mass at 1 m/s reaches the upper one at 0.3 s, and never a lower one; without that it goes on either way."""
+    for lower, upper, speed, ends in ((None, 0.3, 1.0, True), (None, 0.3, -1.0, False), (-0.3, None, 1.0, False)):
+        motion = simulate(slider(limits=JointLimits(lower, upper)), [0], [speed], 1, limits="stop", **settings)
+        assert motion.time[-1] == pytest.approx(0.3 if ends else 1.0, abs=1e-12)
+        assert motion.ended == (LAST[0] if ends else "")
+
+
 @pytest.mark.parametrize(
     ("speed", "force", "ends"), [(1.2, -1.0, True), (0.0, 1.0, True), (-0.1, 0.0, False), (0.0, 0.0, False)]
 )
@@ -137,6 +145,9 @@ def test_what_lies_behind_the_end_does_not_matter(settings):
     event = Event(lambda t, q, v: (0.5 - q[0]) ** 0.5 - 2 if q[0] <= 0.5 else np.nan, "root")
     motion = simulate(LIMITED, [0.0], [1.0], 1.0, limits="stop", events=event, **settings)
     assert motion.ended == LAST[0]
+    own = Event(lambda t, q, v: 0.31 - q[0] if q[0] <= 0.32 else np.nan, "own")
+    motion = simulate(slider(), [0.0], [1.0], 1.0, events=own, **settings)
+    assert (motion.ended, motion.time[-1]) == ("own", pytest.approx(0.31, abs=1e-12))
 
 
 def test_loops_that_graze_a_limit():

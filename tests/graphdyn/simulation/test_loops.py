@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 from robots.loop_motions import four_bars, space_linkage, squeezed
 from robots.mechanisms import four_bar, n_four_bar, palletizer
-from scipy.integrate import solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 from shared_data import DATA, existing
 
 import graphdyn
 from graphdyn import ComputedTorqueControl, Event, Friction, InconsistentState, InvalidInput, PDControl, simulate
+from graphdyn.simulation.equations import LoopEquations
 from graphdyn.simulation.integration import events
+from graphdyn.simulation.integration.steps import LoopSteps, tableau
+from graphdyn.simulation.plant import make_plant
 
 ADAPTIVE = {"rtol": 1e-10, "atol": 1e-10}
 CRANK = four_bar()
@@ -60,6 +63,29 @@ def test_the_palletizer_moves_as_its_closed_form():
     assert motion.energy.drift < 1e-9
     found = motion.reactions
     assert np.isfinite(found.multipliers[0]).sum() + np.isfinite(found.chord_multipliers[0]).sum() == 32
+
+
+def test_a_divided_step_is_its_parts_one_after_the_other():
+    """Their errors add up, and the nearest of them to a singular pose tells how near the step came."""
+    equations = LoopEquations(make_plant(CRANK))
+    steps = LoopSteps(equations, tableau("rk8"), errors=np.array([DOP853.E3[:12], DOP853.E5[:12]]))
+    y, tau = np.concatenate([*START, np.zeros(2)]), np.array([5.0, 0.0, 0.0])
+    first = steps._divided(0.0, y, [0.1], lambda t, q, v: tau)
+    second = steps._divided(0.1, first.y, [0.2], lambda t, q, v: tau)
+    both = steps._divided(0.0, y, [0.1, 0.2], lambda t, q, v: tau)
+    assert np.array_equal(both.y, second.y)
+    assert both.errors == pytest.approx(np.abs(first.errors) + np.abs(second.errors), rel=1e-12)
+    assert both.distance == min(first.distance, second.distance)
+
+
+def test_how_far_a_regular_pose_is_from_a_singular_one():
+    """By the singular values of d/dq (e(q₁) + 2 e(q₁ + q₂) - 1.5 e(q₃)); care is taken at a tenth of it."""
+    equations, (a, b, c) = LoopEquations(make_plant(CRANK)), CRANK.regular_pose
+    turning = np.array([[np.cos(x), np.sin(x)] for x in (a, a + b, c)])
+    motions = [turning[0] + 2 * turning[1], 2 * turning[1], -1.5 * turning[2]]
+    largest, smallest = np.linalg.svd(motions)[1]
+    assert equations.usual_distance == pytest.approx(smallest / largest)
+    assert LoopSteps(equations, tableau("rk8")).wary == pytest.approx(0.1 * smallest / largest)
 
 
 LOOP_SETTINGS = pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk8", "step": 0.02}], ids=["dop853", "rk8"])

@@ -66,6 +66,14 @@ def test_torques_that_are_held():
     assert held.tau[[0, 9, 10, -1], 0].tolist() == [1.0, 1.0, -1.0, -1.0]
 
 
+def test_torques_are_within_their_limits():
+    """100 N are asked of a drive that gives 3 N to 2 kg: x = 3/4 t²."""
+    drive = {"torque": lambda t, q, v: [100.0], "torque_limits": 3.0}
+    motion = simulate(slider(mass=2.0), [0.0], [0.0], 0.02, **drive, **SETTINGS)
+    assert motion.q[-1, 0] == pytest.approx(0.75 * 0.02**2, rel=1e-12)
+    assert motion.tau[:, 0].tolist() == [3.0] * 3
+
+
 def test_a_controller_that_is_asked_now_and_then():
     """Its torque is held for five steps: x and v from sample to sample by hand."""
     mass, k, d, period = 2.0, 30.0, 4.0, 0.05

@@ -80,22 +80,30 @@ def test_the_row_of_an_event_has_the_torque_of_its_instant(torque):
     assert motion.a[-1, 0] == pytest.approx(motion.tau[-1, 0] / 2)
 
 
+def test_the_row_of_an_event_after_a_new_torque():
+    """A mass of 2 kg has x = 1/16 m and v = 1/4 m/s when 1 N becomes -1 N; half a step later it brakes."""
+    event = Event(lambda t, q, v: q[0] - (1 / 16 + 0.25 * 0.05 - 0.05**2 / 4), "there")
+    motion = simulate(slider(mass=2.0), [0.0], [0.0], 1.0, torque=[[1.0], [-1.0]], events=[event], **FIXED)
+    assert motion.time[-1] == pytest.approx(0.55, abs=1e-9)
+    assert (motion.tau[-1, 0], motion.a[-1, 0], motion.v[-1, 0]) == pytest.approx((-1.0, -0.5, 0.225))
+
+
 @pytest.mark.parametrize("settings", [{}, FIXED], ids=["dop853", "rk4"])
 def test_a_sampled_controller_holds_its_torque(settings):
-    """Discrete PD on a double integrator, by hand."""
+    """Discrete PD on a double integrator, by hand; its target moves, and is that of the sample."""
     mass, k, d, period = 2.0, 3.0, 4.0, 0.2
     motion = simulate(
         slider(mass=mass),
         [1.0],
         [0.0],
         1.0,
-        torque=PDControl(k, d, [0.0], period=period),
+        torque=PDControl(k, d, [Polynomial((0.0, 0.5))], period=period),
         at=[0.2, 0.6, 1.0],
         **settings,
     )
     x, v, states = 1.0, 0.0, []
-    for _ in range(5):
-        a = -(k * x + d * v) / mass
+    for sample in range(5):
+        a = (k * (0.5 * sample * period - x) + d * (0.5 - v)) / mass
         x, v = x + v * period + a * period**2 / 2, v + a * period
         states.append(x)
     assert motion.q[:, 0] == pytest.approx([states[0], states[2], states[4]], rel=1e-9)
