@@ -25,7 +25,7 @@ from graphdyn import (
 from graphdyn.model import random_states
 from graphdyn.model.assembly import moving_apart
 from graphdyn.model.chord import CHORD_ROWS
-from graphdyn.model.loops import Loops, rotation_vector
+from graphdyn.model.loops import Loops, loop_spaces, rotation_vector
 from graphdyn.model.spatial import rotation_about
 
 ROUNDING = 1e-13
@@ -131,6 +131,14 @@ def test_turns_are_those_of_scipy():
     turns = axes / np.linalg.norm(axes, axis=1)[:, None] * np.linspace(0.0, 3.14, 100)[:, None]
     rotations = Rotation.from_rotvec(turns).as_matrix()
     np.testing.assert_allclose(rotation_vector(rotations), Rotation.from_matrix(rotations).as_rotvec(), atol=1e-12)
+
+
+def test_how_far_a_singular_pose_is():
+    """The smallest singular value by the largest, which a redundant row does not change."""
+    rows = np.diag([4.0, 0.5])
+    assert loop_spaces(rows).distance == pytest.approx(0.125)
+    assert loop_spaces(np.vstack([rows, rows[0]])).distance == pytest.approx(0.5 / np.sqrt(32))
+    assert loop_spaces(np.zeros((1, 2))).distance == 1
 
 
 def test_motions_apart_are_measured_by_what_is_summed():

@@ -145,7 +145,7 @@ def test_what_lies_behind_the_end_does_not_matter(settings):
     event = Event(lambda t, q, v: (0.5 - q[0]) ** 0.5 - 2 if q[0] <= 0.5 else np.nan, "root")
     motion = simulate(LIMITED, [0.0], [1.0], 1.0, limits="stop", events=event, **settings)
     assert motion.ended == LAST[0]
-    own = Event(lambda t, q, v: 0.31 - q[0] if q[0] <= 0.32 else np.nan, "own")
+    own = Event(lambda t, q, v: 0.31 - q[0] if q[0] <= 0.311 else np.nan, "own")
     motion = simulate(slider(), [0.0], [1.0], 1.0, events=own, **settings)
     assert (motion.ended, motion.time[-1]) == ("own", pytest.approx(0.31, abs=1e-12))
 
