@@ -12,6 +12,8 @@ from robots.moving_robots import pendulum, slider
 
 import graphdyn
 from graphdyn import Event, Friction, IntegrationFailed, InvalidInput, JointLimits, simulate
+from graphdyn.simulation.integration.crossings import Pieces, crossings
+from graphdyn.simulation.integration.events import event_watch
 
 METHODS = {
     "dop853": {},
@@ -145,9 +147,14 @@ def test_what_lies_behind_the_end_does_not_matter(settings):
     event = Event(lambda t, q, v: (0.5 - q[0]) ** 0.5 - 2 if q[0] <= 0.5 else np.nan, "root")
     motion = simulate(LIMITED, [0.0], [1.0], 1.0, limits="stop", events=event, **settings)
     assert motion.ended == LAST[0]
-    own = Event(lambda t, q, v: 0.31 - q[0] if q[0] <= 0.311 else np.nan, "own")
-    motion = simulate(slider(), [0.0], [1.0], 1.0, events=own, **settings)
-    assert (motion.ended, motion.time[-1]) == ("own", pytest.approx(0.31, abs=1e-12))
+
+
+def test_an_event_without_a_value_behind_its_crossing():
+    """Of q = t in one piece, whose later half has none."""
+    watch = event_watch(Event(lambda t, q, v: 0.31 - q[0] if q[0] <= 0.7 else np.nan, "own"))
+    pieces = Pieces(np.array([0.0, 1.0]), lambda numbers, times: (times[..., None], np.ones((*times.shape, 1))))
+    (crossing,) = crossings([watch], pieces)
+    assert crossing.time == pytest.approx(0.31, abs=1e-14)
 
 
 def test_loops_that_graze_a_limit():
