@@ -20,8 +20,11 @@ import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.faults.fault import factor_said
+from crosscheck.judging.faults.geometry import geometry
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.judge import judge
+from crosscheck.judging.observing.observation import of_experiments
+from crosscheck.judging.states import EquationTerms, JudgedStates, scales
 from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn import inverse_dynamics
@@ -72,6 +75,33 @@ def test_many_codes_at_once_are_the_dynamics():
     own, twice = torques_of([DynamicsCode.of(model), heavier], (q, v, a))
     assert np.abs(own - expected).max() <= ALIKE * np.abs(expected).max()
     assert np.abs(twice - 2 * expected).max() <= ALIKE * np.abs(expected).max()
+
+
+def test_a_factor_is_of_the_joint_that_it_names(ur5):
+    q, v, a = np.random.default_rng(0).normal(size=(3, 4, 6))
+    three, said = np.array([3.0]), "the velocity of joint 'elbow_joint' is multiplied by 3"
+    single = (fault for fault in geometry(ur5) if fault.right.size == 1)
+    (fault,) = (fault for fault in single if said in [found.message for found in fault.say(three)])
+    (tau,) = torques_of([fault.change(DynamicsCode.of(ur5), three)], (q, v, a))
+    expected = inverse_dynamics(ur5, q, v * [1, 1, 3, 1, 1, 1], a).tau
+    assert np.abs(tau - expected).max() <= ALIKE * np.abs(expected).max()
+
+
+def test_differences_of_torques_are_relative_to_the_joint_wrenches(ur5):
+    """Where two parts are known; answers of one part are relative to the largest of them."""
+    trial = JudgedStates.draw(ur5, 3, 0, needs_tau=False)
+    tiny = np.full_like(trial.q, 1e-9)
+    wrench = np.abs(inverse_dynamics(ur5, trial.q, trial.v, 0 * trial.v).joint_wrenches).max()
+    both = of_experiments(trial, EquationTerms(gravity=tiny, velocity=tiny))
+    assert both.scale == pytest.approx(np.full((2 * len(tiny), 1), wrench))
+    assert of_experiments(trial, EquationTerms(gravity=tiny)).scale == pytest.approx(np.full((len(tiny), 1), 1e-9))
+
+
+def test_velocity_torques_have_a_thousandth_of_the_joint_wrenches_for_a_scale_at_least(ur5):
+    trial = JudgedStates.draw(ur5, 3, 0, needs_tau=False)
+    wrench = np.abs(inverse_dynamics(ur5, trial.q, trial.v, 0 * trial.v).joint_wrenches).max()
+    none = EquationTerms(gravity=0 * trial.q, velocity=0 * trial.q)
+    assert scales(trial, none) == pytest.approx({"gravity": wrench, "inertia": 1.0, "velocity": 1e-3 * wrench})
 
 
 class TestStandings:
