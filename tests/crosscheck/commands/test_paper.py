@@ -23,7 +23,7 @@ from crosscheck.commands.paper import identification_report
 from crosscheck.commands.paper.identification_report import error_text, misprints, printed_text, value_text
 from crosscheck.commands.paper.multipliers_report import MARKED_SAMPLE_INTERVAL
 from crosscheck.commands.paper.record import record as record_of
-from crosscheck.commands.paper.report import paper_report
+from crosscheck.commands.paper.report import _draw_cylinder, paper_report
 from crosscheck.commands.program import console
 from crosscheck.paper.printed import TABLE_2, Printed
 from crosscheck.paper.reproduction import PROGRESS_STEPS, REFERENCE_BOUND, Check, reproduce
@@ -66,6 +66,16 @@ def shown(found, monkeypatch, width=console.LINE_CHARACTERS):
         for part in renderables(paper_report(found), width):
             console.out.print(part)
     return captured.get()
+
+
+@pytest.mark.parametrize("upward", [1.0, -1.0])
+def test_a_cylinder_shows_its_upper_end(upward):
+    """Who looks from above sees it, wherever its origin is."""
+    axes = Figure().add_axes((0, 0, 1, 1))
+    _draw_cylinder(axes, np.zeros(3), np.array([[0, 0, 1.0], [0, 1, 0], [upward, 0, 0]]), 2.0, 0.1)
+    outline, end = (patch.get_xy() for patch in axes.patches)
+    assert end[:, 1].max() == pytest.approx(outline[:, 1].max())
+    assert end[:, 1].min() > outline[:, 1].min() + 1.0
 
 
 class TestText:
