@@ -227,6 +227,31 @@ def test_curves(shown, figures):
         assert np.abs(np.transpose(found) - values).max() < DRAWN * np.abs(values).max(), title
 
 
+def test_the_chosen_quantity_is_drawn_when_a_figure_is_chosen(shown, figures):
+    """The legend has the names of its curves."""
+    labels = shown.value(
+        """(() => {
+          const of = (id) => document.getElementById(id);
+          of("quantity").value = `multipliers of ${player.figures[0].robot.joints[0].name}`;
+          of("figure").selectedIndex = 0;
+          of("figure").dispatchEvent(new Event("change"));
+          return [...document.querySelectorAll("#chart .u-legend .u-label")].map((label) => label.textContent);
+        })()"""
+    )
+    assert [label.split()[0] for label in labels[-5:]] == ["λ₁", "λ₂", "λ₃", "λ₄", "λ₅"]
+
+
+def test_shafts_begin_and_heads_end_at_their_places(shown):
+    """Lowest and highest points along arrows of length 1, before they are moved."""
+    found = shown.value(
+        """new Arrows(1, 0, 0.01, 2, new THREE.Group()).parts.map(({ geometry }) => {
+          geometry.computeBoundingBox();
+          return [geometry.boundingBox.min.y, geometry.boundingBox.max.y];
+        })"""
+    )
+    assert found == [[0, 1], [-1, 0], [-1, 0]]
+
+
 def test_between_two_instants(shown, figures):
     """A quarter of the way from the fourth to the fifth: straight lines between both."""
     recording = figures[0]
