@@ -231,10 +231,13 @@ def test_pictures(rows, record, report):
         mean = rows.mean_rank(error)
         assert ranking.rank.value.tolist() == pytest.approx([mean[name] for name in ranking.methods])
     drawn = [one.draw.keywords for one in blocks(report, "time-torques") if isinstance(one, Picture)]
-    for keywords, error in zip(drawn, ERROR_NAMES, strict=True):
+    for keywords, error, ranking in zip(drawn, ERROR_NAMES, record["rankings"], strict=True):
+        said = {one["method"]: one["ratio"] for one in ranking["methods"]}
         for trade in keywords["trades"]:
             assert trade.seconds == pytest.approx(np.median(rows.everywhere(trade.name, "seconds")))
             assert trade.ratio == pytest.approx(rows.ratio(error, trade.name, keywords["best"]))
+            wanted = [np.nan if x is None else x for x in (said[trade.name]["low"], said[trade.name]["high"])]
+            assert [trade.low, trade.high] == pytest.approx(wanted, nan_ok=True)
             assert trade.whole == (not np.isnan(rows.everywhere(trade.name, error)).any())
     (lines, *_) = [one.draw.keywords for one in blocks(report, "errors-torques") if isinstance(one, Picture)]
     assert lines["places"] == tuple(f"{noise:g}" for noise in NOISES)
