@@ -22,6 +22,7 @@ from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.faults.fault import factor_said
 from crosscheck.judging.faults.geometry import geometry
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
+from crosscheck.judging.faults.terms import _symmetric
 from crosscheck.judging.judge import judge
 from crosscheck.judging.observing.observation import of_experiments
 from crosscheck.judging.states import EquationTerms, JudgedStates, scales
@@ -85,6 +86,10 @@ def test_a_factor_is_of_the_joint_that_it_names(ur5):
     (tau,) = torques_of([fault.change(DynamicsCode.of(ur5), three)], (q, v, a))
     expected = inverse_dynamics(ur5, q, v * [1, 1, 3, 1, 1, 1], a).tau
     assert np.abs(tau - expected).max() <= ALIKE * np.abs(expected).max()
+
+
+def test_a_symmetric_matrix_of_its_diagonal_and_what_is_above():
+    assert _symmetric(np.arange(1.0, 7.0), 3).tolist() == [[1, 4, 5], [4, 2, 6], [5, 6, 3]]
 
 
 def test_differences_of_torques_are_relative_to_the_joint_wrenches(ur5):
