@@ -13,7 +13,7 @@ from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.data_quality import Change, Piece, RecordedColumns, assess_recording, excitation
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.changes import scales
+from graphdyn.identification.data_quality.changes import changes, scales
 from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.measured_torque import gains
 from graphdyn.identification.data_quality.thinning import ThinnedRecording
@@ -215,6 +215,15 @@ class TestFaults:
         piece = changed_in(columns, position=signs(2), velocity=signs(2))
         (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints, fault.change.zero) == ("reversed position", (2,), None)
+
+    @pytest.mark.parametrize("kind", ["reversed position", "reversed joint"])
+    def test_an_angle_that_counts_back_from_half_a_turn(self, kind):
+        """π - q instead of q: one of the changes that are tried gives the angle back."""
+        q = np.random.default_rng(0).normal(size=(5, N))
+        recorded = Samples(np.where(np.arange(N) == 1, np.pi - q, q), q, q, q)
+        tried = [change for change in changes([False] * N) if (change.kind, change.joints) == (kind, (1,))]
+        angles = [change.applied(recorded, RecordedColumns.of_joints(N)).q for change in tried]
+        assert min(np.abs(found - q).max() for found in angles) < 1e-14
 
 
 class TestDelays:

@@ -8,9 +8,10 @@ from identified import torque_data
 from scipy.optimize import least_squares
 
 import graphdyn
+from crosscheck.recordings.preparation.filtering import TorqueFilter
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import MaximumLikelihood, Problem, Samples, TorqueModel, WeightedLeastSquares
-from graphdyn.identification.estimators.maximum_likelihood import joined, torque_slopes
+from graphdyn.identification.estimators.maximum_likelihood import joined, measured_motion, torque_slopes
 from graphdyn.identification.terms import Drift, MaxwellSlip, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -46,6 +47,13 @@ def test_without_errors_of_the_motion_it_is_wls():
     assert ml.parameters == pytest.approx(wls.parameters, rel=1e-9)
     assert ml.covariance == pytest.approx(wls.covariance, rel=1e-9)
     assert ml.block_covariance == pytest.approx(wls.block_covariance, rel=1e-6)
+
+
+def test_of_decimated_equations_every_fifth_motion_counts():
+    samples = measured(torque_data.small_samples(600), np.random.default_rng(0))
+    problem = Problem(torque_data.small_arm(), replace(samples, row_filter=TorqueFilter(factors=(5,))))
+    motion = [part.motion.q for part in measured_motion(problem)]
+    assert np.array_equal(np.concatenate(motion), samples.q[::5])
 
 
 def test_slopes():

@@ -119,6 +119,14 @@ PER_JOINT = {
 }
 
 
+def test_the_load_is_that_on_the_base_as_it_is_placed(samples):
+    """A wall bears the same as the floor, where gravity is turned the other way."""
+    wall = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    turned = graphdyn.static_torque(MODEL.with_gravity(wall.T @ MODEL.gravity), samples.q)
+    found = LoadFriction(width=0.1).rows(MODEL, replace(samples, base=BaseMotion(rotation=wall)))
+    assert close(found, diagonal(np.abs(turned) * np.tanh(samples.v / 0.1)))
+
+
 @pytest.mark.parametrize("case", PER_JOINT)
 def test_per_joint(case, samples):
     term, formula, name, symbol, unit = PER_JOINT[case]
