@@ -86,6 +86,8 @@ def test_references(study, kind):
     if kind == "paper":
         assert a[7].tolist() == [PAPER_ACCELERATION, -PAPER_ACCELERATION]
         return
+    periods = [law.trajectory.basis.duration for law in laws if kind != "steps"]
+    assert set(periods) <= {duration}, "a shorter recording has the whole period"
     assert np.all(np.abs(v).max(axis=0) <= plant.limits.velocity * BETWEEN)
     assert np.all(np.abs(a).max(axis=0) <= plant.limits.acceleration * BETWEEN)
     again = reference.__wrapped__(study.robot, 0, kind, 0, duration)

@@ -9,6 +9,7 @@ import pytest
 import scipy.stats
 from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
+from crosscheck.study.statistics.grid import grid_of
 from crosscheck.study.statistics.intervals import (
     Intervals,
     deviations,
@@ -216,6 +217,13 @@ def test_ranking(study):
     assert found.ratio.low[iv] == pytest.approx(0.7 / 0.6)
 
 
+def test_scenarios_with_the_usual_motion_come_first():
+    """Written noise by noise; shown motion by motion, with rising noise."""
+    grid = grid_of(outcomes(*study_tables(1)).scenarios)
+    shown = [(one.axes["motion"], one.axes["position_noise"]) for one in map(grid.scenarios.__getitem__, grid.order())]
+    assert shown == [("Fourier", 1e-3), ("Fourier", 1e-2), ("paper", 1e-3), ("paper", 1e-2)]
+
+
 def test_a_method_that_beats_all_others_is_in_no_group(study):
     found = study.rankings["torques", "parameter_error"]
     ranks = np.array([1.0, 3.0, 3.5, 4.4, 4.6, 6.0])
@@ -235,6 +243,16 @@ def test_scenarios_have_the_same_weight():
     assert found.ratio.value == pytest.approx(ratios)
     assert found.failures == [0, 0, 1]
     assert (found.records, found.distance) == (8, pytest.approx(2.343 * np.sqrt(3 * 4 / (6 * 8)), abs=2e-3))
+
+
+def test_scenarios_are_drawn_independently():
+    """Ranks of 120 records, in two scenarios that happen to have the same errors: Student's interval of them all."""
+    errors = np.random.default_rng(7).normal([0.0, 0.1], size=(60, 2))
+    scenarios = [SimpleNamespace(errors={"e": errors}, name=name) for name in ("slow", "fast")]
+    rank = ranked(["a", "b"], [0, 1], scenarios, "e").rank
+    each = np.tile(record_ranks(errors)[:, 0], 2)
+    known = scipy.stats.ttest_1samp(each, 0).confidence_interval(0.95)
+    assert rank.high - rank.low == pytest.approx([known.high - known.low] * 2, rel=0.1)
 
 
 def test_few_records_tell_little(study):
