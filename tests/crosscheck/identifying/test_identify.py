@@ -15,7 +15,7 @@ from shared_data import REPOSITORY
 import graphdyn
 from crosscheck.commands.identify.record import record
 from crosscheck.identifying import ESTIMATORS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
-from crosscheck.identifying.methods.torque_terms import with_setting
+from crosscheck.identifying.methods.torque_terms import term_with, with_setting
 from crosscheck.identifying.preparing.trials import constant_errors
 from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
 from crosscheck.reference.pinocchio_model import PinocchioModel
@@ -230,3 +230,9 @@ class TestNames:
         found = identified(["wls", Half()])
         assert found.comparison.of("half").failure is None
         assert found.recommendation.name is None
+
+
+def test_the_deflection_of_a_slip_is_the_one_that_is_given():
+    """One element, or one for each of several."""
+    assert np.array_equal(term_with("slip", deflection=0.07).deflections, [0.07])
+    assert np.array_equal(term_with("slip", deflections=[0.07, 0.2]).deflections, [0.07, 0.2])

@@ -91,6 +91,8 @@ class TestWhole:
         )
         parts = problem(folder / name, cutoff=cutoff)
         assert len(parts.data.parts(3)) > 3
+        rows = np.bincount([p.block for p in parts.data.parts(3)], [p.last - p.first for p in parts.data.parts(3)])
+        assert [block.counts[0] for block in parts.recorded] == pytest.approx(rows, abs=40), "but for the borders"
         assert np.array_equal(parts.equations.counts, whole.equations.counts)
         gram, expected = (np.einsum("gab,gac->gbc", f, f) for f in (parts.equations.factors, whole.equations.factors))
         np.testing.assert_allclose(gram, expected, rtol=0, atol=FORGOTTEN * np.abs(expected).max())
@@ -284,12 +286,18 @@ class TestIdentified:
 
         def found(name):
             data, ahead = (problem(*(folder / n for n in names)).data for names in (["log", "log.parquet"], [name]))
-            return crosscheck.identify(mixed_tree(), data, models=[drives], held_out=ahead, poses=5)
+            prepared = Preparation(CUTOFF, min_speed=0.3)
+            return crosscheck.identify(
+                mixed_tree(), data, models=[drives], held_out=ahead, preparation=prepared, poses=5
+            )
 
         one = found("other.parquet")
         assert one.predicted_recordings == (str(folder / "other.parquet"),)
         assert len(one.validation_data_quality) == 1
         assert len(one.recordings) == 1
+        v = differentiated(load_recording(folder / "log.parquet"), CUTOFF).v
+        fast = 2 * (np.abs(v) >= 0.3).sum(axis=0)
+        assert one.problem.equations.counts == pytest.approx(fast, rel=0.01), "but where v is forgotten at borders"
         with pytest.raises(
             InvalidInput, match=r"part.0.parquet: its rows are fitted and predicted; predict another log"
         ):
