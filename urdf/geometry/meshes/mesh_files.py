@@ -16,7 +16,7 @@ from urllib.parse import unquote
 import numpy as np
 
 from urdf.document.document import UNNAMED_SOURCES
-from urdf.document.numbers import UNEXPANDED_EXPRESSION
+from urdf.document.numbers import NUMBER, UNEXPANDED_EXPRESSION
 from urdf.errors import shortened
 from urdf.geometry.meshes.collada import read_collada
 from urdf.geometry.meshes.triangles import Triangles, joined, welded
@@ -144,14 +144,14 @@ def _stl(content: bytes, path: Path) -> list[Triangles]:
     return _of_trimesh(load_stl_binary, io.BytesIO(content[:end]))
 
 
-_NUMBER = r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|(?i:nan|inf|infinity))"
+_COORDINATE = rf"(?:{NUMBER}|[-+]?(?i:nan|inf|infinity))"
 
 _SOLID = re.compile(rb"\s*solid\b[^\r\n]*", re.IGNORECASE)
 _END_OF_SOLID = re.compile(rb"\s*endsolid\b[^\r\n]*", re.IGNORECASE)
 _FACET = re.compile(
     (
         r"\s*facet(?:\s+normal(?:\s+\S+){3})?\s+outer\s+loop"
-        + rf"\s+vertex\s+({_NUMBER})\s+({_NUMBER})\s+({_NUMBER})" * 3
+        + rf"\s+vertex\s+({_COORDINATE})\s+({_COORDINATE})\s+({_COORDINATE})" * 3
         + r"\s+endloop\s+endfacet\b"
     ).encode(),
     re.IGNORECASE,
@@ -185,7 +185,7 @@ _OBJ_WORDS = (
 """What a line of an OBJ file may begin with beside v and f (Wavefront, Advanced Visualizer Manual, Appendix B1)."""
 
 _ODD_OBJ_LINE = re.compile(
-    rf"^(?!(?:#.*|v(?:[ \t]+{_NUMBER}){{3,}}[ \t]*(?:#.*)?|"
+    rf"^(?!(?:#.*|v(?:[ \t]+{_COORDINATE}){{3,}}[ \t]*(?:#.*)?|"
     rf"f(?:[ \t]+-?[1-9][0-9]*(?:/-?[0-9]*){{0,2}}){{3,}}[ \t]*(?:#.*)?|(?:{_OBJ_WORDS})(?:[ \t].*)?)?$).+$",
     re.MULTILINE,
 )
