@@ -28,6 +28,9 @@ from graphdyn.model.inertia import PARAMETER_NAMES
 NOISE = [2.0, 3.0, 1.0, 0.5, 0.4, 0.2]
 """[N m] Given for the torques of an arm."""
 
+LOAD = [1.0, 0.02, -0.05, 0.1, 0.03, 0.001, -0.002, 0.025, 0.004, 0.015]
+"""A kilogram with its center off the axes."""
+
 SAME = 1e-10
 """Estimates by Pinocchio's regressor and by ours, relative; measured below 1e-14."""
 
@@ -111,7 +114,7 @@ class TestParameters:
             assert row.mass == of["m"]
 
     def test_a_known_payload_is_no_part_of_the_links(self):
-        load = KnownPayload([1.0, *[0.0] * 9])
+        load = KnownPayload(LOAD)
         with_load = identified(["wls"], known=(load,))
         without = identified(["wls"])
         links = [found.body_parameters(found.comparison.of("WLS")) for found in (without, with_load)]
@@ -146,7 +149,7 @@ class TestParameters:
 
 def load_parameters(model):
     ten = np.zeros((model.n_bodies, 10))
-    ten[-1, 0] = 1.0
+    ten[-1] = LOAD
     return ten
 
 

@@ -4,13 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.stats
 from identified.identified_arm import NOISE_FLOOR, compared, virtual
 from planting import mixed_tree
 
 import urdf
 from crosscheck.identifying import friction_terms, virtual_robot
 from crosscheck.identifying.results.parameters import base_rows
+from crosscheck.identifying.virtual import DRIVE_TORQUE_SHARE, _motion, _truth
+from crosscheck.recordings import samples_of
 from graphdyn import InvalidInput
+from graphdyn.identification import TorqueModel
+from graphdyn.identification.terms import Coulomb, RigidBodies, Viscous
 
 ALIKE = 1e-10
 """The same torques computed in pieces, relative."""
@@ -43,6 +48,23 @@ class TestVirtualRobot:
                 assert joint.limits.lower <= q.min() <= q.max() <= joint.limits.upper, joint.name
                 assert speed < joint.limits.velocity, joint.name
         assert not np.allclose(virtual().fitted.q[: len(virtual().held_out.t)], virtual().held_out.q, atol=0.01)
+
+    def test_torques_of_drives_have_half_to_one_and_a_half_times_their_size(self):
+        """By draws: their root mean squares, as parts of that of their joint's torque, are spread evenly."""
+        model = TorqueModel(mixed_tree(), (RigidBodies(), Viscous(), Coulomb()))
+        rng = np.random.default_rng(0)
+        motion = _motion(model.model, rng, 10.0)
+        (samples,) = samples_of(motion)
+        (few,) = samples_of(motion.take(slice(None, None, 2)))
+        columns, tau = model.rows(few), np.sqrt(np.mean(samples.tau**2, axis=0))
+        drives = slice(10 * model.model.n_bodies, None)
+        shares = []
+        for _ in range(60):
+            x = _truth(model, motion, rng)
+            assert np.array_equal(x[: drives.start], model.prior()[: drives.start])
+            sizes = np.sqrt(np.mean((columns * x)[..., drives] ** 2, axis=0))
+            shares += list((sizes / tau[:, None]).max(axis=0) / DRIVE_TORQUE_SHARE)
+        assert scipy.stats.kstest(shares, scipy.stats.uniform(0.5, 1.0).cdf).pvalue > 0.01
 
     def test_same_seed_same_numbers(self):
         again = virtual_robot(mixed_tree(), friction_terms(["viscous", "coulomb"], width=0.05), seconds=10.0)

@@ -83,6 +83,13 @@ def test_a_truncated_last_line_does_no_harm(tmp_path, end, last):
     assert recording.provenance.steps == (f"dropped truncated-last-line: rows 59 of {path}",)
 
 
+@pytest.mark.parametrize("end", ["", "\n"])
+def test_a_last_line_with_surplus_cells_is_not_cut_off(tmp_path, end):
+    path = written(tmp_path, [*lines_of(GOOD[:-1]), "0.59,1,2,3,4"], end)
+    finding = only(path, "wrong-column-count")
+    assert (finding.severity, finding.rows, finding.message) == ("error", (N - 1,), "5 cells instead of 4")
+
+
 def test_a_last_line_without_an_end_stays_unless_asked(tmp_path):
     path = written(tmp_path, lines_of(GOOD), end="")
     finding = only(path, "unterminated-last-line")

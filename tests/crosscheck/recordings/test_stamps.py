@@ -17,6 +17,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
+from crosscheck.recordings.checks import stamp_findings
 from crosscheck.recordings.table import Cells, cells_of_column
 
 EPOCH = 1_700_000_000_123_456_789
@@ -105,6 +106,28 @@ def test_stamps_without_unit_are_refused_with_the_likely_one(tmp_path):
     csv(tmp_path / "r.csv", 10**25 + np.arange(N, dtype=object), "stamp")
     with pytest.raises(BadRecordingFile, match=r"time beyond 1e\+10 s .*; check the unit of time"):
         load_recording(tmp_path / "r.csv")
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "unit"),
+    [
+        ("2000-01-01T00:00:01", "2099-12-31T23:59:59", "ms"),
+        ("2000-01-01T00:00:01", "2099-12-31T23:59:59", "us"),
+        ("2000-01-01T00:00:01", "2099-12-31T23:59:59", "ns"),
+        ("1999-12-31T23:59:59", "2099-12-31T23:59:59", None),
+        ("2000-01-01T00:00:01", "2100-01-01T00:00:01", None),
+        ("1970-09-01", "1970-09-02", None),
+    ],
+)
+def test_dates_of_this_century_and_no_others_tell_the_unit(first, last, unit):
+    factor = {"ms": 1e3, "us": 1e6, "ns": 1e9, None: 1e3}[unit]
+    stamps = np.array([first, last], dtype="M8[s]").astype(float) * factor
+    (finding,) = stamp_findings("r.csv", stamps - stamps[0], np.ones(2, dtype=bool), None, origin=stamps[0])
+    assert (finding.code, finding.rows) == ("implausible-value", (0, 1))
+    named = f"as {unit} they are dates of this century: say so in the column's name (time_{unit}) or mapping"
+    assert finding.remedy == (
+        named if unit else "check the unit of time; drop the rows if lines of the file are broken"
+    )
 
 
 def test_one_broken_cell_costs_one_row(tmp_path):

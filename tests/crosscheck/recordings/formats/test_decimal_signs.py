@@ -96,8 +96,9 @@ def test_a_file_that_tells_is_read_as_written(tmp_path, text):
 
 def test_a_column_without_a_decimal_sign_in_the_head_is_read_as_a_stream_alike(tmp_path, monkeypatch):
     monkeypatch.setattr(csv_files, "HEAD_BYTES", 4096)
+    monkeypatch.setattr(csv_files, "BATCH_BYTES", 8192)
     rows = [f"{0.01 * k:.2f};0.5;{-100 - k % 50}" for k in range(2000)]
-    path = written(tmp_path, "\n".join(["t;q1;tau1", *rows, "20.00;0.5;1.677", ""]))
+    path = written(tmp_path, "\n".join(["t;q1;tau1", *rows, "20.00;0.5;1.677", *rows, "20.01;0.5;1.678", ""]))
     message = r"r.csv, row 2000, column 'tau1': '1.677' is a decimal, or the point .*; '-100' in the same column"
     with pytest.raises(BadRecordingFile, match=message):
         list(StreamedRecording(path)._parts())

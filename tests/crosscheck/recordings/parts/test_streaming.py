@@ -101,13 +101,16 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match=r"bad.parquet, row 1234: not a number; load_recording drops such rows"):
             list(self.changed(tmp_path, columns, 1234, q_1=np.nan))
 
-    def test_backward(self, tmp_path, columns):
+    @pytest.mark.parametrize("row", [0, 1233], ids=["backward", "repeated"])
+    def test_backward(self, tmp_path, columns, row):
         with pytest.raises(InvalidInput, match=r"row 1233: the time does not increase after it"):
-            list(self.changed(tmp_path, columns, 1234, time_s=0.0))
+            list(self.changed(tmp_path, columns, 1234, time_s=columns["time_s"][row]))
 
-    def test_backward_between_two_windows(self, tmp_path, columns):
-        with pytest.raises(InvalidInput, match=r"bad.parquet: the time goes back to -1 s; repair the file"):
-            list(self.changed(tmp_path, columns, WINDOW, time_s=-1.0))
+    @pytest.mark.parametrize("row", [0, WINDOW - 1], ids=["backward", "repeated"])
+    def test_backward_between_two_windows(self, tmp_path, columns, row):
+        time = columns["time_s"][row]
+        with pytest.raises(InvalidInput, match=rf"bad.parquet: the time goes back to {time:g} s; repair the file"):
+            list(self.changed(tmp_path, columns, WINDOW, time_s=time))
 
     def test_uneven(self, tmp_path, columns):
         t = columns["time_s"][1234] + 0.002

@@ -208,13 +208,17 @@ def test_white_noise_of_positions():
     assert np.all(white_noise(noise[:6]) == 0)
 
 
-@pytest.mark.parametrize("decimate", [(), (4,)])
-def test_errors_of_the_motion(decimate):
+@pytest.mark.parametrize(
+    ("decimate", "speed"), [((), None), ((4,), None), ((), [0.2, 0.05])], ids=["each", "fourth", "measured velocities"]
+)
+def test_errors_of_the_motion(decimate, speed):
     """Of q, v and a in a row of the equations, against noise that goes through the same filters."""
-    rows, sigma = 60_000, np.array([1e-3, 2e-3])
-    q = np.random.default_rng(1).normal(size=(rows, 2)) * sigma
-    preparation = Preparation(cutoff={"q": RATE / 5, "tau": RATE / 8}, decimate=decimate)
-    log = Recording(("A", "B"), np.arange(rows) / RATE, q, tau=0 * q)
+    rows, sigma, rng = 60_000, np.array([1e-3, 2e-3]), np.random.default_rng(1)
+    q = rng.normal(size=(rows, 2)) * sigma
+    v = None if speed is None else rng.normal(size=(rows, 2)) * speed
+    cutoff = {"q": RATE / 5, "tau": RATE / 8} | ({} if speed is None else {"v": RATE / 6})
+    preparation = Preparation(cutoff=cutoff, decimate=decimate)
+    log = Recording(("A", "B"), np.arange(rows) / RATE, q, v, tau=0 * q)
     (samples,) = preparation.samples(preparation.differentiated(log))
     for joint, expected in enumerate(samples.motion_covariance):
         motion = np.stack([samples.row_filter(getattr(samples, name)[:, [joint]])[:, 0] for name in ("q", "v", "a")])

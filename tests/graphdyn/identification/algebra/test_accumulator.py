@@ -1,12 +1,15 @@
 """The accumulator: the same answer as dense QR, however the rows arrive."""
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from graphdyn import InvalidInput
 from graphdyn.identification import Accumulator
+from graphdyn.identification.algebra.compressed import solve
 
 EPS = np.finfo(float).eps
 
@@ -117,6 +120,50 @@ class TestOrder:
         assert np.abs(products(left) - products(whole)).max() <= 100 * EPS * size
         assert list(left.counts) == list(whole.counts) == [ROWS] * GROUPS
         assert list(a.counts) == [100] * GROUPS  # the parts are as before
+
+
+class TestCompressed:
+    """What the factors say, against the rows themselves."""
+
+    def told(self):
+        """Equations with noise and prior knowledge; their rows [W τ] / σ (N, g, p + 1); σ (g,); further rows."""
+        w, right, _ = equations()
+        rng = np.random.default_rng(3)
+        right = right + rng.normal(size=right.shape) * [0.1, 1.0, 3.0]
+        expected, sigma = rng.normal(size=(5, COLUMNS + 1)), np.array([0.5, 2.0, 7.0])
+        told = replace(accumulated(w, right).compressed, expected=expected)
+        return told, np.concatenate([w, right[..., None]], axis=-1) / sigma[:, None], sigma, expected
+
+    def test_sums_of_the_rows(self):
+        """[R z]ᵀ[R z] of the weighted rows, and with the rows of prior knowledge, which have weights of their own."""
+        told, rows, sigma, expected = self.told()
+        for found, further in ((told.weighted(sigma), expected[:0]), (told.informed(sigma), expected)):
+            every = np.concatenate([rows.reshape(-1, COLUMNS + 1), further])
+            whole = np.column_stack(found)
+            np.testing.assert_allclose(whole.T @ whole, every.T @ every, rtol=0, atol=1e-12 * np.sum(every**2))
+
+    def test_solution_of_the_rows(self):
+        """By SciPy, with the inverse of the normal matrix, and with some columns only."""
+        told, rows, sigma, expected = self.told()
+        for columns in (np.arange(COLUMNS), np.array([6, 1, 3])):
+            chosen = told.selected(columns)
+            found = solve(chosen, sigma)
+            every = np.concatenate([rows.reshape(-1, COLUMNS + 1), expected])
+            w, right = every[:, columns], every[:, -1]
+            assert found.x == pytest.approx(scipy.linalg.lstsq(w, right)[0], rel=1e-10)
+            assert found.inverse == pytest.approx(np.linalg.inv(w.T @ w), rel=1e-10)
+            assert found.condition_number == pytest.approx(np.linalg.cond(w / np.linalg.norm(w, axis=0)))
+            left = rows[..., columns] @ found.x - rows[..., -1]
+            squares = np.sum(left**2, axis=0) * sigma**2
+            assert chosen.residual_squares(found.x) == pytest.approx(squares)
+
+    def test_the_unit_regressor_weighs_groups_by_their_torques(self):
+        told, rows, sigma, _ = self.told()
+        size = np.sqrt(np.mean((rows[..., -1] * sigma) ** 2, axis=0))
+        w = (rows[..., :-1] * (sigma / size)[:, None]).reshape(-1, COLUMNS)
+        unit = w / np.linalg.norm(w, axis=0)
+        assert told.unit_regressor.T @ told.unit_regressor == pytest.approx(unit.T @ unit, abs=1e-12)
+        assert told.measured_squares == pytest.approx(ROWS * size**2)
 
 
 class TestOptions:
