@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from crosscheck.quantities.quantity import Form, Quantity
@@ -64,6 +65,15 @@ class ComparedQuantity:
     tolerance: Tolerance
     solves: bool = False
     massive: bool = False
+
+    def __reduce__(self) -> tuple[Callable[[str], ComparedQuantity], tuple[str]]:
+        """The name alone: other processes have the table, and functions cannot travel to them."""
+        return compared_quantity, (self.name,)
+
+
+def compared_quantity(name: str) -> ComparedQuantity:
+    """The row of COMPARED, COUPLED or LOOPED."""
+    return {**COMPARED, **COUPLED, **LOOPED}[name]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

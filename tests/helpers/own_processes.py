@@ -1,5 +1,6 @@
-"""Processes that a test started: whether they have ended."""
+"""Processes that a test started: whether they have ended, and what could travel to them."""
 
+import pickle
 from pathlib import Path
 
 HANGS = 60
@@ -12,3 +13,8 @@ def alive(process):
         return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except FileNotFoundError:
         return False
+
+
+def travelled(anything):
+    """The copy of it that another process gets."""
+    return pickle.loads(pickle.dumps(anything))

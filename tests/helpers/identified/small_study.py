@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from own_processes import travelled
 from urdf_text import joint, link, robot_text
 
 from crosscheck.distributing import Lost
@@ -71,7 +72,10 @@ class InThisProcess:
             if self.done == self.ends:
                 raise KeyboardInterrupt
             self.done += 1
-            yield k, Lost("its process died with code -9, tries: 2") if self.lost(tasks[k]) else function(tasks[k])
+            if self.lost(tasks[k]):
+                yield k, Lost("its process died with code -9, tries: 2")
+            else:
+                yield k, travelled(function(travelled(tasks[k])))
 
 
 def backwards(tasks):

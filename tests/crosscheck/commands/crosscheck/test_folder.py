@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 from long_check import LONG
+from own_processes import travelled
 from planting import Plant
 from shared_data import ARMS, REPOSITORY, existing
 
@@ -77,7 +78,7 @@ def here(monkeypatch):
     def each(_self, function, items):
         for k, item in enumerate(items):
             compared.append(Path(item.robot).name)
-            yield k, function(item)
+            yield k, travelled(function(travelled(item)))
 
     monkeypatch.setattr(LocalProcesses, "each", each)
     return compared
