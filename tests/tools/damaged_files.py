@@ -1,6 +1,7 @@
 """What becomes of many damaged files of every format that is read.
 
     python tests/tools damaged_files 10000 --seed 1                            so many of every format
+    python tests/tools damaged_files 10000 --seed 1 --enough 5000              or until so many bring nothing new
     python tests/tools damaged_files 20000 --format urdf --seed 1              of one, or of several
     python tests/tools damaged_files 1 --format urdf --seed 1 --first 4711 --keep mutant.urdf      one of them again
 
@@ -9,13 +10,19 @@ The exit code is 1 if something unexpected happened.
 
 import argparse
 import os
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from mutants.formats import FORMATS
 from mutants.mutant import mutant
-from mutants.processes import run, table, unexpected
+from mutants.outcomes import Trial
+from mutants.processes import Result, run, table, unexpected
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
+
+PIECE = 2500
+"""Mutants between two looks at what is new."""
 
 
 def main() -> int:
@@ -24,6 +31,7 @@ def main() -> int:
     parser.add_argument("--format", choices=list(FORMATS), action="append", help="of this format alone; repeatable")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--first", type=int, default=0, help="number of the first mutant")
+    parser.add_argument("--enough", type=int, help="of a format, once so many in a row had outcomes that others had")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--keep", type=Path, help="write the first mutant to this file")
     given = parser.parse_args()
@@ -31,9 +39,35 @@ def main() -> int:
     if given.keep:
         given.keep.write_bytes(mutant(formats[0], given.seed, given.first).content)
     numbers = range(given.first, given.first + given.count)
-    with Progress(*Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True)) as bar:
-        task = bar.add_task("mutants", total=given.count * len(formats))
-        results = run(formats, given.seed, numbers, given.processes, lambda done: bar.update(task, completed=done))
+    results = [result for format in formats for result in of_format(format, numbers, given)]
     wrong = unexpected(results)
     print(table(results), *wrong, sep="\n")
+    for format in formats:
+        found = [result.trial for result in results if result.format == format]
+        print(f"{format}: {len(found)} mutants, the last {since_new(found)} of them with outcomes that others had")
     return int(bool(wrong))
+
+
+def of_format(format: str, numbers: range, given: argparse.Namespace) -> list[Result]:
+    results: list[Result] = []
+    with Progress(*Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True)) as bar:
+        task = bar.add_task(format, total=len(numbers))
+        for k in range(0, len(numbers), PIECE):
+            results += run(
+                [format],
+                given.seed,
+                numbers[k : k + PIECE],
+                given.processes,
+                lambda done, before=k: bar.update(task, completed=before + done),  # type: ignore[misc]
+            )
+            if given.enough and since_new([result.trial for result in results]) >= given.enough:
+                break
+    return results
+
+
+def since_new(trials: Sequence[Trial]) -> int:
+    """How many came after the last whose outcome and codes, or whose fault, no other had before."""
+    first: dict[tuple[str, ...], int] = {}
+    for number, trial in enumerate(trials):
+        first.setdefault((trial.outcome, *trial.codes, re.sub(r"[^A-Za-z ]+", "", trial.detail)[:60]), number)
+    return len(trials) - 1 - max(first.values(), default=-1)

@@ -114,6 +114,32 @@ def runs() -> list[Run]:
             PAGES,
             code=1,
         ),
+        Run(
+            "judge-program",
+            ("judge", "small.urdf", "--command", f"inverse_dynamics={sys.executable} -I zeros.py", *REPORT),
+            {**robot, "zeros.py": b"import sys\nfor line in sys.stdin:\n    print('0 0', flush=True)\n"},
+            PAGES,
+            code=1,
+        ),
+        Run(
+            "judge-library",
+            ("judge", "small.urdf", "--library", "inverse_dynamics=./own.so:rnea", *REPORT),
+            {**robot, "own.so": _library(b"int rnea(int n) { return 0 * n; }")},
+            PAGES,
+            code=1,
+        ),
+        Run(
+            "crosscheck-folder",
+            ("crosscheck", "arms", "--samples", "3", "--jobs", "2", *REPORT),
+            {f"arms/{name}.urdf": robot["small.urdf"] for name in ("one", "two", "three")},
+            PAGES,
+        ),
+        Run(
+            "inspect-folder",
+            ("inspect", "arms", *REPORT),
+            {f"arms/{name}.urdf": robot["small.urdf"] for name in "ab"},
+            PAGES,
+        ),
         Run("crosscheck", ("crosscheck", "small.urdf", "--samples", "3", *REPORT), robot, PAGES),
         Run("inspect", ("inspect", "small.urdf", *REPORT), robot, PAGES),
         Run("show", ("show", "small.urdf", *REPORT), robot, PAGES),
@@ -128,6 +154,14 @@ def runs() -> list[Run]:
         Run("export", ("export", "small.urdf", "--to", "small.c"), robot),
         Run("export-json", ("export", "small.urdf", "--to", "small.json"), robot),
     ]
+
+
+def _library(source: bytes) -> bytes:
+    """A shared library of a program in C."""
+    with tempfile.TemporaryDirectory() as folder:
+        built = Path(folder, "own.so")
+        subprocess.run(["cc", "-shared", "-fPIC", "-x", "c", "-o", built, "-"], input=source, check=True)
+        return built.read_bytes()
 
 
 def _in_this_process() -> AbstractContextManager[object]:
