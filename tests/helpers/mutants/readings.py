@@ -161,7 +161,9 @@ def csv_motion(path: Path) -> tuple[Array, Array]:
     table, units = plain_table(path), ("rad", "m", "rad")
     names = [f"{name}.q[{unit}]" for name, unit in zip(arm().independent_joints, units, strict=True)]
     rows = [row for row in zip(*(table[name] for name in ("time[s]", *names)), strict=True) if any(row)]
-    if "joint3.a[rad/s^2]" not in table and not all(rows[-1]):
+    with path.open(encoding="utf-8-sig", newline="") as opened:
+        head = [cell.strip() for cell in next(csv.reader(opened), [])]
+    if "joint3.a [rad/s^2]" not in head and not all(rows[-1]):
         rows.pop()  # of a recording, which is cut off, with a warning
     columns = np.array(rows, dtype=float).T
     return columns[0], columns[1:].T
