@@ -1,7 +1,10 @@
 """Pseudo-inertia, distances between inertias, and the prior among the real ones."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from identified import consistent_data
 
 from graphdyn import InvalidInput
 from graphdyn.identification.consistent.bodies import (
@@ -11,7 +14,7 @@ from graphdyn.identification.consistent.bodies import (
     inertial_prior,
 )
 from graphdyn.identification.consistent.coordinates import upper_factor
-from graphdyn.identification.consistent.polishing import entropic_divergence, pullback_distance
+from graphdyn.identification.consistent.polishing import Cost, entropic_divergence, pullback_distance
 from graphdyn.model.inertia import (
     inertia_from_parameters,
     parameters_from_inertia,
@@ -27,6 +30,13 @@ EXACT = 1e-12
 @pytest.fixture
 def rng():
     return np.random.default_rng(0)
+
+
+@pytest.fixture(scope="module")
+def coordinates():
+    """Of an arm and its drives, without data, whose size would hide the further columns."""
+    found, _ = consistent_data.coordinates(consistent_data.poor_problem())
+    return replace(found, matrix=0 * found.matrix, right=0 * found.right)
 
 
 def real_bodies(rng, n):
@@ -92,6 +102,32 @@ class TestDistances:
         assert np.abs(u @ np.swapaxes(u, -1, -2) - p).max() < EXACT * np.abs(p).max()
         assert np.all(u == np.triu(u))
         assert np.all(np.diagonal(u, axis1=1, axis2=2) > 0)
+
+
+class TestCost:
+    def test_the_prior_costs_nothing(self, coordinates):
+        model = consistent_data.poor_problem().torque_model
+        prior = coordinates.parameters(coordinates.origin)
+        assert pseudo_inertia_from_parameters(prior[:60].reshape(6, 10)) == pytest.approx(coordinates.prior)
+        assert np.all(prior[60:] == 0)
+        assert len(prior) == len(model.columns)
+        for metric in ("entropic", "pullback"):
+            cost = Cost(coordinates, metric, 3.0)
+            assert cost.value(coordinates.origin) == pytest.approx(0, abs=EXACT)
+            assert np.abs(cost.gradient(coordinates.origin)).max() < EXACT
+
+    @pytest.mark.parametrize("metric", ["entropic", "pullback"])
+    def test_slopes_are_differences(self, coordinates, rng, metric):
+        """Of each column in its own size: those of the further columns are a millionth of those of the bodies."""
+        cost, step = Cost(coordinates, metric, 3.0), 1e-4
+        u = coordinates.origin + 0.1 * rng.normal(size=len(coordinates.origin))
+        for k in range(0, len(u), 7):
+            aside = step * np.eye(len(u))[k]
+            slope = (cost.value(u + aside) - cost.value(u - aside)) / (2 * step)
+            curvature = (cost.gradient(u + aside) - cost.gradient(u - aside)) / (2 * step)
+            size = 1.0 if k < coordinates.width else 1e-6
+            assert cost.gradient(u)[k] == pytest.approx(slope, abs=1e-5 * size, rel=1e-5)
+            assert cost.hessian(u)[k] == pytest.approx(curvature, abs=1e-5 * size, rel=1e-5)
 
 
 class TestPrior:

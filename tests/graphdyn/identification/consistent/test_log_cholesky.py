@@ -1,6 +1,7 @@
 """Log-Cholesky coordinates, their derivatives, and the fit in them."""
 
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,6 +81,15 @@ class TestFit:
         ahead, behind = (problem.residuals(unknowns + sign * STEP * direction) for sign in (1, -1))
         analytic = problem.jacobian(unknowns) @ direction
         assert np.abs(analytic - (ahead - behind) / (2 * STEP)).max() < DIFFERENCES * np.abs(analytic).max()
+
+    @pytest.mark.parametrize("data", [1.0, 0.0], ids=["data", "prior alone"])
+    def test_cost_is_that_of_the_convex_problem(self, poor, theta, data):
+        """In other unknowns. Without data the weak squares of the further columns show."""
+        coordinates = replace(poor[0], matrix=data * poor[0].matrix, right=data * poor[0].right)
+        problem = Residuals(coordinates, strength=3.0, margin=1e-4)
+        unknowns = np.concatenate([theta.ravel(), 5 * np.random.default_rng(1).normal(size=18)])
+        expected = Cost(coordinates, "pullback", 3.0).value(problem.u(unknowns))
+        assert problem.cost(unknowns) == pytest.approx(expected, rel=EXACT)
 
     def test_finds_the_minimum_of_the_convex_problem(self, poor):
         """Two solvers, two parametrizations, one minimum."""
