@@ -16,7 +16,7 @@ from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.changes import changes, scales
 from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.measured_torque import gains
-from graphdyn.identification.data_quality.thinning import ThinnedRecording
+from graphdyn.identification.data_quality.thinning import ThinnedRecording, TooShort
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -224,6 +224,40 @@ class TestFaults:
         tried = [change for change in changes([False] * N) if (change.kind, change.joints) == (kind, (1,))]
         angles = [change.applied(recorded, RecordedColumns.of_joints(N)).q for change in tried]
         assert min(np.abs(found - q).max() for found in angles) < 1e-14
+
+
+class TestThinned:
+    """Quintics, of which a spline of order five is exact, in a long and in a short piece of another rate."""
+
+    QUINTIC = np.polynomial.Polynomial([3.0, -2.0, 1.0, 0.5, -0.2, 0.04])
+
+    def piece(self, first, last, period):
+        """Two joints; their positions are the time."""
+        t = np.arange(first, last, period)
+        q = np.column_stack([t, t])
+        tau = np.column_stack([self.QUINTIC(t), -3 * self.QUINTIC(t)])
+        return Piece(Samples(q, q, q, tau), period)
+
+    def test_shifted_torques(self):
+        found = ThinnedRecording([self.piece(0.0, 3.0, 0.004), self.piece(10.0, 11.0, 0.01)], rows=60)
+        t = found.samples.q[:, 0]
+        assert found.span == pytest.approx(0.2)
+        assert 60 <= len(t) < 120
+        for first, last, period in ((0.0, 3.0, 0.004), (10.0, 11.0, 0.01)):
+            here = t[(t >= first) & (t < last)]
+            assert here[0] == pytest.approx(first + found.span)
+            step = here[1] - here[0]
+            assert last - found.span - period - step < here[-1] < last - found.span
+        for later in (-found.span, 0.0, 0.0371, found.span):
+            expected = np.column_stack([self.QUINTIC(t + later), -3 * self.QUINTIC(t - later)])
+            assert found.torque(later)[:, 0] == pytest.approx(expected[:, 0])
+            assert found.torque(np.array([later, -later])) == pytest.approx(expected)
+            assert found.torque_of(1, -later) == pytest.approx(expected[:, 1])
+        assert found.torque_rate()[:, 1] == pytest.approx(-3 * self.QUINTIC.deriv()(t))
+
+    def test_too_short(self):
+        with pytest.raises(TooShort, match="no piece of the recording is long enough to look for delays"):
+            ThinnedRecording([self.piece(0.0, 0.07, 0.01)])
 
 
 class TestDelays:

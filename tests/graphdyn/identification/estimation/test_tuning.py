@@ -36,11 +36,15 @@ def recorded(model, samples, terms, x, noise=0.0):
     return replace(samples, tau=tau + noise * np.random.default_rng(0).normal(size=tau.shape))
 
 
+def one_slip(deflection):
+    return MaxwellSlip([deflection])
+
+
 @pytest.mark.parametrize(
     ("make", "true", "start", "strength"),
     [
         (lambda width: Coulomb(width), {"width": [0.03, 0.2]}, {"width": 0.06}, [30.0, 50.0]),
-        (lambda deflection: MaxwellSlip([deflection]), {"deflection": [0.02, 0.1]}, {"deflection": 0.05}, [30.0, 50.0]),
+        (one_slip, {"deflection": [0.02, 0.1]}, {"deflection": 0.05}, [30.0, 50.0]),
         (
             lambda velocity, exponent: Stribeck(velocity, exponent, 0.02),
             {"velocity": [0.3, 0.15], "exponent": [1.0, 2.0]},
@@ -109,6 +113,17 @@ def test_a_model_without_settings_stays(arm):
     model, samples = arm
     plain = TorqueModel(model, [Viscous()])
     assert tuned(Problem(plain, samples)) == (plain, ())
+
+
+def test_memory_is_that_of_the_term(arm):
+    """Without it a run may come in pieces."""
+    model, samples = arm
+    pieces = [samples[:700], replace(samples[700:], continues=True)]
+    plain, slip = Tunable("coulomb", Coulomb, {"width": 0.1}), Tunable("slip", one_slip, {"deflection": 0.1})
+    counts = Problem(TorqueModel(model, [Offset(), plain]), pieces).equations.counts
+    assert counts.tolist() == [1500, 1500]
+    with pytest.raises(InvalidInput, match="friction with memory needs each run of the recording as one piece"):
+        Problem(TorqueModel(model, [Offset(), slip]), pieces).equations  # noqa: B018
 
 
 def test_too_large(arm, monkeypatch):

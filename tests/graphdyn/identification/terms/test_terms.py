@@ -352,6 +352,9 @@ class TestPayload:
             Payload("hand").columns(MODEL)
         with pytest.raises(InvalidInput, match=r"of the payload have shape \(3,\); 10 finite numbers needed, m, mc_x"):
             KnownPayload([1, 2, 3]).torque(MODEL, samples)
+        for wrong in (np.nan, np.inf):
+            with pytest.raises(InvalidInput, match=r"of the payload have shape \(10,\); 10 finite numbers needed, m"):
+                KnownPayload([*self.LOAD[:9], wrong]).torque(MODEL, samples)
         with pytest.raises(InvalidInput, match=r"has shape \(2,\), inertia per mass \(3, 3\); \(3,\) and \(3, 3\)"):
             PayloadMass([1, 2]).rows(MODEL, samples)
 
@@ -377,8 +380,9 @@ class TestUserColumns:
             InvalidInput, match=r"the law of k, d answers shape \(20, 6\); finite .* \(20, 6, 2\) needed"
         ):
             UserColumns(lambda q, v, a: q, ["k", "d"], ["", ""]).rows(MODEL, samples)
-        with pytest.raises(InvalidInput, match="the known torque answers NaN or infinity"):
-            KnownTorque(lambda q, v, a: q * np.nan).torque(MODEL, samples)
+        for wrong in (np.nan, np.inf):
+            with pytest.raises(InvalidInput, match="the known torque answers NaN or infinity"):
+                KnownTorque(lambda q, v, a, wrong=wrong: np.where(q == q[3, 2], wrong, q)).torque(MODEL, samples)
 
 
 class TestTorqueModel:
@@ -465,3 +469,5 @@ class TestRefusals:
     def test_known_bodies(self, samples):
         with pytest.raises(InvalidInput, match=r"of the known bodies have shape \(10,\); 60 finite numbers needed"):
             KnownBodies(np.ones(10)).torque(MODEL, samples)
+        with pytest.raises(InvalidInput, match=r"of the known bodies have shape \(60,\); 60 finite numbers needed"):
+            KnownBodies(np.where(np.arange(60) == 59, np.nan, 1.0)).torque(MODEL, samples)
