@@ -22,10 +22,10 @@ from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.data_quality.data_quality import data_quality
-from crosscheck.identifying.data_quality.remedies import mapping_lines
+from crosscheck.identifying.data_quality.remedies import mapping_lines, recorded_columns
 from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
-from crosscheck.recordings import BadMapping, StreamedRecording, load_recording
+from crosscheck.recordings import BadMapping, Recording, StreamedRecording, load_recording, mapping_of
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.data_quality import Change
@@ -128,6 +128,51 @@ class TestRemedies:
         assert mapping_lines(change, recording) == (
             "[tau]", 'unit = "N m"', "sign = [1, 1, 1, -1]", "gain = [1, 2, 2, 1]",
         )  # fmt: skip
+
+    @pytest.mark.parametrize(
+        ("change", "without", "with_own"),
+        [
+            (
+                Change("exchanged torques", (0, 2), torque=np.eye(3)[[2, 1, 0]]),
+                ("[tau]", "columns = [3, 2, 1]"),
+                ("[tau]", 'columns = ["tau_a", "tau_c", "tau_b"]'),
+            ),
+            (
+                Change("reversed torque", (2,), torque=np.diag([1.0, 1, -1])),
+                ("[tau]", "sign = [1, 1, -1]"),
+                ("[tau]", "sign = [-1, 1, 1]"),
+            ),
+            (
+                Change("reversed position", (1,), np.diag([1.0, -1, 1]), np.diag([1.0, -1, 1])),
+                ("[q]", "sign = [1, -1, 1]"),
+                ("[q]", "sign = [1, -1, -1]"),
+            ),
+            (Change("degrees", (0, 1, 2), np.eye(3)), ("[q]", 'unit = "deg"'), ("[q]", 'unit = "deg"')),
+            (
+                Change("zero", (1,), zero=np.deg2rad([0, 180, 0])),
+                ("[q]", "offset = [0, 180, 0]", 'offset_unit = "deg"'),
+                ("[q]", "offset = [0, 10, 0]", 'offset_unit = "deg"'),
+            ),
+            (
+                Change("late torque", (1,), factor=0.0203),
+                ("[tau]", "delay = [0, 0.0203, 0]"),
+                ("[tau]", "delay = [0.01, 0.01, 0.0303]"),
+            ),
+        ],
+    )
+    def test_lines_are_in_the_order_of_the_mapping(self, change, without, with_own):
+        """Of a recording without one, whose columns count from 1, and of one with other signs, zeros and delays."""
+        rows = np.random.default_rng(0).normal(size=(5, 3))
+        bare = Recording(("a", "b", "c"), np.arange(5.0), rows, tau=rows)
+        assert mapping_lines(change, bare) == without
+        q = {"columns": ["q_c", "q_a", "q_b"], "sign": [1, -1, 1], "offset": [0, 10, 180], "offset_unit": "deg"}
+        tau = {"columns": ["tau_c", "tau_a", "tau_b"], "delay": 0.01}
+        columns = mapping_of({"joints": ["c", "a", "b"], "rate": 1, "q": q, "tau": tau}, "m.toml")
+        own = replace(bare, provenance=replace(bare.provenance, columns=columns))
+        assert mapping_lines(change, own) == with_own
+        zeros = np.deg2rad([10, 180, 0])
+        assert recorded_columns(own).zero == pytest.approx(zeros)
+        assert not recorded_columns(bare).zero.any()
 
     @pytest.mark.parametrize("code", few(MISTAKES, "reversed-torque", "late-torque"))
     def test_pasted_lines_undo_the_mistake(self, file, right, code):

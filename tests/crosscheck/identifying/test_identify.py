@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 from faults.planted_records import planted
 from identified import torque_data
 from identified.identified_arm import CUTOFF, POSES, compared, identified, identified_from, virtual
@@ -16,12 +17,13 @@ import graphdyn
 from crosscheck.commands.identify.record import record
 from crosscheck.identifying import ESTIMATORS, TERMS, LastPart, WithPinocchio, friction_terms, method_named
 from crosscheck.identifying.methods.torque_terms import term_with, with_setting
+from crosscheck.identifying.methods.wrench_method import _completed
 from crosscheck.identifying.preparing.trials import constant_errors
 from crosscheck.identifying.results.parameters import base_rows, body_rows, deviations_of
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.records.record import plain
 from graphdyn import InvalidInput, mass_matrix
-from graphdyn.identification import Problem, Samples, WeightedLeastSquares
+from graphdyn.identification import Problem, Samples, WeightedLeastSquares, model_prior
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
 from graphdyn.model.inertia import PARAMETER_NAMES
 
@@ -64,6 +66,24 @@ class TestBaselines:
         result = compared().comparison.of("graph method")
         assert result.estimate.settings["determined by wrenches"] == 21
         assert "21 of 30 parameters of the bodies from wrenches" in result.estimate.remarks[0]
+
+    @pytest.mark.parametrize("unknown", [slice(30, None), slice(3, 41, 2), slice(0, None, 5)])
+    def test_what_wrenches_do_not_tell_is_the_best_fit_nearest_to_the_model(self, unknown):
+        """No slope of ‖R x - z‖² along an unknown entry, and no step from the model that has no effect."""
+        problem, rng = compared().problem, np.random.default_rng(0)
+        noise, x = np.array([1.0, 0.2, 3.0]), virtual().truth * rng.uniform(0.9, 1.1, len(virtual().truth))
+        x[unknown] = np.nan
+        free = np.isnan(x)
+        found, prior = _completed(problem, x, noise), model_prior(problem.torque_model)
+        r, z = problem.standard_equations(noise)
+        scale = np.where(np.isfinite(prior.scale), prior.scale, 1.0)
+        columns = (r * scale)[:, free]
+        assert np.array_equal(found[~free], x[~free])
+        slope = np.linalg.norm(columns, axis=0) * np.linalg.norm(z)
+        assert np.all(np.abs(columns.T @ (r @ found - z)) <= 1e-9 * slope)
+        idle = scipy.linalg.null_space(columns, rcond=1e-9)
+        step = ((found - prior.mean) / scale)[free]
+        assert np.abs(idle.T @ step).max(initial=0) <= 1e-9 * np.linalg.norm(step)
 
     def test_graph_method_says_why_not(self):
         bare = replace(virtual().fitted, joint_wrenches=None)

@@ -100,6 +100,8 @@ class TestRecommendation:
         )
         assert answer_of(weak, replace(strong, held_out=scaled(good.held_out, 1.1))).best == "strong"
         assert answer_of(replace(weak, held_out=scaled(good.held_out, 1.1)), strong).best == "strong"
+        unreal = replace(strong, plausibility=Plausibility(np.array([-1e-9, 1.0, 1.0]), np.ones(20)))
+        assert answer_of(weak, unreal).best == "weak"
 
     def test_equal_but_for_rounding_is_a_tie(self):
         good = compared().comparison.of("consistent")

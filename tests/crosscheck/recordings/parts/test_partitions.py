@@ -270,6 +270,13 @@ class TestIdentified:
     def test_rows(self, long):
         assert long.fit.n_rows == 1875 - 62
         assert long.recordings[0].t[-1] < 5
+        (log,) = long.problem.data.logs
+        begun = differentiated(load_recording(log.log.files[0]), CUTOFF).provenance
+        for shown in (long.division.fit, long.division.trials[0].test):
+            excerpt = f"data quality and curves from the first {len(shown.t)} rows"
+            assert shown.provenance.files == (str(log.log.path),)
+            assert shown.provenance.steps == (*begun.steps, excerpt)
+            assert shown.provenance.mapping == begun.mapping
         assert long.fit.squares(1).everything["WLS"].shape == (len(long.problem.data.parts(20)), 3)
 
     def test_parameters(self, long):
