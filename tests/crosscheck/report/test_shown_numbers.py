@@ -341,6 +341,30 @@ class TestPictures:
         assert axes.patches[0].get_facecolor() != axes.patches[1].get_facecolor()
         assert axes.get_yticklabels()[0].get_text() == "✗ torque"
 
+    def test_spread_of_errors_without_a_logarithm(self, drawn):
+        """Zero at its tick left of all decades, infinity right of them; a bound of zero just right of the zeros."""
+        rows = [
+            spread.SpreadRow("zero", np.array([0.0, 0.0, 1e-12]), 0.0),
+            spread.SpreadRow("infinite", np.array([1e-12, np.inf, np.nan, 1e-9]), 1e-9),
+            spread.SpreadRow("nothing", np.zeros(3), 0.0),
+        ]
+        axes = drawn(spread, "spread", rows)
+        ticks = dict(zip([text.get_text() for text in axes.get_xticklabels()], axes.get_xticks(), strict=True))
+        zero = ticks["0"]
+        _, bounds, largest = axes.lines
+        assert largest.get_xdata().tolist() == [-12.0, largest.get_xdata()[1], zero]
+        decades = [place for text, place in ticks.items() if text != "0"]
+        assert max(decades) < largest.get_xdata()[1] < axes.get_xlim()[1]
+        assert axes.get_xlim()[0] < zero < min(decades)
+        assert "∞" in [text.get_text() for text in axes.texts]
+        places = bounds.get_xdata()[[0, 3, 6]]
+        bars = [part.get_path().get_extents() for part in axes.patches]
+        within = [bar for bar in bars if bar.x0 < zero < bar.x1]
+        assert [(bar.x0 + bar.x1) / 2 for bar in within] == pytest.approx([zero, zero])
+        assert places[1] == -9.0
+        for place, bar in zip(places[[0, 2]], within, strict=True):
+            assert bar.x1 < place < min(decades)
+
     @pytest.mark.parametrize("style", ["line", "dashed", "marks"])
     def test_plots(self, drawn, style):
         """Curves at their values, with their signs; bars between their ends; bound and instant where they are."""
