@@ -114,10 +114,11 @@ def test_refused_settings(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "yaml", None)
     with pytest.raises(BadRecordingFile, match=r"a\.yaml: to read YAML, install PyYAML"):
         read_motion(tmp_path / "a.yaml", mixed_tree(), SETTINGS)
+    for count in (0, 2, 4):
+        with pytest.raises(InvalidInput, match=f"{count} axis zeros for 3 joints; give one, or one for each"):
+            AxisSettings(zeros=(5.0,) * count).of(3)
     with pytest.raises(InvalidInput, match=r"axis signs are 2; each is 1 or -1"):
         AxisSettings((2.0,))
-    with pytest.raises(InvalidInput, match=r"2 axis zeros for 3 joints; give one, or one for each"):
-        AxisSettings(zeros=(1.0, 2.0)).of(3)
     with pytest.raises(InvalidInput, match=r"a planned motion is written as .csv, .*, not as '.h5'"):
         document(timed(mixed_tree()), tmp_path / "a.h5", SETTINGS)
 

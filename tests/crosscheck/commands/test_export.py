@@ -137,6 +137,12 @@ class TestText:
         assert bytes(map(int, re.fullmatch(r"char\(\[(.*)\]\)", awkward)[1].split())).decode() == AWKWARD
         assert second == f"'{exported.model.joint_names[1]}'"
 
+    def test_quotes_in_matlab(self, model):
+        """Within quotes, one is written as two."""
+        first, *others = model.joints
+        named = dataclasses.replace(model, joints=(dataclasses.replace(first, name="the 'first'"), *others))
+        assert "model.joint_name = {'the ''first''', " in matlab_text(ExportedModel(named, "arm", {}), "arm")
+
     def test_head(self, exported):
         for text, numbering in (
             (

@@ -171,14 +171,21 @@ class TestCommand:
         assert [failure["robot"] for failure in record["failures"]] == ["ur55"]
         assert "<strong>ur55</strong>" in file.read_text(encoding="utf-8")
 
-    def test_an_unreadable_file(self, folder, monkeypatch):
-        def denied(*_arguments, **_options):
-            raise PermissionError(13, "Permission denied")
+    @pytest.mark.parametrize("others", [(), ("a_dynamics.urdf",)])
+    def test_an_unreadable_file(self, folder, monkeypatch, others):
+        """Alone, and beside one that can be read."""
+        opened, sealed = Path.open, folder / "b_kinematics.urdf"
+
+        def denied(path, *arguments, **options):
+            if path == sealed:
+                raise PermissionError(13, "Permission denied")
+            return opened(path, *arguments, **options)
 
         monkeypatch.setattr(Path, "open", denied)
-        done = run(folder / "a_dynamics.urdf")
+        done = run(*(folder / name for name in others), sealed)
         assert done.exit_code == 2
-        assert "Permission denied" in done.stdout
+        assert ("unreadable-file" if others else "Permission denied") in done.stdout
+        assert ("1 good for dynamics" in done.stdout) == bool(others)
 
     def test_narrow_terminal(self, folder, monkeypatch):
         monkeypatch.setattr(console.out, "width", NARROW)

@@ -160,6 +160,30 @@ class TestRefusals:
         with self.refused(r"no Dask scheduler answers at .*; start one with: dask scheduler, and give the address"):
             next(DaskWorkers(address).each(deadly, [1]))
 
+    def test_libraries_of_a_study_are_asked_for(self, monkeypatch):
+        """Of new workers only, and one that has another version is refused."""
+        asked, there = [], {"tcp://a:1": 1, "tcp://a:2": 1}
+
+        class Client:
+            def wait_for_workers(self, count, timeout):
+                pass
+
+            def nthreads(self):
+                return there
+
+            def run(self, function, libraries, workers, on_error):
+                asked.append(workers)
+                of = function(libraries)
+                return {worker: {**of, "cvxpy": "0.1"} if worker == "tcp://a:3" else of for worker in workers}
+
+        monkeypatch.setattr(dask_workers, "_connected", lambda address: Client())
+        cluster = dask_workers.Cluster("tcp://a:0", ["cvxpy", "nowhere"])
+        assert [cluster.n_workers(), cluster.n_workers()] == [2, 2]
+        there["tcp://a:3"] = 1
+        with self.refused(r"worker tcp://a:3 has cvxpy 0.1 in place of \d"):
+            cluster.n_workers()
+        assert asked == [["tcp://a:1", "tcp://a:2"], ["tcp://a:3"]]
+
     @pytest.mark.parametrize(
         ("threads", "found", "message"),
         [

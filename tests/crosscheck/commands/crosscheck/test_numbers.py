@@ -12,7 +12,7 @@ from shown.blocks import texts
 from shown.pages import COMMAND, comparison_page, facts, plots, rows
 
 import graphdyn
-from crosscheck.commands.crosscheck.folder_report import RobotSummary, compared_row, counts, failed_row
+from crosscheck.commands.crosscheck.folder_report import RobotSummary, compared_row, counts, failed_row, folder_report
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.comparing.baseline import BaselineIdentification
@@ -20,7 +20,7 @@ from crosscheck.comparing.conditioning import Conditioning
 from crosscheck.comparing.error_record import ErrorTable
 from crosscheck.quantities.states import cases
 from crosscheck.report.records.record import plain
-from crosscheck.report.report import Code, Group, Picture, Prose
+from crosscheck.report.report import Code, Group, Picture, Prose, Table
 
 TWO_DIGITS = 0.051
 """Relative: errors of pages have two digits."""
@@ -233,6 +233,40 @@ class TestFolder:
         lost = {**quantities, "momentum": {**quantities["momentum"], "max_relative_error": None, "agrees": False}}
         spoilt = compared_row({**record, "quantities": lost, "agrees": False})
         assert (spoilt.nearest, spoilt.error, spoilt.verdict) == ("momentum", math.inf, "DISAGREES")
+
+    def test_page(self, small_comparison, wrong_comparison):
+        """Each robot in the table of its verdict, the worst first; details of each that was compared, the worst first."""
+        comparisons = [
+            dataclasses.replace(comparison, robot=f"arms/{name}.urdf", file=f"arms/{name}.urdf")
+            for name, comparison in (("good", small_comparison), ("bad", wrong_comparison))
+        ]
+        rows_of = [compared_row(plain(robot_record(comparison))) for comparison in comparisons]
+        routes = {"verdict": "kinematics only", "routes": ("urdf", "model")}
+        light = dataclasses.replace(rows_of[0], robot="arms/light.urdf", **routes)
+        lost = failed_row({"robot": "arms/lost.urdf", "message": "no\n link in arms/lost.urdf"})
+        report = folder_report([*rows_of, light, lost], comparisons)
+        assert (report.verdict.words, report.verdict.state) == ("DISAGREES", "disagrees")
+        section, *details, _ = report.sections
+        everything, *others = [block for block in section.blocks if isinstance(block, Table)]
+        shown = {row[0]: row[1:] for row in texts(everything)}
+        assert list(shown) == ["good.urdf", "bad.urdf", "light.urdf", "lost.urdf"]
+        for comparison, name, taken in zip(comparisons, shown, ("both", "model"), strict=False):
+            part, error, bound, nearest = max(
+                (of_bound(one), one["max_relative_error"], one["bound"], title)
+                for title, one in plain(robot_record(comparison))["quantities"].items()
+            )
+            verdict, routes, *numbers, reason = shown[name]
+            assert (verdict, routes) == ("agrees" if part <= 1 else "DISAGREES", taken)
+            assert numbers == [nearest, f"{error:.1e}", f"{bound:.1e}"]
+            assert (reason == "") == (part <= 1)
+        assert shown["light.urdf"][:2] == ["kinematics only", "both"]
+        assert shown["lost.urdf"] == ["refused", "–", "–", "–", "–", "no link in lost.urdf"]
+        assert [(block.title, [row[0] for row in texts(block)]) for block in others] == [
+            ("DISAGREES: 1", ["bad.urdf"]), ("refused: 1", ["lost.urdf"]),
+            ("kinematics only: 1", ["light.urdf"]), ("agrees: 1", ["good.urdf"]),
+        ]  # fmt: skip
+        assert [row.link for row in everything.rows] == ["robot-2", "robot-1", None, None]
+        assert [(one.key, one.verdict.state) for one in details] == [("robot-1", "disagrees"), ("robot-2", "agrees")]
 
     def test_counts(self):
         def row(verdict, *routes):

@@ -7,7 +7,10 @@ from pathlib import Path
 import pytest
 
 import urdf
+from crosscheck.commands.judge.programs import ProgramOptions, user_programs
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.judging.exchange import program as exchanged
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
 
 
 class TestJudge:
@@ -128,3 +131,30 @@ class TestJudge:
         line = Path("my_code.py").read_text(encoding="utf-8").splitlines().index("def broken(q, v, a):") + 2
         raised = f"error: inverse_dynamics raised RuntimeError: out of ideas ({{}}, line {line}, in broken); at q = ["
         assert done.err.startswith(raised.format(Path("my_code.py").resolve()))
+
+
+def test_options_of_programs_and_libraries(monkeypatch, tmp_path):
+    """Each reaches its program; all end with the context, also after an error."""
+    kept, closed = [], []
+
+    class Recorded:
+        def __init__(self, *given):
+            kept.append(given)
+
+        def close(self):
+            closed.append(self)
+
+    library = tmp_path / "libarm.so"
+    library.touch()
+    monkeypatch.setattr(exchanged, "ProgramFunction", Recorded)
+    monkeypatch.setattr(exchanged, "library_function", Recorded)
+    options = ProgramOptions(
+        command=["gravity_torque=arm --fast 'a b'"], library=[f"inverse_dynamics={library}:rnea"],
+        protocol="json", time_limit=2.5, restart_after=7,
+    )  # fmt: skip
+    with pytest.raises(ZeroDivisionError), user_programs(options) as found:
+        assert list(found) == ["gravity_torque", "inverse_dynamics"]
+        1 / 0
+    what = "--command gravity_torque=arm --fast 'a b'"
+    assert kept == [(["arm", "--fast", "a b"], what, PROTOCOLS_BY_NAME["json"], 2.5, 7), (library, "rnea", 2.5)]
+    assert closed == list(found.values())
