@@ -95,7 +95,7 @@ def rounded(x: float) -> float:
 
 def is_round(x: float) -> bool:
     """0, ±1, ±2, powers of ten."""
-    return x in (0.0, 1.0, -1.0, 2.0) or (x != 0 and float(np.log10(abs(x))).is_integer())
+    return x in (0.0, 2.0, -2.0) or float(np.log10(abs(x))).is_integer()
 
 
 E1, E2, E3 = np.eye(3)

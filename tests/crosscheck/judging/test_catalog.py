@@ -2,21 +2,29 @@
 
 import dataclasses
 import itertools
+import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from planting import mixed_tree, with_body, with_joint
+from scipy.spatial.transform import Rotation
 
 from crosscheck.judging.faults.arguments import orders, units
-from crosscheck.judging.faults.inertials import inertials
+from crosscheck.judging.faults.fault import is_round
+from crosscheck.judging.faults.geometry import geometry
+from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.faults.signs import signs
+from crosscheck.judging.faults.terms import gravity, joint_terms, terms
 from crosscheck.judging.verdicts.diagnosis import noise
 from graphdyn import inverse_dynamics
 
 ALIKE = 1e-12
 """Two recursions: some hundred roundings each."""
+
+FITTED = 1e-9
+"""Matrices of turns by other formulas, relative to the largest torque."""
 
 URDF_TENSOR = ("xx", "xy", "xz", "yy", "yz", "zz")
 PER_METER = {"millimeters": 1000, "centimeters": 100, "inches": 39.37007874015748}
@@ -115,6 +123,234 @@ def test_remedies_of_signs(model):
     name = model.joint_names[0]
     assert remedies[f"the torque of joint '{name}' has the opposite sign"] == "negate it"
     assert remedies[f"the axis of joint '{name}' points the other way"].startswith("reverse the axis, or negate")
+
+
+def named_number(text):
+    """The number after the last word of a sentence that says one."""
+    return float(re.search(r"(-?[\d.]+(?:e[+-]?\d+)?)(?:,| |;|$)", text)[1])
+
+
+class Told:
+    """What the words and numbers of a fault mean, done by hand to the robot, its states or its torques."""
+
+    def __init__(self, model, state, x, description):
+        self.model, self.state, self.x, self.description = model, state, x, description
+        self.message = description.message
+        self.numbers = {number.name: number for number in description.numbers}
+        self.joint, self.body = (
+            next((k for k, name in enumerate(names) if f"'{name}'" in self.message), None)
+            for names in (model.joint_names, model.body_names)
+        )
+
+    def theirs(self, name, ours, unit):
+        """The number of this name, which tells ours, too."""
+        if name not in self.numbers:
+            return ours
+        number = self.numbers.pop(name)
+        assert (number.ours, number.unit) == (pytest.approx(ours), unit)
+        return number.theirs
+
+    def tau(self, model=None, state=None):
+        return inverse_dynamics(model or self.model, *(state or self.state)).tau
+
+    def at_joint(self, value, otherwise):
+        return np.where(np.arange(self.model.n_bodies) == self.joint, value, otherwise)
+
+    def translation(self):
+        placement = self.model.joints[self.joint].placement
+        moved = [self.theirs(axis, own, "m") for axis, own in zip("xyz", placement.translation, strict=True)]
+        assert self.message.endswith(", ".join(
+            f"{axis} by {there - own:.6g} m"
+            for axis, own, there in zip("xyz", placement.translation, moved, strict=True) if there != own
+        ))  # fmt: skip
+        placement = dataclasses.replace(placement, translation=np.array(moved))
+        return self.tau(with_joint(self.model, self.joint + 1, placement=placement))
+
+    def turn(self):
+        """By Rodrigues' vector: of the tangent of half the angle."""
+        angle = self.theirs("turned by", 0.0, "rad")
+        assert np.tan(angle / 2) == pytest.approx(np.linalg.norm(self.x) / 2)
+        axis = self.x / np.linalg.norm(self.x)
+        assert f"by {angle:.6g} rad about ({', '.join(f'{x:.4g}' for x in axis)})" in self.message
+        return Rotation.from_rotvec(angle * axis).as_matrix()
+
+    def turned_placement(self):
+        placement = self.model.joints[self.joint].placement
+        placement = dataclasses.replace(placement, rotation=self.turn() @ placement.rotation)
+        return self.tau(with_joint(self.model, self.joint + 1, placement=placement))
+
+    def tilted_axis(self):
+        axis = self.turn() @ self.model.joints[self.joint].axis
+        return self.tau(with_joint(self.model, self.joint + 1, axis=axis))
+
+    def zero(self):
+        slides = self.model.joints[self.joint].is_prismatic
+        off, (q, v, a) = self.theirs("zero", 0.0, "m" if slides else "rad"), self.state
+        assert named_number(self.message) == pytest.approx(off, rel=1e-5)
+        return self.tau(state=(q + self.at_joint(off, 0.0), v, a))
+
+    def gear(self):
+        return self.at_joint(named_number(self.message.split("multiplied by")[1]), 1.0) * self.tau()
+
+    def scale(self):
+        factor = named_number(self.message.split("multiplied by")[1])
+        named = {"the position": "q", "the velocity": "v", "the acceleration": "a"}.get(
+            self.message.split(" of ")[0], "qva"
+        )
+        scale = self.at_joint(factor, 1.0)
+        return self.tau(state=[scale * x if name in named else x for name, x in zip("qva", self.state, strict=True)])
+
+    def coupled(self):
+        names = self.model.joint_names
+        first, second = (names.index(name) for name in re.findall(r"'([^']*)'", self.message))
+        factor = named_number(self.message.split("by a factor")[1])
+        moved = [x.copy() for x in self.state]
+        for x in moved:
+            x[:, first] += factor * x[:, second]
+        tau = self.tau(state=moved)
+        if not self.message.endswith("the torques do not"):  # the power of both is that of the two joints
+            tau[:, second] += factor * tau[:, first]
+        return tau
+
+    def parameters(self):
+        body = self.model.bodies[self.body]
+        center = [self.theirs(f"c_{axis}", own, "m") for axis, own in zip("xyz", body.center_of_mass, strict=True)]
+        tensor = np.empty((3, 3))
+        for i, k in itertools.combinations_with_replacement(range(3), 2):
+            own = body.inertia[i, k]
+            tensor[i, k] = tensor[k, i] = self.theirs(f"I_{'xyz'[i]}{'xyz'[k]}", own, "kg m²")
+        mass = self.theirs("m", body.mass, "kg")
+        return self.tau(
+            with_body(self.model, self.body + 1, mass=mass, center_of_mass=np.array(center), inertia=tensor)
+        )
+
+    def factor(self):
+        factor, model = named_number(self.message.split("multiplied by")[1]), self.model
+        for number in range(1, model.n_bodies + 1) if self.body is None else (self.body + 1,):
+            body = model.bodies[number - 1]
+            what = self.message.split(" of ")[0]
+            field = {"the mass": "mass", "the center": "center_of_mass", "the tensor": "inertia"}[
+                " ".join(what.split()[:2])
+            ]
+            model = with_body(model, number, **{field: factor * getattr(body, field)})
+        return self.tau(model)
+
+    def all_torques(self):
+        return named_number(self.message.split("multiplied by")[1]) * self.tau()
+
+    def gravity(self):
+        turn = self.model.base.rotation
+        ours = turn.T @ self.model.gravity
+        found = [self.theirs(f"g_{axis}", own, "m/s²") for axis, own in zip("xyz", ours, strict=True)]
+        assert self.message.startswith(f"gravity acts along ({', '.join(f'{x:.6g}' for x in found)})")
+        return self.tau(self.model.with_gravity(turn @ found))
+
+    def joint_term(self):
+        """Added to right torques: d v, F sign(v), k q, an offset, J a; of the constant torque, what is no slack."""
+        (q, v, a), names = self.state, self.model.joint_names
+        laws = {"viscous friction": v, "dry friction": np.sign(v), "a spring": q, "a constant diagonal": a}
+        units = {
+            "viscous friction": "N m s/rad or N s/m",
+            "a spring": "N m/rad or N/m",
+            "a constant diagonal": "kg m² or kg",
+        }
+        added = np.zeros_like(q)
+        for name, law in laws.items():
+            for k, joint in enumerate(names):
+                added[:, k] += self.theirs(f"{name}, {joint}", 0.0, units.get(name, "N m or N")) * law[:, k]
+        return added
+
+    def matrix(self):
+        n = self.model.n_bodies
+        matrix = np.zeros((n, n))
+        for i, k in itertools.combinations_with_replacement(range(n), 2):
+            matrix[i, k] = matrix[k, i] = self.theirs(f"M[{i + 1}, {k + 1}]", 0.0, "kg m², kg m or kg")
+        return self.tau() + self.state[2] @ matrix
+
+
+MEANINGS = {
+    "the translation of joint": Told.translation, "the placement of joint": Told.turned_placement,
+    "the axis of joint": Told.tilted_axis, "the zero of joint": Told.zero, "the torque of joint": Told.gear,
+    "position, velocity": Told.scale, "the position of": Told.scale, "the velocity of": Told.scale,
+    "the acceleration of": Told.scale, "joint ": Told.coupled, "all inertial parameters": Told.all_torques,
+    "gravity acts": Told.gravity, "a constant matrix": Told.matrix,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kinds", [geometry, parameters, gravity])
+def test_families(model, state, kinds):
+    """Of numbers that somebody's code may have, drawn here: the torques are those of what the words say."""
+    rng, count = np.random.default_rng(8), 0
+    for fault in kinds(model):
+        x = np.round(fault.right + rng.uniform(0.1, 0.3, fault.right.shape), 4)  # sentences say six digits
+        (description,) = fault.say(x)
+        told = Told(model, state, x, description)
+        if kinds is parameters and "all torques" not in description.message:
+            meaning = Told.factor if "multiplied" in description.message else Told.parameters
+        else:
+            meaning = next(meaning for words, meaning in MEANINGS.items() if description.message.startswith(words))
+        (tau,) = torques_of([fault.change(DynamicsCode.of(model), x)], state)
+        expected = meaning(told)
+        assert np.abs(tau - expected).max() <= FITTED * np.abs(expected).max(), description.message
+        assert not told.numbers
+        fitted = len(description.numbers)
+        if kinds is not gravity and fitted:
+            assert description.size == 1 + (3 if "turned by" in description.numbers[0].name else fitted)
+        assert not [one for one in fault.say(fault.right) if kinds is not gravity]
+        count += 1
+    n = model.n_bodies
+    assert count == {geometry: 9 * n + 2 * n * (n - 1), parameters: 13 * n + 4, gravity: 1}[kinds]
+
+
+def test_torques_that_a_joint_adds(model, state):
+    """Friction, springs, offsets and drives at once, and a constant matrix: what is added is what is said."""
+    rng, n = np.random.default_rng(9), model.n_bodies
+    each, matrix = joint_terms(model)
+    x = rng.uniform(0.1, 0.3, (5, n))
+    x[3] = 0.0
+    (tau,) = torques_of([each.change(DynamicsCode.of(model), x.ravel())], state)
+    v, added = state[1], 0.0
+    for description in each.say(x.ravel()):
+        added = added + Told(model, state, x, description).joint_term()
+        if "viscous" in description.message:  # one sentence for both, and the numbers of the first
+            assert (
+                f"dry friction ({', '.join(f'{value:.4g}' for value in x[1])}) N m or N per joint"
+                in description.message
+            )
+            added = added + x[1] * np.sign(v)
+    np.testing.assert_allclose(tau - inverse_dynamics(model, *state).tau, added, atol=1e-12 * np.abs(tau).max())
+    x = rng.uniform(0.1, 0.3, matrix.right.shape)
+    (tau,) = torques_of([matrix.change(DynamicsCode.of(model), x)], state)
+    (description,) = matrix.say(x)
+    told = Told(model, state, x, description)
+    check(tau, told.matrix())
+    assert not told.numbers
+    (offset,) = each.say(np.where(np.arange(5)[:, None] == 3, [0.5, 0.0, -2.0], 0.0).ravel())
+    assert [(number.name, number.theirs) for number in offset.numbers] == [
+        (f"a constant torque, {model.joint_names[k]}", value) for k, value in ((0, 0.5), (2, -2.0))
+    ]
+    slack = np.zeros((5, n))
+    slack[2, 1], slack[3, 1] = 4.0, 2.0  # 4 (q + 0.5)
+    (spring,) = each.say(slack.ravel())
+    assert (
+        spring.message == f"a spring of 4 N m/rad or N/m, slack at -0.5, at joint '{model.joint_names[1]}' is included"
+    )
+    assert spring.size == 3
+
+
+@pytest.mark.parametrize(
+    ("factor", "size"), [(0.0, 1), (-1.0, 1), (2.0, 1), (-2.0, 1), (10.0, 1), (-0.01, 1), (3.0, 2), (0.7, 2)]
+)
+def test_round_factors_are_one_step(model, factor, size):
+    """Of a term, a gear, all torques: a number beside them has to be fitted."""
+    assert is_round(factor) == (size == 1)
+    families = {
+        "term": next(itertools.islice(terms(model), 1, None)), "gear": list(geometry(model))[4],
+        "torques": list(parameters(model))[-1],
+    }  # fmt: skip
+    for name, fault in families.items():
+        if factor != -1 or name == "term":  # elsewhere a sign
+            assert [one.size for one in fault.say(np.array([factor + 1e-9]))] == [size], name
 
 
 class Noisy:
