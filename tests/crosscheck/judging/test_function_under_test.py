@@ -8,10 +8,30 @@ import numpy as np
 import pytest
 
 import crosscheck
-from crosscheck.judging.observing.function_under_test import FunctionFailure
+from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
+from crosscheck.quantities import FUNCTIONS
 from graphdyn import InvalidInput, SingularMassMatrix, kr500
 
 SAMPLES = 5
+
+
+@pytest.mark.parametrize("batched", [False, True])
+@pytest.mark.parametrize("loads", [None, 2.0])
+def test_joints_in_another_order(batched, loads):
+    """Each number is that of its joint; loads that are left out are zero."""
+    order, weights, asked = np.array([2, 0, 1]), np.array([1.0, 20.0, 300.0]), []
+
+    def answer(q, v, a, wrenches):
+        asked.append(wrenches)
+        return weights * (q + v**2 + a**3 + wrenches[..., 4])
+
+    function = FunctionUnderTest(FUNCTIONS["inverse_dynamics"], answer, order, batched=batched, loaded=True)
+    q, v, a = np.random.default_rng(0).normal(size=(3, 5, 3))
+    wrenches = np.zeros((5, 3, 6)) if loads is None else loads + np.arange(90.0).reshape(5, 3, 6)
+    found = function(q, v, a) if loads is None else function(q, v, a, wrenches)
+    ours = weights[np.argsort(order)]  # of joint 0, whose place is 1, and so on
+    np.testing.assert_allclose(found, ours * (q + v**2 + a**3 + wrenches[..., 4]))
+    np.testing.assert_array_equal(np.reshape(asked, wrenches.shape), wrenches[:, order])
 
 
 class TestInput:

@@ -223,6 +223,18 @@ def test_mass_matrices_are_diagnosed_too(kind):
             lambda w: w.reshape(4, 4, 10) * [1, 1, 1, 1, 1, 2, 1, 2, 2, 1],
             "columns are scaled: I_xy × 2, I_xz × 2, I_yz × 2",
         ),
+        (
+            lambda w: w.reshape(4, 4, 10) * [1, 0.001, 0.001, 0.001, 1, 1, 1, 1, 1, -1],
+            "columns are scaled: mc_x × 0.001, mc_y × 0.001, mc_z × 0.001, I_zz × -1",
+        ),
+        (
+            lambda w: w.reshape(4, 4, 10)[:, [1, 2, 0, 3]],
+            "the columns are in the order of the bodies upper_arm_link, forearm_link, shoulder_link, wrist_1_link",
+        ),
+        (
+            lambda w: (w.reshape(4, 4, 10) * [0.5, 1, 1, 1, 1, 1, 1, 1, 1, 1]).swapaxes(1, 2),
+            "the columns are grouped by type (m of every body, then mc_x of every body, …), scaled: m × 0.5",
+        ),
     ],
 )  # fmt: skip
 def test_columns_of_a_regressor(change, message):
