@@ -235,7 +235,7 @@ class TestFolder:
         assert (spoilt.nearest, spoilt.error, spoilt.verdict) == ("momentum", math.inf, "DISAGREES")
 
     def test_page(self, small_comparison, wrong_comparison):
-        """Each robot in the table of its verdict, the worst first; details of each that was compared, the worst first."""
+        """Each robot in the table of its verdict; details of each that was compared, the worst first."""
         comparisons = [
             dataclasses.replace(comparison, robot=f"arms/{name}.urdf", file=f"arms/{name}.urdf")
             for name, comparison in (("good", small_comparison), ("bad", wrong_comparison))
