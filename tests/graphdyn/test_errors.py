@@ -1,6 +1,7 @@
 """Every refusal of arguments and states, with the facts it carries: name, shape, row, remedy."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -67,6 +68,21 @@ def three_arguments(**changes):
 def test_arguments_of_wrong_shape_or_kind_are_refused(changes, message):
     with pytest.raises(InvalidInput, match=message):
         graphdyn.forward_dynamics(ROBOT, **three_arguments(**changes))
+
+
+@pytest.mark.parametrize("kind", ["bool", "uint8", "int64", "float16", "float32", ">f8", "longdouble"])
+def test_real_numbers_of_every_kind_count_as_what_they_are(kind):
+    """Ones and zeros are the same number in every kind; what divides is no integer division."""
+    pattern = [1, 0, 0, 1, 1, 0]
+    a = graphdyn.forward_dynamics(ROBOT, *(np.array(pattern, dtype=kind) for _ in range(3))).a
+    assert np.array_equal(a, graphdyn.forward_dynamics(ROBOT, *(np.array(pattern, dtype=float) for _ in range(3))).a)
+
+
+@pytest.mark.parametrize("kind", ["complex64", "datetime64[s]", "timedelta64[s]", "object", "S1"])
+def test_what_is_no_real_number_is_refused_by_its_kind(kind):
+    message = re.escape(f"v is not an array of real numbers but of {np.dtype(kind)}")
+    with pytest.raises(InvalidInput, match=message):
+        graphdyn.forward_dynamics(ROBOT, X, np.zeros(6, dtype="int64").astype(kind), X)
 
 
 def spoiled(shape, *indices, value=np.nan):
