@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from robots.mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletizer, rod
+from scipy.linalg import null_space
 from scipy.spatial.transform import Rotation
 from shared_data import DATA, existing
 from witnesses import relative_error
@@ -487,6 +488,45 @@ def test_motors():
         graphdyn.inverse_dynamics(two, q, 0 * q, 0 * q, actuated=["a0"])
     with pytest.raises(InvalidInput, match=r"which joints have motors is not known: give actuated= .* among a0, a1"):
         graphdyn.gravity_torque(two, q)
+
+
+PRINTED = 5e-3
+"""Of numbers with three digits."""
+
+
+def motions_in(message, names):
+    """The motions that a message names: "knee 1, hip -0.5; toe 1". Each begins with what moves most, by one."""
+    found = []
+    for text in message.split(": ")[-1].split(". ")[0].split("; "):
+        parts = [part.rsplit(" ", 1) for part in text.split(", ")]
+        sizes = [abs(float(amount)) for _, amount in parts]
+        assert sizes == sorted(sizes, reverse=True)
+        assert sizes[0] == 1
+        found.append([float(dict(parts).get(name, 0.0)) for name in names])
+    return np.array(found)
+
+
+def test_motions_that_nothing_resists_are_named_with_their_signs():
+    """Those of the null space of J: of all its motions where no body has mass, of those with motors at rest there."""
+    model = four_bar()
+    nothing = tuple(Body(body.name, 0.0, np.zeros(3), np.zeros((3, 3))) for body in model.bodies)
+    q, _ = model.random_state(np.random.default_rng(1))
+    with pytest.raises(graphdyn.SingularMassMatrix, match="can move without inertia") as caught:
+        graphdyn.joint_accelerations(replace(model, bodies=nothing), q, 0 * q, 0 * q)
+    (named,) = motions_in(str(caught.value), model.joint_names)
+    (closed,) = null_space(model.loops.jacobian(model.loops.links(q))).T
+    np.testing.assert_allclose(named / named[0], closed / closed[0], atol=PRINTED * np.abs(1 / named[0]))
+    assert (named < 0).any()
+    assert (named > 0).any()
+    two = n_four_bar(2)
+    two = replace(two, chords=two.chords[:1])
+    q = graphdyn.assemble(two, [1.2, 0.9, 1.4, -1.3, -1.0])
+    with pytest.raises(InvalidInput, match=r"motors at b1 leave 2 of 3 motions free") as caught:
+        graphdyn.inverse_dynamics(two, q, 0 * q, 0 * q, actuated=["b1"])
+    named = motions_in(str(caught.value), two.joint_names)
+    assert np.linalg.matrix_rank(named, tol=10 * PRINTED) == 2
+    assert np.abs(named @ two.loops.jacobian(two.loops.links(q)).T).max() < 5 * PRINTED
+    assert np.abs(named[:, two.joint_names.index("b1")]).max() < PRINTED
 
 
 def test_random_states_keep_away_from_singular_poses(monkeypatch):

@@ -226,13 +226,26 @@ def test_constraints_have_the_scale_of_the_accelerations():
     assert residual == pytest.approx(1e-16)
 
 
-@pytest.mark.parametrize(("eigenvalue", "is_singular"), [(1e-14, False), (2e-15, False), (3e-16, True), (0.0, True)])
+@pytest.mark.parametrize(
+    ("eigenvalue", "is_singular"), [(1e-14, False), (2e-15, False), (7e-16, True), (3e-16, True), (0.0, True)]
+)
 def test_where_a_mass_matrix_counts_as_singular(eigenvalue, is_singular):
     """Scaled to unit diagonal, at n eps of the largest eigenvalue, here 2 × 2.2e-16 of 2: whatever the units."""
     mass = np.array([[1.0, 1.0 - eigenvalue], [1.0 - eigenvalue, 1.0]])
     for unit in (1.0, 1e-9, 1e9):
         units = np.diag([1.0, unit])
         assert bool(singular(units @ mass @ units)) is is_singular
+
+
+@pytest.mark.parametrize("size", [2, 3, 5, 10])
+def test_what_has_a_lower_rank_counts_as_singular(size):
+    """Sums of fewer squares than rows, whatever rounding leaves of the eigenvalue that is zero; the full sum does not."""
+    factors = np.random.default_rng(size).normal(size=(500, size, size))
+    factors[::2] = 1 + 0.1 * factors[::2]  # joints that move nearly the same bodies
+    assert singular(factors[..., 1:] @ np.swapaxes(factors[..., 1:], -1, -2)).all()
+    assert singular(factors[..., :1] @ np.swapaxes(factors[..., :1], -1, -2)).all()
+    whole = factors @ np.swapaxes(factors, -1, -2)
+    assert not singular(whole[np.linalg.cond(whole) < 1e12]).any()
 
 
 def test_condition_number_is_the_ratio_of_the_extreme_singular_values(robot):
