@@ -334,6 +334,7 @@ def test_constraint_rows_are_named_as_in_the_paper():
     assert names[0] == "phi_11"
     assert names[-1] == "phi_65"
     assert constraint_row_names(12)[5 * 10 + 3] == "phi_11,4"  # with two digits a comma keeps joint and row apart
+    assert [constraint_row_names(n)[-1] for n in (9, 10)] == ["phi_95", "phi_10,5"]
 
 
 def test_exponential_of_the_witness_is_the_rotation_of_the_package(rng):

@@ -9,7 +9,7 @@ from identified.excited_robot import AT_REST, followed
 from planting import mixed_tree
 from robots.mechanisms import four_bar
 
-from graphdyn import Coupling, InvalidInput, frame_placement, joint_torques
+from graphdyn import Coupling, InvalidInput, frame_placement, joint_torque_regressor, joint_torques
 from graphdyn.excitation import (
     ConditionNumber,
     ExcitationProblem,
@@ -38,7 +38,7 @@ from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_s
 from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.torque_model import STATES_PER_PARAMETER, random_samples, structure
-from graphdyn.identification.terms import Coulomb, CoupledWrist, RigidBodies, Viscous
+from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, CoupledWrist, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
 DIFFERENCES = 2e-7
@@ -138,6 +138,24 @@ def test_gradients(name, model, terms):
         ]
         size = np.linalg.norm(slopes[kind]) * np.linalg.norm(direction)
         assert abs((values[0] - values[1]) / 2e-5 - np.sum(slopes[kind] * direction)) < DIFFERENCES * size
+
+
+@pytest.mark.parametrize("width", [None, 0.3])
+def test_information_is_that_of_rows_divided_by_their_noise(width):
+    """With signs of friction, or the hyperbolic tangent that stands for those that have no width of their own."""
+    model, noise = mixed_tree(), np.array([0.5, 1.0, 2.0])
+    torque_model = TorqueModel(model, (RigidBodies(), Coulomb(), Viscous(), AsymmetricCoulomb(width=0.7)))
+    information = Information(torque_model, noise, width)
+    motion = JointMotion(*np.random.default_rng(4).normal(size=(4, 40, 3)))
+    q, v, a, _ = motion
+    sign, own = np.sign(v) if width is None else np.tanh(v / width), np.tanh(v / 0.7)
+    of_joints = [sign, v, np.where(v > 0, own, 0.0), np.where(v < 0, own, 0.0)]
+    columns = [joint_torque_regressor(model, q, v, a), *(part[..., None] * np.eye(3) for part in of_joints)]
+    w = np.concatenate(columns, axis=-1)[..., information.independent] / noise[:, None]
+    wanted = np.einsum("tjb,tjc->bc", w, w) * 200 / 40
+    np.testing.assert_allclose(information.matrix(motion, 200), wanted, atol=ROUNDING * np.abs(wanted).max())
+    slopes = information.value_and_slopes(motion, 200, 0 * wanted, log_det)
+    assert slopes[0] == pytest.approx(-np.linalg.slogdet(wanted)[1] / (2 * len(wanted)), rel=1e-9)
 
 
 @pytest.mark.parametrize("model", [mixed_tree(), coupled_tree()], ids=["tree", "couplings"])
