@@ -1,8 +1,10 @@
-"""What all tests share: hypothesis' number of examples, one thread in linear algebra, kept bytecode, rare sweeps."""
+"""What all tests share: hypothesis' number of examples, one thread in linear algebra, kept bytecode, rare sweeps, and
+a folder for machine code of their own."""
 
 import gc
 import os
 import sys
+import tempfile
 
 import pytest
 from hypothesis import settings
@@ -14,6 +16,14 @@ os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
 settings.register_profile("nightly", deadline=None, derandomize=False, max_examples=1000, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "graphdyn"))
+
+
+def pytest_configure(config):
+    """All processes of one run share what one of them has compiled; nothing is taken from earlier runs."""
+    if not hasattr(config, "workerinput"):
+        folder = tempfile.TemporaryDirectory(prefix="graphdyn-code-")
+        config.add_cleanup(folder.cleanup)
+        os.environ["GRAPHDYN_CACHE"] = folder.name
 
 
 def pytest_collection_finish():

@@ -32,11 +32,13 @@ FIRST_CALLS = (
 
 
 def in_fresh_process(task: str, folder: Path, threads: int = 1) -> dict[str, Any]:
-    """The record of a task. Raises RuntimeError with the error output of the process."""
+    """The record of a task, which compiles all it needs. Raises RuntimeError with the error output of the process."""
+    from graphdyn.compiler import CACHE_VARIABLE  # not above: the task takes the time of importing graphdyn
+
     paths = os.pathsep.join(path or os.getcwd() for path in sys.path)
     done = subprocess.run(
         [sys.executable, "-P", "-m", __name__, task, str(folder), str(threads)],
-        env={**os.environ, "PYTHONPATH": paths},
+        env={**os.environ, "PYTHONPATH": paths, CACHE_VARIABLE: "off"},
         capture_output=True,
         text=True,
         check=False,

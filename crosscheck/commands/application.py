@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from crosscheck.commands.bench import command as bench
+from crosscheck.commands.cache import command as cache
 from crosscheck.commands.crosscheck import command as crosscheck
 from crosscheck.commands.errata import command as errata
 from crosscheck.commands.excite import command as excite
@@ -44,6 +45,7 @@ COMMANDS = (
     (bench.run, "bench", bench.EPILOG),
     (robots.run, "robots", robots.EPILOG),
     (errata.run, "errata", errata.EPILOG),
+    (cache.run, "cache", cache.EPILOG),
 )
 """Function, name and examples of each command."""
 

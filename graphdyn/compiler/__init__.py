@@ -1,9 +1,10 @@
 """Machine code or NumPy operations from a traced recursion, and the arrays of a verb through it.
 
 From a verb down: batch (arrays in and out), running (threads, compiled or not), programs (a recursion recorded for one
-robot), native and interpreter (the two back ends).
+robot), native and interpreter (the two back ends), disk_cache (machine code of earlier processes).
 """
 
+from graphdyn.compiler.disk_cache import CACHE_VARIABLE, CodeCache, clear_code_cache, code_cache
 from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
 from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.llvm.vector_code import VectorCode
@@ -14,13 +15,17 @@ from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, i
 
 __all__ = [
     "BACKEND_VARIABLE",
+    "CACHE_VARIABLE",
     "MAX_UNROLLED_BODIES",
+    "CodeCache",
     "MachineCode",
     "Request",
     "TorqueGram",
     "VectorCode",
     "aligned",
     "chosen_backend",
+    "clear_code_cache",
+    "code_cache",
     "cores",
     "host_lanes",
     "in_threads",

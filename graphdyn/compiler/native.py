@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from graphdyn.compiler.disk_cache import cached_code
 from graphdyn.compiler.interpreter import Run, merged
 from graphdyn.compiler.llvm.emitter import emit, scratch
 from graphdyn.compiler.llvm.memory import aligned, places
@@ -23,6 +24,9 @@ from graphdyn.scalars.expressions import Guard, Program
 
 MAX_CACHED_RESULT_BYTES = 1 << 20
 """Bytes of results beyond which they bypass the caches: half of a usual second-level cache."""
+
+OPTIMIZATION = 2
+"""LLVM's level."""
 
 compiling = threading.RLock()
 """Held while programs are recorded, while llvmlite is used, and while the process forks: otherwise the child could
@@ -138,13 +142,14 @@ class MachineCode:
         self._text = code
         with compiling:
             llvm = _binding()
+            cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
             target = llvm.Target.from_default_triple().create_target_machine(
-                cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2, jit=True
+                cpu=cpu, features=features, opt=OPTIMIZATION, jit=True
             )
-            module = llvm.parse_assembly(code)
-            module.triple, module.data_layout = target.triple, str(target.target_data)
-            module.verify()
-            self._engine = llvm.create_mcjit_compiler(module, target)
+            maker = f"LLVM {llvm.llvm_version_info} {OPTIMIZATION} {target.triple} {cpu} {features}"
+            machine_code = cached_code(f"{maker}\n{code}".encode(), lambda: _compiled(code, target))
+            self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), target)
+            self._engine.add_object_file(llvm.ObjectFileRef.from_data(machine_code))
             self._engine.finalize_object()
         weakref.finalize(self, _dispose, self._engine).atexit = False
 
@@ -156,6 +161,15 @@ class MachineCode:
         """One of them, as a ctypes function."""
         with compiling:
             return prototype(self._engine.get_function_address(name))
+
+
+def _compiled(code: str, target: Any) -> bytes:
+    """The object file of a module of LLVM code."""
+    module = _binding().parse_assembly(code)
+    module.triple, module.data_layout = target.triple, str(target.target_data)
+    module.verify()
+    compiled: bytes = target.emit_object(module)
+    return compiled
 
 
 def _dispose(engine: Any) -> None:

@@ -8,14 +8,18 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import typer
 from long_check import LONG, few
 from planting import mixed_tree
+from random_trees import NAMED
 from shown.pages import first_cells
 
 import crosscheck
+import graphdyn
 import urdf
 from crosscheck.bench.benchmark import Effort
 from crosscheck.commands import app
@@ -28,10 +32,11 @@ from crosscheck.paper.errata import ERRATA, N_EFFECTS, measure
 from crosscheck.quantities import COMPARED
 from crosscheck.report.records.record import versions
 from graphdyn import __version__
+from graphdyn.compiler import CACHE_VARIABLE
 
 COMMANDS = (
     *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect", "identify", "simulate"),
-    *("excite", "study", "paper", "bench", "robots", "errata"),
+    *("excite", "study", "paper", "bench", "robots", "errata", "cache"),
 )
 
 WRITES = {
@@ -375,6 +380,33 @@ class TestOtherCommands:
         assert [entry["name"] for entry in listed] == [entry.name for entry in urdf.robots()]
         for name in ("kr500", "ur5", "z1"):
             assert re.search(rf"│ {name} +│", done.out)
+
+    def test_cache(self, program, tmp_path, monkeypatch):
+        monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path / "kept"))
+        q = np.zeros((1000, 1))
+        robot = NAMED["one_revolute"]
+        graphdyn.joint_torques(replace(robot), q, q, q)
+        sizes = [path.stat().st_size for path in (tmp_path / "kept" / "machine_code").iterdir()]
+        path = tmp_path / "cache.json"
+        for arguments, files, said in (
+            ((), len(sizes), f"compiled programs  {len(sizes)}, "),
+            (("--clear",), len(sizes), f"removed  {len(sizes)}, "),
+            ((), 0, "compiled programs  0, 0.0 MB"),
+        ):
+            done = program("cache", *arguments, "--json", path)
+            assert done.code == AGREED
+            assert said in done.out
+            record = json.loads(path.read_text(encoding="utf-8"))
+            assert record == {
+                "format": "graphdyn cache 1",
+                "cleared": bool(arguments),
+                "folder": str(tmp_path / "kept" / "machine_code"),
+                "is_writable": True,
+                "files": files,
+                "bytes": sum(sizes) if files else 0,
+            }
+        monkeypatch.setenv(CACHE_VARIABLE, "off")
+        assert "none: GRAPHDYN_CACHE is off" in program("cache").out
 
     def test_errata(self, program, tmp_path):
         path = tmp_path / "errata.json"
