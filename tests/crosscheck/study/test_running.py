@@ -9,8 +9,11 @@ import sqlite3
 import sys
 import warnings
 from contextlib import closing
+from dataclasses import asdict
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pyarrow.parquet as parquet
 import pytest
 from failing import failing
@@ -33,6 +36,7 @@ from crosscheck.study.running import (
     Remaining,
     run_study,
     tasks_of,
+    write_tables,
 )
 from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
@@ -41,8 +45,9 @@ from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
 from crosscheck.study.statistics.outcomes import ERRORS
 from crosscheck.study.store import opened
-from crosscheck.study.tasks import validation_metric
+from crosscheck.study.tasks import Result, StudyOutcome, validation_metric
 from graphdyn import InvalidInput
+from graphdyn.identification import structure
 
 INTERRUPTED = 130
 
@@ -100,6 +105,37 @@ def test_errors_stand_in_the_columns_of_their_names(folder, complete):
         measure = validation_metric(study.robot, study.seed, known_model(study, scenarios[row["scenario"]]))
         expected = {name: getattr(measure, name)(row["base"]) for name in ERRORS}
         assert {name: row[name] for name in ERRORS} == expected
+
+
+def test_tables_hold_every_field_of_every_result_beside_its_seconds(folder, tmp_path):
+    """Methods in the order of the configuration, in which no table has them."""
+    study, names = small_study(folder), ("wls", "ols", "iv")
+    numbers = {name: k for k, name in enumerate(names, start=1)}
+
+    def of(scenario, run):
+        found = [
+            Result(name, "torques", None, k, 10 * k, 20 * k, (k, run), (3.0 * k,), 0.1 * k, 0.2 * k, 0.3 * k, k == 1)
+            for name, k in numbers.items()
+        ]
+        failed = Result("other", "wrenches", reason=scenario)
+        return (scenario, run), StudyOutcome((*found, failed), (*numbers.values(), None), 9.0)
+
+    given = [of(scenario.name, run) for scenario in study.scenarios for run in range(2)]
+    write_tables(study, given, tmp_path)
+    times = {(row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in rows(tmp_path, TIMES)}
+    found = {(row.pop("scenario"), row.pop("run"), row["method"]): row for row in rows(tmp_path)}
+    assert len(found) == len(times) == 4 * len(given)
+    for (scenario, run), outcome in given:
+        for result, seconds in zip(outcome.results, outcome.seconds, strict=True):
+            status = {"status": "found" if result.reason is None else "failed"}
+            row = found[scenario, run, result.method]
+            assert {name: tuple(x) if isinstance(x, list) else x for name, x in row.items()} == asdict(result) | status
+            assert times[scenario, run, result.method] == seconds
+    for row, scenario in zip(rows(tmp_path, SCENARIOS), sorted(study.scenarios, key=lambda one: one.name), strict=True):
+        assert {name: row[name] for name in GRID_AXES} == asdict(scenario)
+        base = structure(known_model(study, scenario)).base
+        assert row["truth"] == pytest.approx(base.matrix @ plant_of(study.robot).truth(known_model(study, scenario)))
+        assert len(row["base_names"]) == len(row["base_units"]) == base.rank
 
 
 def killed(study, out, answers):
@@ -176,6 +212,20 @@ def test_methods_take_part_where_what_they_need_is_measured(folder):
     for methods, noises, where in ((["wls", "graph"], ["none"], "no"), (["graph"], ["none", 0.5], "not every")):
         with pytest.raises(BadConfiguration, match=rf"methods in \[study\] has graph for wrenches, which {where} scen"):
             study_of(folder, text.format(methods, noises))
+
+
+@pytest.mark.parametrize(("start", "expected"), [("wls", "wls"), ("cad", "cad"), ("0.15", [0.85, -1.7, 3.4])])
+def test_methods_are_given_what_they_have_a_use_for(start, expected):
+    """An iteration starts as far below the truth as the scenario says; only methods with wrenches see the recording."""
+    record = SimpleNamespace(loop=None, truth=np.array([1.0, -2.0, 4.0]), recording=object())
+    scenario = Scenario(start=start)
+    found = computing.ready(computing.estimator_of("didim"), record, scenario)
+    assert np.array_equal(found.start, expected)
+    assert not hasattr(found, "recording")
+    graph = computing.ready(computing.estimator_of("graph"), record, scenario)
+    assert graph.recording is record.recording
+    plain = computing.estimator_of("ols")
+    assert vars(computing.ready(plain, record, scenario)) == vars(plain)
 
 
 def test_own_methods_of_one_name_are_refused(folder):
@@ -428,6 +478,13 @@ BAD = {
     "[[grid]]\nduration = 1e-3\n": r"duration in \[grid\] is 0\.001 s; give ten samples and control periods or more",
     "[[grid]]\nmodel_error = 'friction'\n": r'coulomb in \[robot\] is zero, and the model error "friction" forgets it',
     "[[grid]]\nmodel_error = 'flexible'\n": r"rotor_inertia in \[robot\] must be above zero in all joints",
+    "[robot]\nname = 'ur5'\nrotor_inertia = [1, 1, 1, 0, 1, 1]\n[[grid]]\nmodel_error = 'flexible'\n": (
+        r"rotor_inertia in \[robot\] must be above zero in all joints"
+    ),
+    "[study]\nmethods = 'ols'\n": r"methods in \[study\] is 'ols'; give a list of methods, or \"all\"",
+    "[robot]\nname = 'ur5'\nlocked = 'elbow_joint'\n": r"locked in \[robot\] is 'elbow_joint'; give a list of names of",
+    "[robot]\nname = 'ur5'\nrepair = 'inertia'\n": r"repair in \[robot\] is 'inertia'; give a list of names of repairs",
+    "[robot]\nname = 'ur5'\nchain = 'ab'\n": r"chain in \[robot\] is 'ab'; give a list of names of links",
 }
 
 

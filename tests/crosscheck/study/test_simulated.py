@@ -96,6 +96,17 @@ def test_references(study, kind):
     assert np.abs(other[0](times)[0] - q[:, 0]).max() > 0.01
 
 
+def test_a_joint_that_may_not_move_leaves_the_others_their_motion(tmp_path):
+    (tmp_path / "small.urdf").write_text(ARM, encoding="utf-8")
+    still = study_of(tmp_path, small.STUDY, small.ROBOT + "lower = [0.5, -1]\nupper = [0.5000000001, 1]\n").robot
+    moved = np.ptp([law(np.linspace(0, 4, 200))[0] for law in reference(still, 0, "random", 0, 4.0)], axis=1)
+    assert moved[0] < 1e-9
+    assert moved[1] > 0.1
+    none = replace(still, lower=(0.5, 0.5), upper=(0.5 + 1e-10, 0.5 + 1e-10))
+    with pytest.raises(InvalidInput, match="no random motion found: robot 'small' cannot be held with the efforts"):
+        reference(none, 0, "random", 0, 4.0)
+
+
 def test_a_recording_without_noise_is_the_robot(study, raw):
     """Torques and wrenches are those of the equations of motion, from the exact motion of the simulation."""
     (motion, recording), plant = raw(study, EXACT), plant_of(study.robot)

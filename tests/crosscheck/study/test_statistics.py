@@ -322,6 +322,50 @@ def test_summary(study):
     assert (cloe.iterations, ols.iterations[0]) == ((4.5, 5.0), pytest.approx(np.nan, nan_ok=True))
 
 
+def test_every_number_of_a_summary_is_that_of_its_rows():
+    """Of tables in which some values of every column are missing."""
+    results, scenarios, times = study_tables(9)
+    rng = np.random.default_rng(0)
+    for row in results:
+        if row["status"] == "found":
+            missing = [name for name in ("sigma", "iterations", "simulations", "consistent") if rng.random() < 0.3]
+            row.update(dict.fromkeys(missing), simulations=row["simulations"] and int(rng.integers(1, 99)))
+    for row in times:
+        row["processor_seconds"] = None if rng.random() < 0.2 else float(rng.uniform(1, 2))
+    for scenario, row in zip(summarized(outcomes(results, scenarios, times)).scenarios, scenarios, strict=True):
+        for method in scenario.methods:
+            own, took = (
+                [each for each in table if (each["scenario"], each["method"]) == (row["scenario"], method.method.name)]
+                for table in (results, times)
+            )
+            answered = [each for each in own if each["status"] == "found"]
+            assert (method.runs, method.found) == (len(own), len(answered))
+            assert sum(method.reasons.values()) == len(own) - len(answered)
+            known = numbers_of(answered, "consistent")
+            assert method.consistent.value == pytest.approx(np.mean(known) if known else np.nan, nan_ok=True)
+            for name in ("iterations", "simulations"):
+                some = numbers_of(answered, name)
+                expected = (np.median(some), max(some)) if some else (np.nan, np.nan)
+                assert getattr(method, name) == pytest.approx(expected, nan_ok=True)
+            for name, error in method.errors.items():
+                every = [np.inf if each[name] is None else each[name] for each in own]
+                assert error.value == pytest.approx(np.median(every) if own else np.nan, nan_ok=True)
+            if own:
+                assert method.failed.value == pytest.approx(1 - len(answered) / len(own))
+                assert method.seconds.value == pytest.approx(np.median(numbers_of(took, "processor_seconds")))
+                base, stated = (
+                    np.array([each[name] for each in answered if each[name] is not None]) for name in ("base", "sigma")
+                )
+                assert method.parameters.bias.value == pytest.approx(base.mean(axis=0) - row["truth"])
+                assert method.parameters.spread.value == pytest.approx(base.std(axis=0, ddof=1))
+                assert method.parameters.stated == pytest.approx(np.sqrt(np.mean(stated**2, axis=0)))
+
+
+def numbers_of(rows, name):
+    """Those that are not missing."""
+    return [float(row[name]) for row in rows if row[name] is not None]
+
+
 def test_read(tmp_path, study):
     import pyarrow
     from pyarrow.parquet import write_table
