@@ -12,7 +12,7 @@ from crosscheck.recordings import (
     mapping_of,
 )
 from crosscheck.recordings.checks import increasing, motion_findings
-from crosscheck.recordings.errors import spans
+from crosscheck.recordings.errors import reason, spans
 from graphdyn import InvalidInput
 
 N = 60
@@ -318,6 +318,21 @@ def test_spans_of_rows():
     assert spans([3]) == "3"
     assert spans([3, 4, 5, 9, 11, 12]) == "3–5, 9, 11–12"
     assert spans(range(0, 20, 2)) == "0, 2, 4, 6, 8, … (10 in all)"
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (ValueError(" two\n lines "), "two lines"),
+        (KeyError(), "KeyError"),
+        (OSError("  \n"), "OSError"),
+        (ValueError("a" * 150 + "b" * 150), "a" * 100 + " … " + "b" * 100),
+        (ValueError("a" * 100 + "b" * 100), "a" * 100 + "b" * 100),
+    ],
+    ids=["lines", "nothing", "blank", "long", "just whole"],
+)
+def test_what_a_library_says(error, said):
+    assert reason(error) == said
 
 
 def test_a_long_cell_is_shortened(tmp_path):

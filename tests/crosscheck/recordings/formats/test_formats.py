@@ -210,6 +210,10 @@ def test_matlab_7_3(tmp_path):
     mapping = {"joints": ["joint_1", "joint_2"], "time": {"column": "log.t"}}
     mapping |= {name: {"columns": f"log.{name}_{{number}}"} for name in ("q", "v", "tau")}
     assert_whole(load_recording(path, mapping_of(mapping, "m")))
+    with h5py.File(path, "r+") as file:
+        file["on"], file["z"] = T > 0, T + 1j * T
+    said = next(finding for finding in inspect_recording(path, mapping_of(mapping, "m")) if finding.code == "left-out")
+    assert said.message == "not read: on (it holds truth values, no numbers), z (it holds no numbers)"
     path.write_bytes(path.read_bytes()[:600])
     with pytest.raises(BadRecordingFile, match=r"r.mat: not a readable .mat file \(.*\); save it"):
         load_recording(path)

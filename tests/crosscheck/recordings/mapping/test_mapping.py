@@ -319,6 +319,7 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
         (GOOD | {"joints": ["a", "a"]}, r"m: a joint is named twice; name each joint differently"),
         ({"joints": ["a"], "rate": 1}, r"m: without \[q\]; say which columns hold the joint positions"),
         (GOOD | {"rate": 0}, r"m: rate is 0; give samples per second"),
+        (GOOD | {"rate": True}, r"m: rate is True; give samples per second"),
         (
             {"joints": ["a"], "q": {"columns": [1]}},
             r"m: without \[time\]; name its column, or give the rate in samples",
@@ -360,6 +361,9 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
         (GOOD | {"q": {"columns": [1, 2], "side": "link"}}, r'm, \[q\]: side is \'link\'; use "joint" or "motor"'),
         (GOOD | {"q": {"columns": [1, 2], "sign": [1, 2]}}, r"m, \[q\]: sign is \[1, 2\]; use 1 and -1"),
         (GOOD | {"q": {"columns": [1, 2], "offset": [1]}}, r"m, \[q\]: offset is \[1\]; give 2 numbers"),
+        (GOOD | {"q": {"columns": [1, 2], "offset": [0, False]}}, r"m, \[q\]: offset is \[0, False\]; give 2 numbers"),
+        (GOOD | {"q": {"columns": [True, 2]}}, r"m, \[q\]: columns is \[True, 2\]; give 2 names or numbers from 1"),
+        (GOOD | {"time": {"column": True}}, r"m, \[time\]: column is True; give its name, or its number from 1"),
         (MOTOR, r'm: side = "motor" without \[transmission\]; give its ratio or matrix'),
         (MOTOR | {"transmission": {}}, r"m, \[transmission\]: give either ratio or matrix"),
         (MOTOR | {"transmission": {"matrix": [[1, 0]]}}, r"m, \[transmission\]: matrix needs 2 rows of 2 numbers"),
