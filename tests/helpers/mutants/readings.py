@@ -9,18 +9,23 @@ import csv
 import io
 import json
 import re
+import time
 import tomllib
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
+from subprocess import TimeoutExpired
+from types import SimpleNamespace
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import typer
 import yaml
 from lxml import etree
+from mutants import warm_expander
 from mutants.outcomes import Trial, Unexpected, quiet, tried
 from planting import mixed_tree
 from scipy.spatial import KDTree
@@ -64,11 +69,15 @@ class Reading:
         return tried(self._trial, path)
 
     def _trial(self, path: Path) -> Trial:
+        begin = time.process_time()
         try:
             found = self.known(path)
         except REFUSALS as refusal:
             _check_message(refusal, path)
             return Trial("refused", (type(refusal).__name__,))
+        finally:
+            if (seconds := time.process_time() - begin) > SECONDS:
+                raise Unexpected(f"reading it takes {seconds:.1f} s")
         try:
             fault = self.fault(path, found)
         except Exception as error:
@@ -625,7 +634,10 @@ def looped_fault(path: Path, found: Any) -> str | None:
 
 
 def xacro(path: Path) -> Any:
-    return urdf.load(path, mimic="independent")
+    from urdf.document.xacro import files
+
+    with patch.object(files, "subprocess", SimpleNamespace(run=warm_expander.run, TimeoutExpired=TimeoutExpired)):
+        return urdf.load(path, mimic="independent")
 
 
 def xacro_fault(path: Path, found: Any) -> str | None:
