@@ -62,6 +62,10 @@ class Trajectory:
         return JointMotion(*(self.basis.rows(times, order) @ self.coefficients.T for order in range(4)))
 
 
+LARGEST_COEFFICIENT = 1e150
+"""Bound of the splines of a motion and of their derivatives, whose squares are numbers then [SI units]."""
+
+
 @dataclass(frozen=True, eq=False)
 class TabulatedCourse:
     """Positions at given times, joined by interpolating quintic splines; time counts from the first row.
@@ -69,7 +73,8 @@ class TabulatedCourse:
     times: increasing                                       (K,)    [s]
     positions: of the independent joints                    (K, n)  [rad or m]
 
-    Raises InvalidInput for fewer than six rows, times that do not increase, other shapes, NaN and infinity.
+    Raises InvalidInput for fewer than six rows, times that do not increase, other shapes, NaN and infinity, positions
+    and derivatives of LARGEST_COEFFICIENT.
     """
 
     times: Array
@@ -81,10 +86,21 @@ class TabulatedCourse:
             raise InvalidInput(f"times have shape {times.shape}, positions {positions.shape}; (K,) and (K, n) needed")
         if len(times) <= SPLINE_DEGREE:
             raise InvalidInput(f"a motion of {len(times)} rows is too short; {SPLINE_DEGREE + 1} are needed")
-        if not (np.all(np.isfinite(times)) and np.all(np.isfinite(positions)) and np.all(np.diff(times) > 0)):
+        finite = np.all(np.isfinite(times)) and np.all(np.isfinite(positions))
+        if not (finite and np.all(times[1:] > times[:-1])):
             raise InvalidInput("the times of a motion must increase, and its positions be finite")
-        object.__setattr__(self, "times", times - times[0])
-        object.__setattr__(self, "positions", positions)
+        with np.errstate(all="ignore"):
+            object.__setattr__(self, "times", times - times[0])
+            object.__setattr__(self, "positions", positions)
+            try:
+                largest = np.max([np.abs(spline.c).max() for spline in self._derivatives])
+            except ValueError:  # whose equations overflow
+                largest = np.inf
+        if not largest < LARGEST_COEFFICIENT:
+            raise InvalidInput(
+                f"a motion whose positions or derivatives reach {LARGEST_COEFFICIENT:g} is not computed; correct its "
+                "numbers"
+            )
 
     @property
     def duration(self) -> float:

@@ -345,6 +345,12 @@ def test_motion_from_a_table(found):
         (lambda: excitation_plan(problem_of().torque_model, np.eye(2)), r"the information matrix has shape \(2, 2\)"),
         (lambda: TabulatedCourse(np.arange(5.0), np.zeros((5, 2))), r"a motion of 5 rows is too short; 6 are needed"),
         (lambda: TabulatedCourse(np.zeros(7), np.zeros((7, 2))), r"the times of a motion must increase"),
+        (
+            lambda: TabulatedCourse(np.arange(7.0), np.full((7, 2), 1e150)),
+            "reach 1e\\+150 is not computed; correct its",
+        ),
+        (lambda: TabulatedCourse(np.arange(7) * 1e-60, np.eye(7)), r"a motion whose positions or derivatives reach"),
+        (lambda: TabulatedCourse(np.arange(7) * 5e-324, np.eye(7)), r"a motion whose positions or derivatives reach"),
         (lambda: TabulatedCourse(np.zeros(7), np.zeros((6, 2))), r"times have shape \(7,\), positions \(6, 2\)"),
     ],
 )
