@@ -30,7 +30,8 @@ from crosscheck.recordings.preparation.splits import (
     time_folds,
 )
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
-from crosscheck.recordings.virtual import load_virtual_recording, save_virtual_recording
+from crosscheck.recordings.virtual import save_virtual_recording
+from crosscheck.recordings.virtual_reading import load_virtual_recording
 
 __all__ = [
     "DROPPABLE",

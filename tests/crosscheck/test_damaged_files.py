@@ -17,8 +17,11 @@ from mutants.readings import Reading
 
 from crosscheck.recordings import BadRecordingFile
 
-SLOW = ("recording mat 7.3", "recording mcap", "recording db3", "sweep", "xacro")
-"""Formats of which a file takes a tenth of a second."""
+SLOW = (
+    *("recording mat 7.3", "recording mcap", "recording db3", "recording bag", "bag folder", "exact csv"),
+    *("stream parquet", "parts parquet", "answers spoken", "answers spoken json", "sweep", "xacro"),
+)
+"""Formats of which a file takes some hundredths of a second."""
 
 QUICK = [name for name in FORMATS if name not in ("urdf", *SLOW)]
 
@@ -49,7 +52,7 @@ def test_sound_files_are_read(tmp_path, name):
 class TestTheTrialCanFail:
     """A fault planted in a reader shows."""
 
-    @pytest.mark.parametrize("name", [name for name in QUICK if name != "study store"])
+    @pytest.mark.parametrize("name", [name for name in QUICK if name not in ("study store", "vectors")])
     def test_another_content(self, tmp_path, name):
         """Of a reader that answers what the sound file says, at some mutant that says something else."""
         of = FORMATS[name]

@@ -69,7 +69,7 @@ def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
     from pyarrow import parquet
 
     with refusing_damage(path, "Parquet file", "repair the file"):
-        with parquet.ParquetFile(path) as file:
+        with parquet.ParquetFile(path, page_checksum_verification=True) as file:
             names, metadata = file.schema_arrow.names, file.metadata
             starts = [0, *accumulate(metadata.row_group(k).num_rows for k in range(metadata.num_row_groups))]
             groups = [k for k in range(len(starts) - 1) if starts[k] < last and starts[k + 1] > first]

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, cast
 
 import numpy as np
 
-from crosscheck.recordings.checks import Origin, times
+from crosscheck.recordings.checks import Origin, stamp_findings, times, value_findings
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.format import tables
 from crosscheck.recordings.loading import reordered
@@ -44,7 +44,8 @@ def window_of(
 ) -> tuple[Recording, Origin | None]:
     """The rows at the joints in SI units, and the origin of their times, searched unless given.
 
-    Raises InvalidInput for a row that is not a number, or whose time is not after that of the previous row.
+    Raises InvalidInput for a row that is not a number, beyond a robot's reach, or whose time is not after that of the
+    previous row.
     """
     columns = mapped_columns([table], mapping)
     if mapping.time:
@@ -60,10 +61,17 @@ def window_of(
                 f"{table.path}, row {place.in_file + found[0]}: {what}; load_recording drops such rows, for which the "
                 "file has to fit into memory"
             )
+    slides, file = sliding_joints(mapping, str(table.path)), str(table.path)
+    of_values = value_findings(file, mapping.joints, slides, channels, None)
+    of_stamps = stamp_findings(file, t, np.ones(len(t), dtype=bool), None, origin.seconds if origin else 0.0)
+    for finding in (*of_values, *of_stamps):
+        if finding.severity == "error":
+            row = place.in_file + finding.rows[0]
+            raise InvalidInput(f"{file}, row {row}: {finding.message}; {finding.remedy}")
     recording = Recording(
         joint_names=mapping.joints,
         t=t,
-        prismatic=sliding_joints(mapping, str(table.path)),
+        prismatic=slides,
         provenance=Provenance((str(table.path),), mapping.source, (), mapping),
         **cast(Any, channels),
     )
@@ -103,8 +111,8 @@ class StreamedRecording:
     cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
     window: rows in memory at once
 
-    There is no list of findings: rows that load_recording would drop or resample (NaN, uneven stamps) raise
-    InvalidInput, with the row, or BadRecordingFile.
+    There is no list of findings: rows that load_recording would drop or resample (NaN, what no robot reaches,
+    uneven stamps) raise     InvalidInput, with the row, or BadRecordingFile.
     """
 
     path: str | PathLike[str]

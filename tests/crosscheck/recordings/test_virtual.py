@@ -42,6 +42,20 @@ def test_a_recording_comes_back_bit_for_bit(recording, tmp_path, suffix):
     assert [path.name for path in tmp_path.iterdir()] == [f"r{suffix}"]
 
 
+@pytest.mark.parametrize("end", [b"\r", b"\r\n"])
+def test_line_ends_of_other_systems(recording, tmp_path, end):
+    path = tmp_path / "r.csv"
+    save_virtual_recording(recording, path)
+    path.write_bytes(path.read_bytes().replace(b"\n", end))
+    assert_same(load_virtual_recording(path), recording)
+
+
+def test_a_header_too_long_for_a_cell(tmp_path):
+    (tmp_path / "r.csv").write_bytes(b"x" * 200_000 + b"\n1\n")
+    with pytest.raises(BadRecordingFile, match=r"r\.csv, line 1: field larger than field limit"):
+        load_virtual_recording(tmp_path / "r.csv")
+
+
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_the_paper_s_experiment_comes_back(tmp_path, suffix):
     paper = graphdyn.kr500_experiment()

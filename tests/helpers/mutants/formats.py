@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gzip
 import random
 import sqlite3
 import tempfile
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 from inspected.sample import CLEAN
 from lxml import etree
-from mutants import readings
+from mutants import log_readings, readings
 from mutants.material import RICH
 from mutants.of_arrays import ON_ARRAYS
 from mutants.of_bytes import ANYWHERE, ON_BYTES, ON_LINES
@@ -27,6 +28,7 @@ from mutants.readings import Reading
 from mutants.trial import trial as robot_trial
 
 import urdf
+from crosscheck.recordings import load_virtual_recording
 from crosscheck.study.store import opened
 
 Damaged = tuple[tuple[str, ...], bytes]
@@ -447,6 +449,91 @@ def write_lists(path: Path, arrays: dict[str, Any]) -> None:
     parquet.write_table(pa.table({name: values.tolist() for name, values in arrays.items()}), path)
 
 
+def of_compressed(suffix: str, text: Callable[[], bytes], reading: Reading) -> Format:
+    """Damaged before it is compressed, afterwards, or both."""
+    sound = cache(lambda: gzip.compress(text(), mtime=0))
+
+    def damaged(rng: random.Random) -> Damaged:
+        in_text, in_bytes = rng.choice(SPREAD)
+        kinds, content = done(rng, {**ON_TOKENS, **ON_LINES}, in_text, text())
+        more, content = done(rng, ANYWHERE, in_bytes, gzip.compress(content, mtime=0))
+        return (*kinds, *more), content
+
+    return Format(suffix, [sound], damaged, reading.trial)
+
+
+METADATA = b"""\
+rosbag2_bagfile_information:
+  version: 9
+  storage_identifier: sqlite3
+  duration: {nanoseconds: 390000000}
+  starting_time: {nanoseconds_since_epoch: 1700000000001000000}
+  message_count: 40
+  topics_with_message_count:
+    - topic_metadata:
+        name: /joint_states
+        type: sensor_msgs/msg/JointState
+        serialization_format: cdr
+        offered_qos_profiles: []
+        type_description_hash: ''
+      message_count: 40
+  compression_format: ''
+  compression_mode: ''
+  relative_file_paths: [messages.db3]
+  files:
+    - path: messages.db3
+      starting_time: {nanoseconds_since_epoch: 1700000000001000000}
+      duration: {nanoseconds: 390000000}
+      message_count: 40
+  custom_data: {}
+  ros_distro: rosbags
+"""
+
+
+@cache
+def old_bag() -> bytes:
+    """A bag of ROS 1."""
+    from rosbags.rosbag1 import Writer
+    from rosbags.typesys import Stores, get_typestore
+
+    store = get_typestore(Stores.ROS1_NOETIC)
+    state, header, stamp = (
+        store.types[name]
+        for name in ("sensor_msgs/msg/JointState", "std_msgs/msg/Header", "builtin_interfaces/msg/Time")
+    )
+    arrays = recorded()
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "x.bag")
+        with Writer(file) as writer:
+            connection = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
+            for k, (q, v, tau) in enumerate(zip(arrays["q"], arrays["v"], arrays["tau"], strict=True)):
+                time = 1_700_000_000 * 10**9 + k * 10**7
+                when = stamp(sec=time // 10**9, nanosec=time % 10**9)
+                message = state(header(k, when, "base"), list(readings.JOINTS), q, v, tau)
+                writer.write(connection, time + 10**6, store.serialize_ros1(message, state.__msgtype__))
+        return file.read_bytes()
+
+
+@cache
+def exact(suffix: str) -> bytes:
+    from crosscheck.recordings.virtual import virtual_recording_document
+
+    return virtual_recording_document(log_readings.exact(), Path(f"x{suffix}"), {})
+
+
+SPOKEN = b"0.25 -1.5e-3\n1, 2.5\nerror: no answer at this state\n"
+
+SPOKEN_JSON = b"""\
+{"id": 1, "answer": [0.25, -1.5e-3]}
+{"id": 2, "answer": [[1], [2.5]]}
+{"id": 3, "error": "no answer at this state"}
+"""
+
+WRITTEN_FOLDER = b'{"format": "graphdyn vectors 1", "files": ["model.json", "inverse_dynamics.csv"]}\n'
+
+METADATA_FILE = (partial(bag, ".db3"), "messages.db3")
+LOADED_WHOLE = log_readings.pieces_fault
+
 FORMATS: dict[str, Format] = {
     "urdf": of_xml(".urdf", [partial(robot, name) for name in ROBOTS], robot_trial),
     "recording csv": of_text(".csv", recording_csv, recorded_in(readings.csv_columns)),
@@ -456,6 +543,21 @@ FORMATS: dict[str, Format] = {
     "recording mat 7.3": of_arrays(".mat", recorded, write_mat73, recorded_in(readings.mat73_columns)),
     "recording mcap": of_bytes(".mcap", lambda: bag(".mcap"), recorded_in(readings.bag_columns)),
     "recording db3": of_bytes(".db3", lambda: bag(".db3"), recorded_in(readings.bag_columns)),
+    "recording bag": of_bytes(".bag", old_bag, recorded_in(readings.bag_columns)),
+    "recording csv.gz": of_compressed(".csv.gz", recording_csv, recorded_in(log_readings.compressed_columns)),
+    "bag folder": of_text("metadata.yaml", lambda: METADATA, Reading(
+        log_readings.folder_recording(*METADATA_FILE),
+        readings.recording_fault(log_readings.folder_columns(*METADATA_FILE)),
+    )),
+    "exact csv": of_text(".csv", lambda: exact(".csv"), Reading(
+        load_virtual_recording, log_readings.exact_fault(log_readings.exact_csv)
+    )),
+    "exact parquet": of_bytes(".parquet", lambda: exact(".parquet"), Reading(
+        load_virtual_recording, log_readings.exact_fault(log_readings.exact_parquet)
+    )),
+    "stream csv": of_text(".csv", recording_csv, Reading(log_readings.streamed, LOADED_WHOLE)),
+    "stream parquet": of_arrays(".parquet", recorded, write_parquet, Reading(log_readings.streamed, LOADED_WHOLE)),
+    "parts parquet": of_arrays(".parquet", recorded, write_parquet, Reading(log_readings.partitioned, LOADED_WHOLE)),
     "mapping": of_text(".toml", lambda: MAPPING, Reading(readings.mapping, readings.mapping_fault)),
     "motion csv": of_text(".csv", lambda: motion(".csv"), moved_by(readings.csv_motion)),
     "motion yaml": of_text(".yaml", lambda: motion(".yaml"), moved_by(readings.yaml_motion)),
@@ -468,6 +570,15 @@ FORMATS: dict[str, Format] = {
         ".parquet", answered, write_lists,
         answered_in(readings.parquet_answers),
     ),
+    "answers spoken": of_text(".txt", lambda: SPOKEN, Reading(
+        readings.spoken("plain"), readings.spoken_fault(readings.spoken_numbers)
+    )),
+    "answers spoken json": of_text(".txt", lambda: SPOKEN_JSON, Reading(
+        readings.spoken("json"), readings.spoken_fault(readings.spoken_json)
+    )),
+    "vectors": of_text(".json", lambda: WRITTEN_FOLDER, Reading(
+        readings.written_folder, readings.written_folder_fault
+    )),
     "study": of_text(".toml", lambda: STUDY, Reading(readings.study, readings.study_fault)),
     "models": of_text(".toml", lambda: MODELS, Reading(readings.models, readings.models_fault)),
     "study store": of_bytes(

@@ -33,11 +33,15 @@ from scipy.spatial import KDTree
 import urdf
 from crosscheck.commands.crosscheck.folder_file import taken_over
 from crosscheck.commands.identify.models import models_of
+from crosscheck.commands.program.output_files import refuse_folder
 from crosscheck.commands.show.command import given_state
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import read_motion
 from crosscheck.exciting.srdf import disabled_pairs
 from crosscheck.judging.exchange.answer_files import read_answers
+from crosscheck.judging.exchange.program import ProgramFunction
+from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
+from crosscheck.quantities.tested_function import Refusal
 from crosscheck.recordings import Recording, load_mapping, load_recording
 from crosscheck.study.settings.configuration import configuration_of
 from crosscheck.study.store import opened
@@ -49,6 +53,9 @@ REFUSALS = (GraphDynError, OSError, typer.BadParameter)
 
 SECONDS = 5.0
 """Processor time of one small file; the first of a process, which imports readers, may take more [s]."""
+
+GAVE_UP = 30.0
+"""Time after which a program that writes a small file counts as hanging [s]."""
 
 Numbers = Mapping[str, Array]
 
@@ -357,10 +364,11 @@ def csv_answers(path: Path) -> Iterable[tuple[Any, Any]]:
             yield float(cells[0]), [float(cell) for cell in cells[1:]]
 
 
-def json_answers(path: Path) -> Iterable[tuple[Any, Any]]:
-    def flat(x: Any) -> list[Any]:
-        return [one for y in x for one in flat(y)] if isinstance(x, list) else [np.nan if x is None else x]
+def flat(x: Any) -> list[Any]:
+    return [one for y in x for one in flat(y)] if isinstance(x, list) else [np.nan if x is None else x]
 
+
+def json_answers(path: Path) -> Iterable[tuple[Any, Any]]:
     return [(row["id"], flat(row["answer"])) for row in json.loads(path.read_bytes())]
 
 
@@ -373,11 +381,69 @@ def npz_answers(path: Path) -> Iterable[tuple[Any, Any]]:
 def parquet_answers(path: Path) -> Iterable[tuple[Any, Any]]:
     from pyarrow import parquet
 
-    def flat(x: Any) -> list[Any]:
-        return [one for y in x for one in flat(y)] if isinstance(x, list) else [np.nan if x is None else x]
-
     table = parquet.read_table(path)
     return [(i, flat(x)) for i, x in zip(table["id"].to_pylist(), table["answer"].to_pylist(), strict=True)]
+
+
+ASKED = 3
+"""Questions that a program answers, a line for each."""
+
+
+def spoken(protocol: str) -> Callable[[Path], list[Any]]:
+    """What is taken from a program that writes the file."""
+
+    def read(path: Path) -> list[Any]:
+        states = [dict.fromkeys("qva", np.zeros(2))] * ASKED
+        with ProgramFunction(["cat", str(path)], f"cat {path}", PROTOCOLS_BY_NAME[protocol], GAVE_UP) as program:
+            return program.answers("inverse_dynamics", states, (2,))
+
+    return read
+
+
+def spoken_fault(second: Callable[[str], Any]) -> Callable[[Path, Any], str | None]:
+    """An answer is numbers, or a text where the program says that it has none."""
+
+    def fault(path: Path, found: list[Any]) -> str | None:
+        lines = [line.strip() for line in path.read_bytes().decode(errors="replace").split("\n")]
+        there = [second(line) for line in lines if line]
+        return differs("number of answers", len(found), len(there)) or first(
+            f"answer {k} is {one!r}, and by the second reader {other!r}"
+            if isinstance(one, Refusal) != isinstance(other, str)
+            else None
+            if isinstance(one, Refusal)
+            else differs(f"answer {k}", one, np.array(other, dtype=float))
+            for k, (one, other) in enumerate(zip(found, there, strict=True))
+        )
+
+    return fault
+
+
+def spoken_numbers(line: str) -> Any:
+    return line if line.startswith("error") else [float(cell) for cell in re.split(r"[\s,;]+", line) if cell]
+
+
+def spoken_json(line: str) -> Any:
+    found = json.loads(line)
+    return str(found["error"]) if "error" in found else flat(found["answer"])
+
+
+def written_folder(path: Path) -> list[str]:
+    """The files of a folder, which may be written anew, as the table in it lists all of them."""
+    folder = path.with_name(f"{path.name} and others")
+    folder.mkdir(exist_ok=True)
+    for name in FILES_OF_FOLDER:
+        (folder / name).write_bytes(b"")
+    (folder / "vectors.json").write_bytes(path.read_bytes())
+    refuse_folder("--out", folder, "vectors.json")
+    return [*FILES_OF_FOLDER]
+
+
+FILES_OF_FOLDER = ("model.json", "inverse_dynamics.csv")
+
+
+def written_folder_fault(path: Path, found: list[str]) -> str | None:
+    left_out = set(found) - set(json.loads(path.read_bytes())["files"])
+    return f"{left_out} would be lost" if left_out else None
 
 
 # Settings in TOML and JSON

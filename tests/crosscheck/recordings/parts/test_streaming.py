@@ -101,6 +101,18 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match=r"bad.parquet, row 1234: not a number; load_recording drops such rows"):
             list(self.changed(tmp_path, columns, 1234, q_1=np.nan))
 
+    @pytest.mark.parametrize(
+        ("cells", "said"),
+        [
+            ({"q_1": 1e12}, r"\|q\| of .* up to 1e\+12, beyond 10000 \(1600 turns in one direction\)"),
+            ({"time_s": 1e11}, r"time beyond 1e\+10 s \(300 years after 1970\)"),
+        ],
+    )
+    def test_implausible(self, tmp_path, columns, cells, said):
+        """What load_recording does not accept either."""
+        with pytest.raises(InvalidInput, match=rf"bad.parquet, row {len(columns['q_1']) - 1}: {said}"):
+            list(self.changed(tmp_path, columns, -1, **cells))
+
     @pytest.mark.parametrize("row", [0, 1233], ids=["backward", "repeated"])
     def test_backward(self, tmp_path, columns, row):
         with pytest.raises(InvalidInput, match=r"row 1233: the time does not increase after it"):
