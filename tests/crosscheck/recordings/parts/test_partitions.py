@@ -226,6 +226,35 @@ class TestRefusals:
         with pytest.raises(NoWorkers, match=r"log, rows 1250 to 1875: its process died"):
             summed(folder / "log", workers=Losing())
 
+    @pytest.mark.parametrize(
+        ("place", "changed", "message"),
+        [
+            (
+                1,
+                lambda base: base[:-8] + (99).to_bytes(8, "little"),
+                "a worker finds other base parameters; use workers",
+            ),
+            (
+                1,
+                lambda base: base[:-8],
+                "a worker finds other base parameters; use workers with processors of one type",
+            ),
+            (3, lambda _: b"cnowhere\nf\n.", r"cannot import a part of the torque model \(No module named 'nowhere'\)"),
+        ],
+        ids=["another", "fewer", "a module that is not there"],
+    )
+    def test_workers_unlike_the_first(self, folder, place, changed, message):
+        """What a worker of another processor, or without a module, finds where it works on what it was sent."""
+
+        class Unlike:
+            def each(self, work, tasks):
+                sent = list(work.args)
+                sent[place] = changed(sent[place])
+                yield 0, work.func(*sent, tasks[0])
+
+        with pytest.raises(NoWorkers, match=message):
+            summed(folder / "log", workers=Unlike())
+
 
 @LONG
 def test_a_worker_is_killed(folder, monkeypatch):

@@ -80,6 +80,23 @@ def test_every_row_is_predicted_once_from_others(folds):
     assert np.ptp(sizes) <= 1
 
 
+def test_pieces_end_where_those_of_the_recording_do():
+    """Rows are in one piece of a part if nothing is left out between them, and if they were in one before."""
+    block = np.repeat([0, 1, 2, 3], [30, 1, 40, 29])
+    recording = record().take(slice(None), block=block)
+    splits = [
+        split_by_time(recording, (2.0, 6.05), (6.05, 9.0)),
+        split_by_rows(recording, (29, 50), (60, 99)),
+        *time_folds(recording, 3, guard=0.15),
+    ]
+    for part in (part for split in splits for part in split):
+        rows = part.rows
+        together = (np.diff(rows) == 1) & (np.diff(block[rows]) == 0)
+        assert np.array_equal(np.diff(part.block) == 0, together)
+        assert set(np.diff(part.block)) <= {0, 1}
+        assert part.block[0] == 0
+
+
 def test_the_guard_keeps_neighbors_of_the_test_out_of_the_fit():
     for split in time_folds(record(), 4, guard=0.55):
         distance = np.abs(split.train.t[:, None] - split.test.t).min(axis=1)
