@@ -112,7 +112,7 @@ class StreamedRecording:
     window: rows in memory at once
 
     There is no list of findings: rows that load_recording would drop or resample (NaN, what no robot reaches,
-    uneven stamps) raise     InvalidInput, with the row, or BadRecordingFile.
+    uneven stamps) raise InvalidInput, with the row, or BadRecordingFile.
     """
 
     path: str | PathLike[str]
