@@ -39,6 +39,7 @@ from crosscheck.study.tasks import (
     failed,
     taking_part,
 )
+from crosscheck.toml_text import toml_document
 from graphdyn import InvalidInput
 from graphdyn.identification import structure
 from urdf.document import write_whole
@@ -223,12 +224,12 @@ def _same(study: Configuration, folder: Path, store: Store, inputs: Mapping[str,
 
 def _copy(folder: Path) -> str | None:
     """The configuration in a folder whose store has lost it; None where it cannot be read either."""
-    text = (folder / CONFIGURATION).read_text(encoding="utf-8", errors="replace")
+    content = (folder / CONFIGURATION).read_bytes()
     try:
-        tomllib.loads(text)
+        toml_document(content)
     except ValueError:
         return None
-    return text
+    return content.decode()
 
 
 def _changes(before: Any, now: Any, where: str) -> list[str]:

@@ -193,7 +193,7 @@ def refuse_folder(option: str, folder: Path, table: str) -> None:
 def _written_before(table: Path) -> set[str]:
     try:
         return {table.name, *json.loads(table.read_bytes())["files"]}
-    except (OSError, ValueError, LookupError, TypeError):
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return set()
 
 

@@ -301,7 +301,8 @@ def test_what_is_damaged_is_computed_again(folder, begun, complete):
     assert tables(begun) == tables(complete)
 
 
-def test_a_store_that_is_lost(folder, begun):
+@pytest.mark.parametrize("damage", [b"[study\xff", b"a = " + 20_000 * b"["], ids=["bytes", "nested"])
+def test_a_store_that_is_lost(folder, begun, damage):
     """The copy of the configuration says which study it was; where that is lost too, the study begins again."""
     (begun / DATABASE).unlink()
     other = small_study(folder, study=small.STUDY.replace("runs = 2", "runs = 3"))
@@ -310,7 +311,7 @@ def test_a_store_that_is_lost(folder, begun):
     with pytest.raises(KeyboardInterrupt):
         run_study(small_study(folder), begun, InThisProcess(ends=0), resume=True)
     (begun / DATABASE).unlink()
-    (begun / CONFIGURATION).write_bytes(b"[study\xff")
+    (begun / CONFIGURATION).write_bytes(damage)
     with pytest.raises(KeyboardInterrupt):
         run_study(other, begun, InThisProcess(ends=0), resume=True)
     assert (begun / CONFIGURATION).read_text() == other.text
