@@ -90,7 +90,7 @@ def _indent(data: bytes, at: int) -> bytes:
 
 
 _OTHER_ENCODINGS = (b"\xff\xfe", b"\xfe\xff")
-"""Byte-order marks of UTF-16: ASCII text cannot be inserted into such a file."""
+"""Byte-order marks of UTF-16 and UTF-32: ASCII text cannot be inserted into such a file."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def update(
     all together have the given parameters.
 
     Raises CannotUpdate for parameters of another shape, NaN or infinity, negative masses, physically inconsistent
-    parameters unless inconsistent=True, and files in UTF-16; urdf.load's errors for the source; OSError.
+    parameters unless inconsistent=True, and files in UTF-16 and the like; urdf.load's errors for the source; OSError.
     """
     how = Reading.of(update, reading).without_computed_inertials
     path, _ = locate(source)
@@ -139,9 +139,13 @@ def update(
     wanted = _checked(parameters, model.n_bodies, path)
     shares = fused_links(source, reading=how)
     data = path.read_bytes()
-    if data.startswith(_OTHER_ENCODINGS):
-        raise CannotUpdate("the file is in UTF-16", "save it as UTF-8 first", path=path)
-    spans = inertial_spans(data)
+    try:
+        if data.startswith(_OTHER_ENCODINGS):
+            raise ValueError
+        spans = inertial_spans(data)
+    except (ValueError, expat.ExpatError):  # of other encodings than of one byte, or UTF-8
+        problem = "the file is in UTF-16 or another encoding that cannot be edited"
+        raise CannotUpdate(problem, "save it as UTF-8 first", path=path) from None
     edits, changed, notes = [], [], []
     for number, (old, new) in enumerate(zip(model.bodies, wanted, strict=True), start=1):
         carried = {name: share for name, (body, share) in shares.items() if body == number and share.any()}

@@ -586,6 +586,9 @@ FORMATS: dict[str, Format] = {
     ),
     "sweep": of_text(".json", sweep, Reading(readings.sweep, readings.sweep_fault)),
     "urdf with loops": of_xml(".urdf", [lambda: LOOPED], Reading(readings.looped, readings.looped_fault).trial),
+    "urdf updated": of_xml(
+        ".urdf", [partial(robot, name) for name in ROBOTS], Reading(readings.updated, readings.updated_fault).trial
+    ),
     "xacro": of_xml(".xacro", [lambda: XACRO], Reading(readings.xacro, readings.xacro_fault).trial),
     "state": of_text(".json", lambda: STATE, Reading(readings.state, readings.state_fault)),
     "srdf": of_xml(".srdf", [lambda: SRDF], Reading(readings.srdf, readings.srdf_fault).trial),

@@ -699,6 +699,39 @@ def looped_fault(path: Path, found: Any) -> str | None:
     )
 
 
+HEAVIER = 1.5
+
+
+def updated(path: Path) -> tuple[Any, Any]:
+    """The robot, and the one of a copy of the file into which heavier bodies are written."""
+    copied = path.with_name(f"heavier_{path.name}")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        model = urdf.load(path)
+        urdf.update(path, copied, HEAVIER * model.inertial_parameters, inconsistent=True)
+        return model, urdf.load(copied)
+
+
+def updated_fault(path: Path, found: tuple[Any, Any]) -> str | None:
+    """All bodies are heavier, and nothing else has changed."""
+    model, again = found
+    wanted, written = (x.reshape(-1, 10) for x in (HEAVIER * model.inertial_parameters, again.inertial_parameters))
+    off = np.abs(written - wanted) > 1e-9 * np.abs(wanted).max(axis=1, keepdims=True)
+    if off.any():
+        return f"the parameters are {written[off]!r:.200}, not {wanted[off]!r:.200}"
+
+    def others(document: Path) -> bytes:
+        root = etree.fromstring(document.read_bytes())
+        for inertial in root.findall("{*}link/{*}inertial"):
+            inertial.getparent().remove(inertial)
+        for element in root.iter():
+            element.tail = None
+            element.text = None if len(element) or not (element.text or "").strip() else element.text
+        return etree.tostring(root, method="c14n")
+
+    return differs("the rest of the file", others(path.with_name(f"heavier_{path.name}")), others(path))
+
+
 def xacro(path: Path) -> Any:
     from urdf.document.xacro import files
 

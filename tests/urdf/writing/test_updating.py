@@ -171,10 +171,14 @@ class TestRefusals:
         urdf.update(arm(), out, parameters, inconsistent=True)
         assert reads_back(out, parameters)
 
-    def test_utf_16(self, arm, tmp_path):
+    @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-32", "shift_jis"])
+    def test_encodings_without_a_place_for_ascii(self, arm, tmp_path, encoding):
         path = arm()
-        path.write_text(path.read_text(), encoding="utf-16")
-        with pytest.raises(urdf.CannotUpdate, match="the file is in UTF-16; save it as UTF-8 first"):
+        body = path.read_text().rpartition("?>")[2]
+        path.write_text(f'<?xml version="1.0" encoding="{encoding}"?>{body}', encoding=encoding)
+        with pytest.raises(
+            urdf.CannotUpdate, match="UTF-16 or another encoding that cannot be edited; save it as UTF-8"
+        ):
             urdf.update(path, tmp_path / "out.urdf", np.zeros(20))
 
 
