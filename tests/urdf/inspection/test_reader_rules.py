@@ -157,6 +157,14 @@ def test_encoding_by_byte_order_mark_alone(written):
     assert refuses(path)
 
 
+def test_ascii_within_another_encoding(written):
+    """Bytes that another program has inserted, which in UTF-16 are other characters."""
+    before, tag, after = CLEAN.partition("<axis")
+    path = written(before.encode("utf-16") + b"<robot/>" + (tag + after).encode("utf-16-le"))
+    assert messages(path, "other-encoding") == [f"the text is encoded in UTF-16. {REFUSED}"]
+    assert refuses(path)
+
+
 @pytest.mark.parametrize("encoding", ["UTF-16", "ISO-8859-1"])
 def test_the_declared_encoding_of_a_text_says_nothing(encoding):
     text = changed("<robot", f'<?xml version="1.0" encoding="{encoding}"?><robot', '"0 0 1"', '"0\t0 1"')

@@ -58,9 +58,14 @@ def reader_findings(document: Document) -> Iterator[Finding]:
             yield from _incomplete_parts(element)
 
 
+def _contains_ascii(document: Document) -> bool:
+    """Whether its tags are written in ASCII; UTF-16 and UTF-32 write zero bytes, whatever stands among them."""
+    return b"<robot" in document.content and b"\0" not in document.content
+
+
 def _encoding(document: Document) -> Iterator[Finding]:
     encoding = document.robot.getroottree().docinfo.encoding or "UTF-8"
-    if b"<robot" not in document.content:
+    if not _contains_ascii(document):
         problem = f"the text is encoded in {'UTF-16' if encoding == 'UTF-8' else encoding}. Pinocchio refuses the file"
         yield of_file("other-encoding", problem, 1)
     elif not (_EXTENDS_ASCII if document.content.isascii() else _IS_UTF_8).match(encoding):
@@ -84,7 +89,7 @@ def _is_instruction(node: etree._Element) -> bool:
 
 def _verbatim(document: Document) -> etree._Element:
     """The root parsed again, with the tabs and line breaks in attributes that an XML parser turns into blanks."""
-    if b"<robot" not in document.content:
+    if not _contains_ascii(document):
         return document.robot
     content = _VALUE.sub(lambda value: re.sub(rb"[\t\n\r]", lambda blank: _KEPT[blank[0]], value[0]), document.content)
     if content == document.content:
