@@ -325,6 +325,10 @@ def test_motion_from_a_table(found):
     for one, other in zip(table.motion(times), best.trajectory.motion(times), strict=True):
         assert np.abs(one - other).max() < 1e-3 * np.abs(other).max()
     assert problem.value(table) == pytest.approx(best.value, abs=5e-3)
+    whole, q = problem.total_information(table), best.trajectory.motion(times).q
+    cuts = [slice(0, 151), slice(150, None)]
+    parts = sum(problem.total_information(TabulatedCourse(times[cut], q[cut])) for cut in cuts)
+    assert np.abs(parts - whole).max() < 0.01 * np.abs(whole).max()  # both ends of a cut count, one of 500 samples
 
 
 @pytest.mark.parametrize(
