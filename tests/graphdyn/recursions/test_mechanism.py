@@ -81,6 +81,25 @@ def test_a_rounded_right_angle_about_an_axis_costs_an_addition():
     assert operations(model, ACCELERATIONS) <= operations(arm, ACCELERATIONS) + arm.n_bodies
 
 
+@pytest.mark.parametrize("angle", [*(quarters * np.pi / 2 for quarters in range(4)), -2.0, -0.4, 0.4, 2.0])
+def test_what_turns_the_place_of_a_joint_is_part_of_its_angle(angle):
+    """Torques and mass matrix are those of the arm whose joints stand further by as much, by other equations."""
+    arm = NAMED["kr500"]
+    turned = []
+    for joint in arm.joints:
+        turn = rotation_about(joint.axis, angle)
+        exact = np.round(turn) if np.abs(turn - np.round(turn)).max() < 1e-15 else turn
+        place = Placement(joint.placement.rotation @ exact, joint.placement.translation)
+        turned.append(replace(joint, placement=place))
+    model = replace(arm, joints=tuple(turned))
+    (q, v, a), matrix = random_state(arm, 9, (3,)), Request("mass_matrix", ("mass_matrix",))
+    wanted = graphdyn.inverse_dynamics(arm, q + angle, v, a, method="projected")
+    torques = answer(model, TORQUES, {"q": q, "v": v, "a": a})
+    assert np.abs(torques - wanted.tau).max() < SUM * np.abs(wanted.joint_wrenches).max()
+    mass = graphdyn.mass_matrix(arm, q + angle, method="projected")
+    assert relative_error(answer(model, matrix, {"q": q}).reshape(mass.shape), mass) < SUM
+
+
 @pytest.mark.parametrize("angle", [1e-3, 1e-7, 1e-12, 1e-15])
 def test_nearly_parallel_axes_lose_no_digits(angle, monkeypatch):
     """Their common normal is far away, or anywhere."""
