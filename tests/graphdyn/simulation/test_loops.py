@@ -13,7 +13,7 @@ import graphdyn
 from graphdyn import ComputedTorqueControl, Event, Friction, InconsistentState, InvalidInput, PDControl, simulate
 from graphdyn.simulation.equations import LoopEquations
 from graphdyn.simulation.integration import events
-from graphdyn.simulation.integration.steps import LoopSteps, tableau
+from graphdyn.simulation.integration.steps import LoopSteps, joints_of, tableau
 from graphdyn.simulation.plant import make_plant
 
 ADAPTIVE = {"rtol": 1e-10, "atol": 1e-10}
@@ -76,16 +76,28 @@ def test_a_divided_step_is_its_parts_one_after_the_other():
     assert np.array_equal(both.y, second.y)
     assert both.errors == pytest.approx(np.abs(first.errors) + np.abs(second.errors), rel=1e-12)
     assert both.distance == min(first.distance, second.distance)
+    states = [joints_of(part)[0] for part in (y, first.y, second.y)]
+    ends = [distance_of_the_crank(q) for q in states]
+    assert first.distance == pytest.approx(min(ends[:2]), rel=0.1)
+    assert second.distance == pytest.approx(min(ends[1:]), rel=0.1)
+    shortest = steps._divided(0.0, y, [1e-9, 1e-9], lambda t, q, v: tau)
+    assert shortest.distance == pytest.approx(ends[0], rel=1e-6)
 
 
-def test_how_far_a_regular_pose_is_from_a_singular_one():
-    """By the singular values of d/dq (e(q₁) + 2 e(q₁ + q₂) - 1.5 e(q₃)); care is taken at a tenth of it."""
-    equations, (a, b, c) = LoopEquations(make_plant(CRANK)), CRANK.regular_pose
+def distance_of_the_crank(q):
+    """By the singular values of d/dq (e(q₁) + 2 e(q₁ + q₂) - 1.5 e(q₃))."""
+    a, b, c = q
     turning = np.array([[np.cos(x), np.sin(x)] for x in (a, a + b, c)])
     motions = [turning[0] + 2 * turning[1], 2 * turning[1], -1.5 * turning[2]]
     largest, smallest = np.linalg.svd(motions)[1]
-    assert equations.usual_distance == pytest.approx(smallest / largest)
-    assert LoopSteps(equations, tableau("rk8")).wary == pytest.approx(0.1 * smallest / largest)
+    return smallest / largest
+
+
+def test_how_far_a_regular_pose_is_from_a_singular_one():
+    """Care is taken at a tenth of it."""
+    equations, usual = LoopEquations(make_plant(CRANK)), distance_of_the_crank(CRANK.regular_pose)
+    assert equations.usual_distance == pytest.approx(usual)
+    assert LoopSteps(equations, tableau("rk8")).wary == pytest.approx(0.1 * usual)
 
 
 LOOP_SETTINGS = pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk8", "step": 0.02}], ids=["dop853", "rk8"])
