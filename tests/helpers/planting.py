@@ -100,6 +100,18 @@ class Plant:
         remember_our_answers(self._patch)
         return planted
 
+    def pinocchio_reference(self, reference: str, factor: float) -> set[str]:
+        """Multiply Pinocchio's answers of frames in one reference. Returns the names of all that have a reference."""
+        rows = [row for row in QUANTITIES.values() if "reference" in row.conventions]
+        for row in rows:
+
+            def answer(there, chosen, original=row.pinocchio):
+                return original(there, chosen) * (factor if chosen["reference"] == reference else 1.0)
+
+            self._patch.setitem(row.__dict__, "pinocchio", answer)
+        remember_our_answers(self._patch)
+        return {f"{row.name}{form.suffix}" for row in rows for form in row.forms}
+
     def pinocchio_required(self, loaded: bool, change: Callable[[float], float]) -> None:
         """Change the largest torque that rnea needs for our accelerations, with or without external wrenches."""
         original = ComparedStates.required

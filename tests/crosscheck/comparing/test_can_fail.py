@@ -20,6 +20,7 @@ from crosscheck.paper.errata import world_axis_rows
 from crosscheck.quantities import COMPARED, QUANTITIES
 from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
+from crosscheck.reference.subject import FRAME_REFERENCES
 from crosscheck.report.records.record import plain
 from graphdyn import Placement, inverse_dynamics
 from graphdyn.equations.system.constraints import constraints
@@ -129,6 +130,13 @@ def slightly_off(name):
 def test_one_wrong_number_of_several_quantities(tree, plant, field):
     plant.pinocchio_value(field, lambda x: x * (1 + PLANTED_FORWARD))
     assert flagged(compared(tree)) == SHARED[field]
+
+
+@pytest.mark.parametrize("reference", FRAME_REFERENCES)
+def test_one_wrong_reference_of_frames(tree, plant, reference):
+    planted = plant.pinocchio_reference(reference, 1 + PLANTED_FORWARD)
+    assert planted
+    assert flagged(compared(tree)) == planted
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
