@@ -26,6 +26,7 @@ from graphdyn.identification.closed_loop import Exogeneity, SimulatedLoop, held_
 from graphdyn.identification.closed_loop.equations import CrossedEquations, LoopSolution, beside
 from graphdyn.identification.closed_loop.exogeneity_test import exogeneity
 from graphdyn.identification.closed_loop.loop import DrivenRobot
+from graphdyn.identification.closed_loop.simulated_loop import _Later
 from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
@@ -65,6 +66,23 @@ def noisy():
 
 def values(problem, estimate):
     return problem.base.values(estimate.parameters)
+
+
+def test_a_motion_that_begins_later_is_asked_once_for_the_same_times():
+    """And again for others of the same number, and where the array of the times has been changed."""
+    asked = []
+
+    def law(times):
+        asked.append(times)
+        return times, 2 * times, 0 * times
+
+    later, times = _Later(law, 3.0), np.array([0.0, 0.5, 1.0])
+    for shift, count in ((0.0, 1), (0.0, 1), (0.25, 2), (0.0, 3)):
+        q, v, _ = later(times + shift)
+        assert np.array_equal((q, v), (times + shift + 3.0, 2 * (times + shift + 3.0)))
+        assert len(asked) == count
+    times += 1.0
+    assert later(times)[0].tolist() == [4.0, 4.5, 5.0]
 
 
 @pytest.mark.parametrize("method", METHODS)
