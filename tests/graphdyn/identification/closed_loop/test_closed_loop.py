@@ -133,6 +133,22 @@ def test_parts_have_the_rows_of_the_whole(noisy):
         assert np.abs(regressor[used] - own_regressor).max() <= SENSITIVITY * np.abs(regressor).max()
 
 
+@pytest.mark.parametrize("decimate", [(), (4,)])
+@pytest.mark.parametrize("name", ["position", "torque"])
+def test_outputs_of_the_true_robot_are_those_that_were_measured(name, decimate):
+    """In the rows that the filter keeps, and filtered as the measured torques are, far from both ends."""
+    run = closed_loop_data.two_axes().record(1.0)
+    problem, loop = run.prepared(Preparation(cutoff=50.0, decimate=decimate, torque_hold=1e-3))
+    whole = SimulatedLoop(problem, loop)
+    parts = list(outputs(whole, problem.base.values(run.truth), whole.samples(run.truth), name))
+    output, measured = (
+        np.concatenate([getattr(part, name) for part in found])
+        for name, found in (("output", parts), ("measured", [part.measured for part in parts]))
+    )
+    inner = slice(len(output) // 2, -len(output) // 5)
+    assert np.abs(output - measured)[inner].max() < 1e-6 * np.abs(measured).max()
+
+
 def test_simulates_the_recording(exact):
     run, problem = exact
     (motion,) = SimulatedLoop(problem, run.loop).samples(run.truth)

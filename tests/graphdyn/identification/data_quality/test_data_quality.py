@@ -16,6 +16,7 @@ from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.changes import changes, scales
 from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.measured_torque import gains
+from graphdyn.identification.data_quality.recording_quality import groups
 from graphdyn.identification.data_quality.thinning import ThinnedRecording, TooShort
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
@@ -216,6 +217,22 @@ class TestFaults:
         (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints, fault.change.zero) == ("reversed position", (2,), None)
 
+    def test_a_change_is_one_of_the_columns(self):
+        """q = P c + zero, τ = T c of columns c, and the same of columns that are multiplied by a matrix."""
+        rng = np.random.default_rng(0)
+        p, t, of_q, of_v, of_tau = rng.normal(size=(5, N, N))
+        zero, moved, c = rng.normal(size=N), rng.normal(size=N), rng.normal(size=(4, 6, N))
+
+        def joints(of_q, of_v, of_tau, moved):
+            q, v, a, tau = c
+            return [q @ of_q.T @ p.T + zero + moved, v @ of_v.T @ p.T, a @ of_v.T @ p.T, tau @ of_tau.T @ t.T]
+
+        recorded = Samples(*joints(np.eye(N), np.eye(N), np.eye(N), 0.0))
+        change = Change("exchanged joints", (0, 1), of_q, of_v, of_tau, zero=moved)
+        found = change.applied(recorded, RecordedColumns(p, t, zero))
+        for name, expected in zip(("q", "v", "a", "tau"), joints(of_q, of_v, of_tau, moved), strict=True):
+            assert getattr(found, name) == pytest.approx(expected), name
+
     @pytest.mark.parametrize("kind", ["reversed position", "reversed joint"])
     def test_an_angle_that_counts_back_from_half_a_turn(self, kind):
         """π - q instead of q: one of the changes that are tried gives the angle back."""
@@ -368,6 +385,30 @@ def test_a_known_torque_that_refuses_other_motions():
 def test_too_short():
     with pytest.raises(InvalidInput, match="no piece of the recording is long enough"):
         assess_recording(torque_model(), [Piece(recording().samples[:6], PERIOD)])
+
+
+def test_groups_are_those_of_the_symbols():
+    """The weakest direction of a group: the smallest singular value of what others do not explain, from W alone."""
+    problem = Problem(torque_model(), recording().samples[::10])
+    symbols = np.array([column.symbol.split("_")[0] for column in torque_model().columns])
+    named = {
+        "masses and centers of mass": {"M", "MX", "MY", "MZ"},
+        "inertia tensors": {"XX", "XY", "YY", "XZ", "YZ", "ZZ"},
+        "viscous": {"FV"},
+        "coulomb": {"FC"},
+        "offset": {"OFF"},
+    }
+    assert {name: set(symbols[columns]) for name, columns in groups(torque_model())} == named
+    rows = list(problem.rows())
+    w = np.concatenate([problem.reduced(part) for part in rows])
+    w = w / np.sqrt(np.mean(np.concatenate([part.right for part in rows]) ** 2, axis=0))[:, None]
+    w = w.reshape(-1, w.shape[-1])
+    w = w / np.linalg.norm(w, axis=0)
+    for group in excitation(problem):
+        own = np.isin(symbols[problem.base.independent], list(named[group.name]))
+        left = w[:, own] - w[:, ~own] @ np.linalg.lstsq(w[:, ~own], w[:, own], rcond=None)[0]
+        assert group.determined == own.sum()
+        assert group.weakest == pytest.approx(np.linalg.svd(left, compute_uv=False)[-1], rel=1e-6)
 
 
 def test_excitation_of_a_joint_that_never_moves():
