@@ -7,11 +7,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from faults.files import TOOLS
+from lxml import etree
 from planting import mixed_tree, with_body, with_joint
 from scipy.spatial.transform import Rotation
+from urdf_text import inertial
 
+import urdf
 from crosscheck.judging.faults.arguments import orders, units
 from crosscheck.judging.faults.fault import is_round
+from crosscheck.judging.faults.file_reading import file_reading
 from crosscheck.judging.faults.geometry import geometry
 from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
@@ -19,6 +24,7 @@ from crosscheck.judging.faults.signs import signs
 from crosscheck.judging.faults.terms import gravity, joint_terms, terms
 from crosscheck.judging.verdicts.diagnosis import noise
 from graphdyn import inverse_dynamics
+from urdf.reading import Misreadings
 
 ALIKE = 1e-12
 """Two recursions: some hundred roundings each."""
@@ -372,3 +378,93 @@ def test_noise(model, state, size):
     """Of the noisiest of three torques, relative to the largest on a line."""
     found = noise(Noisy(model, size), SimpleNamespace(q=state[0], model=model, state=state))
     assert 0.5 * size < found < 5 * size
+
+
+class Rewritten:
+    """A URDF file that somebody wrote as another one reads it: the change that a sentence names, done to the text."""
+
+    def __init__(self, text):
+        self.robot = etree.fromstring(text.encode())
+
+    def of(self, kind, name):
+        return next(element for element in self.robot.iter(kind) if element.get("name") == name)
+
+    def numbers(self, element, attribute):
+        return np.array((element.get(attribute) or "0 0 0").split(), float)
+
+    def put(self, element, attribute, values):
+        element.set(attribute, " ".join(repr(float(x)) for x in values))
+
+    def inertial_frame(self, message):
+        links = re.findall(r"'([^']*)'", message) or [link.get("name") for link in self.robot.iter("link")]
+        for origin in (origin for name in links for origin in self.of("link", name).iterfind("inertial/origin")):
+            turn = Rotation.from_euler("xyz", self.numbers(origin, "rpy"))
+            if "origin" in message or ("xyz of" in message and "ignored" in message):
+                self.put(origin, "xyz", np.zeros(3))
+            if "origin" in message or "rpy of" in message:
+                self.put(origin, "rpy", np.zeros(3))
+            if "transposed" in message:
+                self.put(origin, "rpy", turn.inv().as_euler("xyz"))
+            if "taken in the axes" in message:
+                self.put(origin, "xyz", turn.apply(self.numbers(origin, "xyz")))
+
+    def massless_link(self, message):
+        moment = "1" if "1 kg m²" in message else "0"
+        for link in self.robot.iter("link"):
+            if link.find("inertial") is None:
+                link.append(etree.fromstring(inertial(1.0, "0 0 0", tensor=f"{moment} 0 0 {moment} 0 {moment}")))
+
+    def fixed_link(self, message):
+        names = re.findall(r"'([^']*)'", message)
+        if "mass of" in message:
+            for name in names:
+                link = self.of("link", name)
+                link.remove(link.find("inertial"))
+        elif "sibling" in message:
+            (joint,) = [one for one in self.robot.iter("joint") if one.find("child").get("link") == names[0]]
+            joint.find("parent").set("link", names[1])
+        else:
+            origin = self.of("joint", names[0]).find("origin")
+            for attribute, words in (("xyz", ("placement", "translation")), ("rpy", ("placement", "rotation"))):
+                if message.split()[1] in words:
+                    self.put(origin, attribute, np.zeros(3))
+
+    def rounding(self, message):
+        digits = int(re.search(r"to (\d) decimals", message)[1])
+        places = {
+            "rpy angles": ("joint/origin", "rpy"),
+            "placements": ("joint/origin", "xyz"),
+            "masses": ("link/inertial/mass", "value"),
+            "centers": ("link/inertial/origin", "xyz"),
+            "tensors": ("link/inertial/inertia", "ixx ixy ixz iyy iyz izz"),
+        }
+        path, attributes = next(place for words, place in places.items() if f"the {words}" in message)
+        for element in self.robot.iterfind(path):
+            for attribute in (one for one in attributes.split() if element.get(one)):
+                self.put(element, attribute, np.round(self.numbers(element, attribute), digits))
+
+
+def test_misread_files(small_arm_text, tmp_path, state):
+    """Each code gives the torques of the arm of a file that was written as it reads this one."""
+    last = "tool"
+    tools = TOOLS.format(last=last).removesuffix("</robot>")
+    text = re.sub(r'value="2.5"', 'value="2.512345678"', small_arm_text.replace("</robot>", tools + "</robot>"))
+    (tmp_path / "arm.urdf").write_text(text, encoding="utf-8")
+    model = urdf.load(tmp_path / "arm.urdf")
+    faults = list(file_reading(Misreadings(tmp_path / "arm.urdf")))
+    codes = [fault.change(DynamicsCode.of(model), fault.right) for fault in faults]
+    right, messages = inverse_dynamics(model, *state).tau, {kind: [] for kind in MISREAD}
+    for fault, tau in zip(faults, torques_of(codes, state), strict=True):
+        description = said(fault)
+        messages[description.kind].append(description.message)
+        written = Rewritten(text)
+        getattr(written, description.kind)(description.message)
+        misread = tmp_path / "misread.urdf"
+        misread.write_bytes(etree.tostring(written.robot))
+        expected = inverse_dynamics(urdf.load(misread), *state).tau
+        assert np.abs(tau - expected).max() <= FITTED * np.abs(right).max(), description.message
+    assert {kind: len(found) for kind, found in messages.items()} == MISREAD
+
+
+MISREAD = {"inertial_frame": 23, "massless_link": 2, "fixed_link": 7 + 3 * 3 + 1, "rounding": 12}
+"""How many: of fixed links the sets of three with mass, three parts of three placements, and two siblings."""
