@@ -8,7 +8,6 @@ const plus = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const times = (a, factor) => [a[0] * factor, a[1] * factor, a[2] * factor];
 const turned = (R, a) => [0, 3, 6].map((row) => R[row] * a[0] + R[row + 1] * a[1] + R[row + 2] * a[2]);
-const turnedBack = (R, a) => [0, 1, 2].map((column) => R[column] * a[0] + R[column + 3] * a[1] + R[column + 6] * a[2]);
 
 function product(A, B) {
   const rows = [0, 3, 6], columns = [0, 1, 2];

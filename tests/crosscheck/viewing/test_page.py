@@ -348,6 +348,153 @@ def test_arcs_turn_with_the_torque(shown, torque):
     assert np.abs(np.subtract(head, [0.2 * np.cos(angle), 0.2 * np.sin(angle), 0])).max() < DRAWN
 
 
+@pytest.fixture(scope="module")
+def boxes(shown):
+    """Of every figure, as the stage measures it, and what the stage has made of them."""
+    return shown.value(
+        """(() => {
+          player.figures[1].hand = player.figures[1].start;
+          player.seek(0);
+          player.stage.whole();
+          const { stage, figures } = player;
+          const project = (point) => new THREE.Vector3(...point).project(stage.camera).toArray();
+          const corner = (c) => [0, 1, 2].map((i) => (c & (1 << i) ? stage.high : stage.low)[i]);
+          const { target } = stage.controls;
+          return {
+            boxes: figures.map(extent), size: stage.size, cell: stage.cell, instants: INSTANTS,
+            places: figures.map((figure) => figure.place.position.toArray()), low: stage.low, high: stage.high,
+            corners: [0, 1, 2, 3, 4, 5, 6, 7].map(corner).map(project), target: target.toArray(), air: AIR, gap: GAP,
+            shapes: figures.map((figure) => figure.layers.shapes.map((mesh, k) =>
+              [figure.robot.shapes[k].body, Array.from(mesh.geometry.attributes.position.array)])),
+            metre: stage.pixelsPerMetre(), height: stage.element.clientHeight,
+            distance: stage.camera.position.distanceTo(target),
+          };
+        })()"""
+    )
+
+
+class TestStage:
+    def test_boxes(self, figures, boxes):
+        """Of base, joints and centers of mass at all of 41 instants, and of the vertices of the shapes at the first."""
+        recording = figures[0]
+        t = recording.t - recording.t[0]
+        for figure, (low, high), shapes in zip(figures[1], boxes["boxes"], boxes["shapes"], strict=True):
+            model, times = figure.robot.model, [0.0]
+            if figure is figures[1][0]:
+                times = np.linspace(0, t[-1], boxes["instants"] + 1)
+            points = [model.base.translation]
+            for time in times:
+                q = figure.first
+                if figure is figures[1][0]:
+                    q = np.array([np.interp(time, t, column) for column in recording.q.T])
+                state = maximal_state(model, q)
+                centers = [body.center_of_mass for body in model.bodies]
+                points += [*state.position, *(state.position - np.einsum("iab,ib->ia", state.rotation, centers))]
+            state = maximal_state(model, figure.first)
+            for body, vertices in shapes:
+                rotation, origin = model.base.rotation, model.base.translation
+                if body > 0:
+                    rotation = state.rotation[body - 1]
+                    origin = state.position[body - 1] - rotation @ model.bodies[body - 1].center_of_mass
+                points += list(origin + np.reshape(vertices, (-1, 3)) @ rotation.T)
+            size = np.ptp(points, axis=0).max()
+            assert np.abs(np.min(points, axis=0) - low).max() < DRAWN * size
+            assert np.abs(np.max(points, axis=0) - high).max() < DRAWN * size
+
+    def test_side_by_side(self, boxes):
+        """Each in its box beside the one before, with a gap; all of them in the box of the stage."""
+        halves = [np.linalg.norm(np.subtract(high, low)) / 2 for low, high in boxes["boxes"]]
+        assert boxes["size"] == pytest.approx(max(halves), rel=1e-3)
+        gap = boxes["gap"] * max(high[1] - low[1] for low, high in boxes["boxes"]) + 0.1 * boxes["size"]
+        moved = np.array(boxes["boxes"]) + np.array(boxes["places"])[:, None]
+        assert boxes["places"][0] == [0, 0, 0]
+        assert moved[1:, 0, 1] - moved[:-1, 1, 1] == pytest.approx([gap, gap])
+        assert boxes["low"] == pytest.approx(moved[:, 0].min(axis=0))
+        assert boxes["high"] == pytest.approx(moved[:, 1].max(axis=0))
+        assert boxes["size"] / 4 <= boxes["cell"] <= 2.5 * boxes["size"] / 4
+
+    def test_the_whole_view(self, boxes):
+        """Everything is in the picture, and fills it but for some air."""
+        reach = np.abs(boxes["corners"])[:, :2]
+        assert 0.6 < reach.max() <= 1
+        assert boxes["target"] == pytest.approx(np.add(boxes["low"], boxes["high"]) / 2)
+        seen = 2 * boxes["distance"] * np.tan(np.radians(34 / 2))  # meters over the height of the picture
+        assert boxes["metre"] == pytest.approx(boxes["height"] / seen)
+
+    def test_in_one_place(self, shown):
+        places, names = shown.value(
+            """(() => {
+              const places = () => player.figures.map((figure) => figure.place.position.toArray());
+              player.stage.setApart(false);
+              player.stage.setNames(true);
+              const found = [places(), [...document.querySelectorAll("#labels span")].map((one) => one.textContent)];
+              player.stage.setApart(true);
+              player.stage.setNames(false);
+              return found;
+            })()"""
+        )
+        assert places == [[0, 0, 0]] * 3
+        assert names == [
+            name
+            for figure in shown.value("player.figures.map((figure) => figure.robot.joints.map(({ name }) => name))")
+            for name in figure
+        ]
+
+    def test_names_below_robots(self, shown):
+        """Where the base of each is in the picture."""
+        for element, figure in shown.value(
+            """(() => {
+              player.stage.draw();
+              const { clientWidth: width, clientHeight: height } = player.stage.element;
+              return [...document.querySelectorAll("#labels span")].map((one, k) => {
+                const figure = player.figures[k];
+                const point = new THREE.Vector3(...figure.robot.base.translation).add(figure.place.position);
+                const { x, y } = point.project(player.stage.camera);
+                const place = [(x + 1) / 2 * width, (1 - y) / 2 * height];
+                const drawn = [parseFloat(one.style.left), parseFloat(one.style.top)];
+                return [[one.textContent, ...drawn], [figure.name, ...place]];
+              });
+            })()"""
+        ):
+            assert element[0] == figure[0]
+            assert element[1:] == pytest.approx(figure[1:], abs=0.01)
+
+
+def curves(shown, change):
+    """Range of y, unit, time, and curves of the torques of the first figure, its motion changed."""
+    return shown.value(
+        f"""(async () => {{
+          const figure = Object.create(player.figures[0]), tau = Float32Array.from(figure.motion.tau);
+          figure.motion = {{ ...figure.motion, tau }};
+          {change}
+          const curves = new Curves(document.getElementById("chart"), () => 0);
+          curves.show(figure, 0);
+          await new Promise((done) => setTimeout(done, 20));
+          const {{ plot }} = curves, found = [[plot.scales.y.min, plot.scales.y.max], plot.axes[1].label, ...plot.data];
+          plot.destroy();
+          return found;
+        }})()"""
+    )
+
+
+def test_range_of_curves(shown, figures):
+    """All values are in view; what is rounding beside the usual torque is one level line."""
+    recording, (figure, *_) = figures
+    tau = inverse_dynamics(figure.robot.model, recording.q, recording.v, recording.a).tau
+    (low, high), unit, time, *found = curves(shown, "")
+    assert unit == "[N m or N]"
+    assert time == pytest.approx(recording.t - recording.t[0])
+    assert np.abs(np.transpose(found) - tau).max() < DRAWN * np.abs(tau).max()
+    assert low <= tau.min() < tau.max() <= high
+    assert high - low < 2 * np.ptp(tau)
+    largest = shown.value("Math.max(...player.figures[0].motion.wrenches.map(Math.abs))")
+    usual = shown.value("player.figures[0].robot.usual.torque")
+    for share, level in ((0.3, True), (3.0, False)):
+        size = share * 1e-9 * max(usual, largest)
+        (low, high), *_ = curves(shown, f"tau.fill(0); tau[0] = {size};")
+        assert (high - low == pytest.approx(2)) == level
+
+
 def test_time_stays_within_the_motion(shown):
     """0.2 s are played, however far keys lead."""
     assert shown.value("[-1, 0.1, 7].map((t) => (player.seek(t), player.state.t))") == pytest.approx([0, 0.1, 0.2])
