@@ -43,6 +43,14 @@ def test_an_inertial_that_fits(inspected):
     assert finding.remedy == "no action needed"
 
 
+def test_which_drawings_are_meshes(inspected):
+    """Two in lines 5 and 6, beside one that is empty, one without geometry, and a box."""
+    others = visual("") + "\n<visual/>" + visual('<box size="1 1 1"/>', tag="collision")
+    *_, finding = inspected(drawings=f"{others}\n{DRAWN}\n{visual('<!-- a -->' + mesh('box.stl'), tag='collision')}")
+    assert finding.message.startswith("mesh files: 2; ")
+    assert finding.line == 5
+
+
 def test_a_center_outside_the_mesh(inspected):
     finding, _ = inspected(xyz="0.15 0 0.23")
     assert (finding.code, finding.severity) == ("center-outside-mesh", "warning")
