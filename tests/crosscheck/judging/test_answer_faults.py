@@ -1,0 +1,175 @@
+"""Faults that any function may have: the answers are those of the verb with the change that the words name, by hand."""
+
+import dataclasses
+import itertools
+import re
+
+import numpy as np
+import pytest
+from planting import mixed_tree, with_joint
+
+import graphdyn
+from crosscheck.judging.searching.answer_faults import answer_fault, faults
+from crosscheck.judging.states import JudgedStates
+from crosscheck.quantities import FUNCTIONS
+from graphdyn import Frame, Placement
+from graphdyn.model.spatial import rotation_about
+
+ALIKE = 1e-9
+"""Relative to the largest entry."""
+
+JUDGED = (
+    "inverse_dynamics", "forward_dynamics", "mass_matrix", "kinetic_energy", "potential_energy", "gravity_torque",
+    "coriolis_matrix", "frame_placement", "frame_jacobian", "frame_velocity", "joint_torque_regressor", "momentum",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def model():
+    turned = Placement(rotation_about(np.array([0.6, 0.0, 0.8]), 0.4), np.ones(3) / 3)
+    tree = dataclasses.replace(mixed_tree(), frames=(Frame("tool", 3, turned), Frame("eye", 2, turned)))
+    return tree.with_base(Placement(rotation_about(np.array([0.0, 0.6, 0.8]), 1.1), np.array([0.3, -0.2, 0.7])))
+
+
+class ByHand:
+    """What a function answers at a state that was changed as a sentence says."""
+
+    def __init__(self, name, states, chosen):
+        self.name, self.states, self.chosen, self.model, self.frame = name, states, chosen, states.model, "tool"
+        self.given = {"q": states.q, "v": states.v, "a": states.a, "tau": states.tau}
+        self.loads = states.loads
+
+    def answer(self):
+        verb = {"inverse_dynamics": "joint_torques", "forward_dynamics": "joint_accelerations"}
+        arguments = [self.given[name] for name in FUNCTIONS[self.name].arguments if name in self.given]
+        loaded = self.loads is not None and self.name in (*verb, "power")
+        options = {"external_wrenches": self.loads} if loaded else {}
+        if self.name.startswith("frame"):
+            options = {} if self.name == "frame_placement" else {"reference": self.chosen["reference"]}
+            arguments.append(self.frame)
+        found = getattr(graphdyn, verb.get(self.name, self.name))(self.model, *arguments, **options)
+        if self.name == "frame_placement":
+            placed = np.zeros((len(self.states.q), 4, 4))
+            placed[:, :3, :3], placed[:, :3, 3], placed[:, 3, 3] = *found, 1.0
+            return placed
+        if self.name == "momentum":
+            found = (
+                found.about_origin if self.chosen.get("about") == "the world's origin" else found.about_center_of_mass
+            )
+        six = {"frame_jacobian": 1, "frame_velocity": 1, "momentum": 1}.get(self.name)
+        return np.roll(found, 3, axis=six) if six and self.chosen.get("order") == "angular first" else found
+
+    def of(self, message):
+        """The answers of a function that does as the sentence says."""
+        matches = ((re.fullmatch(pattern, message), change) for pattern, change in CHANGES.items())
+        found, change = next((found, change) for found, change in matches if found)
+        return change(self, *found.groups())
+
+    def changed_arguments(self, names, how):
+        factor = {"taken as degrees": np.pi / 180, "taken with the opposite sign": -1, "ignored": 0}[how]
+        for name in names.split(" and "):
+            self.given[name] = factor * self.given[name]
+        return self.answer()
+
+    def exchanged(self, x, y):
+        self.given[x], self.given[y] = self.given[y], self.given[x]
+        return self.answer()
+
+    def part(self, which):
+        found = self.answer()
+        second = (which == "angular") != (self.chosen.get("order") == "angular first")
+        found = found.copy()
+        found[:, 3 * second : 3 * second + 3] *= -1
+        return found
+
+    def other_loads(self, how):
+        force, moment = self.loads[..., :3], self.loads[..., 3:]
+        if how == "are left out":
+            self.loads = 0 * self.loads
+        elif how == "have the opposite sign":
+            self.loads = -self.loads
+        elif how == "are taken as moment, then force":
+            self.loads = np.concatenate([moment, force], axis=-1)
+        elif how == "are taken in world axes":
+            turn = graphdyn.maximal_state(self.model, self.states.q).rotation
+            self.loads = np.concatenate([np.einsum("...ba,...b->...a", turn, x) for x in (force, moment)], axis=-1)
+        else:
+            centers = np.array([body.center_of_mass for body in self.model.bodies])
+            self.loads = np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
+        return self.answer()
+
+    def placed(self, how):
+        found = self.answer()
+        if how == "the placement is inverted: the world seen from the frame":
+            return np.array([np.linalg.inv(one) for one in found])
+        for one in found:
+            one[:3, :3] = one[:3, :3].T.copy()
+        return found
+
+    def of_frame(self, name):
+        self.frame = name
+        return self.answer()
+
+    def other_model(self, message):
+        names = re.findall(r"'(.*)'", message)
+        if message == "gravity is left out":
+            self.model = self.model.with_gravity(np.zeros(3))
+        elif message == "gravity has the opposite sign":
+            self.model = self.model.with_gravity(-self.model.gravity)
+        elif not names:
+            self.model = self.model.with_base(Placement())
+        else:
+            number = self.model.joint_names.index(names[0])
+            joint = self.model.joints[number]
+            if message.startswith("the axis"):
+                self.model = with_joint(self.model, number + 1, axis=-joint.axis)
+            else:
+                turned = Placement(joint.placement.rotation.T, joint.placement.translation)
+                self.model = with_joint(self.model, number + 1, placement=turned)
+        return self.answer()
+
+    def column_by_column(self):
+        found = self.answer()
+        return np.array([one.T.ravel().reshape(one.shape) for one in found])
+
+    def of_other_function(self, name):
+        return ByHand(name, self.states, {}).answer()
+
+
+CHANGES = {
+    "all answers have the opposite sign": lambda self: -self.answer(),
+    "the matrix is transposed": lambda self: self.answer().swapaxes(1, 2),
+    "only the lower triangle of the matrix is filled in": lambda self: np.tril(self.answer()),
+    "only the upper triangle of the matrix is filled in": lambda self: np.triu(self.answer()),
+    "the numbers of the matrix are stored column by column": ByHand.column_by_column,
+    "the (linear|angular) part has the opposite sign": ByHand.part,
+    "(.*) (?:is|are) (taken as degrees|taken with the opposite sign|ignored)": ByHand.changed_arguments,
+    "(.) and (.) are exchanged": ByHand.exchanged,
+    "the external wrenches (.*)": ByHand.other_loads,
+    "the answers are those of frame '(.*)'": ByHand.of_frame,
+    "the answers are those of (.*)": ByHand.of_other_function,
+    "(the placement is inverted.*|the rotation is transposed)": ByHand.placed,
+    "(.*)": ByHand.other_model,
+}
+"""By the words of a fault; of the patterns that fit the first."""
+
+
+@pytest.mark.parametrize(("name", "loaded"), [*((name, False) for name in JUDGED), ("inverse_dynamics", True)])
+def test_words(model, name, loaded):
+    """Each in some ways to read the answers; a fault is found again."""
+    known = FUNCTIONS[name]
+    states = JudgedStates.draw(model, 1, 4, needs_tau=True, loaded=loaded, frame="tool")
+    for chosen in itertools.islice(known.readings({}), 3):
+        right = known.of_graphdyn(states, chosen)
+        np.testing.assert_allclose(ByHand(name, states, chosen).answer(), right, atol=ALIKE * np.abs(right).max())
+        told = []
+        for fault in faults(known, states):
+            expected = ByHand(name, states, chosen).of(fault.message)
+            size = max(np.abs(right).max(), np.abs(expected).max())
+            np.testing.assert_allclose(
+                fault.answers(states, chosen), expected, atol=ALIKE * size, err_msg=f"{fault.message} {chosen}"
+            )
+            told.append(fault.message)
+        assert len(set(told)) == len(told)
+    found = answer_fault(known, -right, states, chosen, 1e-9)
+    assert (found.said.message, found.said.kind) == ("all answers have the opposite sign", "sign")
