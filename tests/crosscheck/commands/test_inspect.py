@@ -395,8 +395,17 @@ class TestEveryNumber:
         places = [f"<x> of link '{k}', line {10 + k}" for k in range(3)]
         assert rows["no-mass 5×"][2].split("\n") == [*places, "and 2 more"]
         assert rows["bad-axis 2×"][2].split("\n") == [f"<x> of link '{k}', line 30" for k in range(2)]
+        assert rows["no-joint"][2] == "<x> of link '0'"
         every = next(block for block in blocks(report, "findings") if block.title.startswith("Every finding"))
         assert len(every.notes) == 5 + 2 + 2
+
+    def test_places(self):
+        """Of an element, of a line, of both, of the file."""
+        places = [("<x> of link 'a'", 5), (None, 6), ("<y> of joint 'b'", None), (None, None)]
+        found = [Finding(f"code-{k}", "error", *place, "is odd", "mend it") for k, place in enumerate(places)]
+        (table,) = tables(inspect_report([urdf.Inspection("arm", None, tuple(found))], []), "findings")
+        said = ["<x> of link 'a', line 5", "line 6", "<y> of joint 'b'", ""]
+        assert [row[2] for row in texts(table)] == said
 
     def test_several(self, inspected):
         report = inspect_report(inspected, [{"robot": "x", "message": "no"}, {"robot": "y", "message": "no"}])

@@ -17,6 +17,7 @@ from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.commands.excite import report as excite_report
 from crosscheck.commands.identify import methods_report as method_errors
 from crosscheck.commands.identify import model_report as parameter_bars
+from crosscheck.commands.identify.record import record as identify_record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.commands.judge.function_report import function_section
 from crosscheck.commands.study import errors_report, ranking_report, scenarios_report
@@ -28,6 +29,7 @@ from crosscheck.report.error_tables import error_text, span_text
 from crosscheck.report.pictures import plot, spread
 from crosscheck.report.plain_text import ratio_span_text, ratio_text, threads_text, time_text, vector_text
 from crosscheck.report.plain_text import span_text as span_of_times
+from crosscheck.report.records.record import plain
 from crosscheck.report.report import Panel, Plot, Series, Table
 from crosscheck.report.text import as_text
 from crosscheck.study.statistics.intervals import Intervals
@@ -120,6 +122,27 @@ class TestIdentifyText:
         held_out = text[text.index("Errors, held out") :]
         assert cells(held_out, "WLS")[1:] == ["1.25 / 2.0", "3.5 / 5.0", "0.75 / 11.0"]
         assert "RMS of all rows [N m or N] / % of moving rows" in held_out
+
+    def test_errors_of_every_trial(self, found):
+        """Two recordings, of errors 1 and 3 times as large: as trials one by one, kept aside each in its own table."""
+        (trial, *_), predicted = found.trials, []
+        for name, factor in (("one.csv", 1.0), ("two.csv", 3.0)):
+            sizes = found.shown().held_out.everything
+            sizes = dataclasses.replace(sizes, rms=factor * sizes.rms, relative=factor * sizes.relative)
+            statistics = dataclasses.replace(found.shown().held_out, everything=sizes, moving=sizes)
+            predicted.append(dataclasses.replace(trial, name=name, statistics={"WLS": statistics}))
+        more = dataclasses.replace(found, aside=tuple(predicted), trials=tuple(predicted))
+        text = as_text(identify_report(more, more.shown()), 200)
+        first, second = (text[text.index(f"Errors, kept aside: {name}.csv") :] for name in ("one", "two"))
+        assert cells(first, "WLS")[1:] == ["1.25 / 2.0", "3.5 / 5.0", "0.75 / 11.0"]
+        assert cells(second, "WLS")[1:] == ["3.75 / 6.0", "10.5 / 15.0", "2.25 / 33.0"]
+        together = text[text.index("Errors, held out, one by one") :]
+        assert re.search(r"WLS +6\.0 +18\.0", together)
+        (row,) = plain(identify_record(more, more.shown(), []))["comparison"]
+        for which in ("trials", "aside"):
+            assert [(one["name"], one["mean_error"]) for one in row[which]] == [
+                ("one.csv", pytest.approx(0.06)), ("two.csv", pytest.approx(0.18))
+            ]  # fmt: skip
 
     def test_standard_deviations(self, found):
         (row, *_) = base_rows(found, found.shown())

@@ -208,13 +208,16 @@ class TestEveryNumber:
     """Of the record and the page, from rows that SciPy has filtered."""
 
     def test_methods(self, compared_with_truth):
-        _, record, report, fit, held_out = compared_with_truth
+        found, record, report, fit, held_out = compared_with_truth
         b = np.array(record["base_matrix"])
+        answers = {result.name: result.estimate for result in found.comparison.results}
         (methods, held, fitted) = (cells(one) for one in tables(report, "methods"))
         for one in record["methods"]:
             if one["failure"] is not None:
                 assert methods[one["name"]] == ["failed", "–", "–", "–", "–", methods[one["name"]][-1]]
                 continue
+            answer = answers[one["name"]]
+            assert (one["remarks"], one["settings"]) == (list(answer.remarks), dict(answer.settings))
             x, base = np.array(one["parameters"]), np.array(one["base_values"])
             np.testing.assert_allclose(base, b @ x, rtol=1e-9, atol=1e-9)
             for rows, name, table in ((fit, "training", fitted), (held_out, "held_out", held)):
@@ -255,6 +258,11 @@ class TestEveryNumber:
                 percent = 100 * np.array(one["block_deviations"]) / np.abs(base)
                 np.testing.assert_allclose(one["relative_deviations"], percent, rtol=1e-9)
         assert not all(one["consistent"] in (True, None) for one in record["methods"])
+        said = next(block for block in section(report, "methods").blocks if block.title == "What the methods say")
+        assert [(note.where, note.text) for note in said.notes] == [
+            (one["name"], remark) for one in record["methods"] for remark in one["remarks"]
+        ]
+        assert len(said.notes) >= 3
 
     def test_smallest_mass_matrix(self, compared_with_truth):
         """No pose can have a smaller eigenvalue than the smallest of many; of some poses it is near that."""
