@@ -308,6 +308,11 @@ class TestEveryNumber:
     def record(self, found):
         return plain(record_of(found, COMMAND))
 
+    @staticmethod
+    def trials(found):
+        of = found.identification
+        return of.exact, of.together, *of.rounded
+
     def test_cylinders(self, record):
         rows = {row["name"].split()[0]: row["ours"] for row in record["table_2"]["rows"]}
         (length, radius), others = list(rows.values())[:2], list(rows.values())[2:]
@@ -320,7 +325,7 @@ class TestEveryNumber:
         for ours, wanted in zip(true.values(), (*3 * [mass], along, across, across), strict=True):
             assert ours == pytest.approx(wanted.tolist())
 
-    def test_identifications(self, record, page):
+    def test_identifications(self, found, record, page):
         """Errors, their largest and root mean square over what is compared, and the rows of the tables."""
         of = record["identification"]
         names = list(of["true"])
@@ -339,6 +344,11 @@ class TestEveryNumber:
             values = np.array([trial["values"][name] for name in names], float)
             own = np.array([trial["errors"][name] for name in names], float)
             np.testing.assert_allclose(own, values - true, atol=1e-12)
+            sigma = np.array([trial["standard_deviations"][name] for name in names], float)
+            (source,) = [one for one in self.trials(found) if one.data == trial["data"]]
+            np.testing.assert_array_equal(sigma, source.standard_deviations)
+            if k >= 2:  # rounded: errors are as large as their deviations say
+                assert 0.3 < np.sqrt(np.mean((own[compared] / sigma[compared]) ** 2)) < 3
             size = np.abs(own[compared])
             largest, rms = size.max(), np.sqrt((size**2).mean())
             assert (trial["largest"], trial["rms"]) == pytest.approx((largest, rms))
