@@ -15,7 +15,7 @@ from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.exciting import self_collision as pairing
 from crosscheck.exciting.excited import random_plans
-from crosscheck.exciting.mesh_contacts import link_meshes
+from crosscheck.exciting.mesh_contacts import LinkMesh, MeshContacts, link_meshes
 from crosscheck.exciting.motion_formats.krl import AxisSettings
 from crosscheck.exciting.motion_formats.motion_file import read_motion
 from crosscheck.exciting.self_collision import Hit, collision_free, self_collision
@@ -104,13 +104,38 @@ def test_spheres_contain_every_triangle_and_stand_out_by_little():
     triangles = np.concatenate([box_triangles(*box) for box in boxes])
     centers, radii = sphere_cover(triangles, excess)
     weights = rng.dirichlet(np.ones(3), size=(len(triangles), 200))
-    points = np.einsum("mpk,mkx->mpx", weights, triangles).reshape(-1, 3)
+    points = np.concatenate([np.einsum("mpk,mkx->mpx", weights, triangles).reshape(-1, 3), triangles.reshape(-1, 3)])
     assert np.all((np.linalg.norm(points[:, None] - centers, axis=-1) <= radii).any(axis=1))
     rays = rng.normal(size=(100, 3))
     ends = (centers[:, None] + radii[:, None, None] * rays / np.linalg.norm(rays, axis=1)[:, None]).reshape(-1, 3)
     outside = [np.linalg.norm(np.maximum(0, np.maximum(low - ends, ends - high)), axis=1) for low, high in boxes]
     assert np.min(outside, axis=0).max() < (1 + CELL) * excess
     assert len(centers) < 40
+
+
+class Placed:
+    """Poses of bodies that are given."""
+
+    def __init__(self, of_body):
+        self.of_body = of_body.__getitem__
+        self._count = len(of_body[1][1])
+
+    def __len__(self):
+        return self._count
+
+
+def test_every_triangle_counts():
+    """A triangle 0.05 m above each of three in turn, both links turned and moved: nearer than 0.06 m, not than 0.04."""
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    three = np.concatenate([flat + np.array([10 * k, 0, 0]) for k in range(3)])
+    meshes = LinkMesh("a", 1, three, np.arange(9).reshape(3, 3)), LinkMesh("b", 2, flat, np.arange(3)[None])
+    turn = Rotation.from_euler("xyz", [0.3, -0.5, 0.9]).as_matrix()
+    above = np.array([[10 * k, 0, 0.05] for k in (0, 1, 2, 0.5)])
+    moved = np.array([0.2, -0.3, 0.4])
+    turns = np.tile(turn, (4, 1, 1))
+    poses = Placed({1: (turns, np.tile(moved, (4, 1))), 2: (turns, moved + above @ turn.T)})
+    found = MeshContacts(meshes).touching([(0, 1), (1, 0), (0, 1)], poses, [0.06, 0.06, 0.04])
+    assert found.tolist() == [[True, True, False]] * 3 + [[False] * 3]
 
 
 def box_triangles(low, high):

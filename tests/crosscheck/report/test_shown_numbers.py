@@ -27,6 +27,7 @@ from crosscheck.identifying.results.parameters import BaseRow, base_rows
 from crosscheck.judging.judge import judge
 from crosscheck.report.error_tables import error_text, span_text
 from crosscheck.report.pictures import plot, spread
+from crosscheck.report.pictures.svg import CURVES
 from crosscheck.report.plain_text import ratio_span_text, ratio_text, threads_text, time_text, vector_text
 from crosscheck.report.plain_text import span_text as span_of_times
 from crosscheck.report.records.record import plain
@@ -291,7 +292,7 @@ class TestPictures:
         assert np.all((np.array(group.get_ydata()) > 0) & (np.array(group.get_ydata()) < 2 / 3))  # rows 2 and 3 of 3
 
     def test_study_pareto(self, drawn):
-        """At time and ratio, the interval upright; hollow where it failed on some records."""
+        """At time and ratio, the interval upright; hollow where it failed on some records; blue if efficient."""
         trades = [Trade("a", 0.5, 1.0, 0.9, 1.1, True), Trade("b", 2.0, 3.0, 2.5, 4.0, False)]
         axes = drawn(ranking_report, "study_pareto", trades, "torque error", "a")
         points = [line for line in axes.lines if line.get_marker() == "o"]
@@ -299,6 +300,18 @@ class TestPictures:
         assert places == [(0.5, 1.0, False), (2.0, 3.0, True)]
         uprights = [segment.tolist() for segment in upright_or_level(axes)]
         assert uprights == [[[0.5, 0.9], [0.5, 1.1]], [[2.0, 2.5], [2.0, 4.0]]]
+        (low, high), (lowest, highest) = axes.get_xlim(), axes.get_ylim()
+        assert low < 0.5 < 2 < high
+        assert lowest < 0.9 < 4 < highest
+        trades = [Trade(name, x, y, y, y, True) for name, x, y in
+                  (("fast", 0.1, 5.0), ("slow", 2.0, 1.0), ("worse", 3.0, 1.5), ("middle", 1.0, 2.0))]  # fmt: skip
+        axes = drawn(ranking_report, "study_pareto", trades, "torque error", "slow")
+        colors = {line.get_xdata()[0]: line.get_color() for line in axes.lines if line.get_marker() == "o"}
+        edges = {line.get_xdata()[0]: line.get_markeredgecolor() for line in axes.lines if line.get_marker() == "o"}
+        blue = {x for x in colors if edges[x] == CURVES[0]}
+        assert blue == {0.1, 1.0, 2.0}
+        (front,) = (line for line in axes.lines if line.get_marker() != "o")
+        assert list(zip(*front.get_data(), strict=True)) == [(0.1, 5.0), (1.0, 2.0), (2.0, 1.0)]
 
     def test_study_parameters(self, drawn):
         """As parts of the usual spread: 0.5 and -3 of biases, ± 1 and ± 2 of spreads; the one without zero in red."""

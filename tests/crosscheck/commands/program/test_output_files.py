@@ -14,7 +14,7 @@ from long_check import few
 from crosscheck.commands import app
 from crosscheck.commands.program import console, output_files
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, Command
-from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.commands.program.output_files import OutputFile, refuse_harm
 from crosscheck.distributing import LocalProcesses
 
 READS = {
@@ -95,6 +95,16 @@ class TestCommands:
             (parameter,) = (p for p in COMMANDS[name].params if option in p.opts)
             context = COMMANDS[name].make_context(name, [*READS[name], option, "x"])
             assert isinstance(context.params[parameter.name], OutputFile)
+
+    @pytest.mark.parametrize("name", ["new.urdf", "new.xml", "NEW.URDF"])
+    def test_a_robot_may_replace_a_robot(self, tmp_path, name):
+        """What is not read; another kind of file may not."""
+        (tmp_path / name).touch()
+        command, reads = COMMANDS["identify"], READS["identify"]
+        refuse_harm(command.make_context("identify", [*reads, "--urdf", str(tmp_path / name)]))
+        context = command.make_context("identify", [*reads, "--json", str(tmp_path / name)])
+        with pytest.raises(typer.BadParameter, match="file of this name, which would be lost; name another"):
+            refuse_harm(context)
 
     @pytest.mark.parametrize(("command", "option"), [case for case in OUTPUTS if READS[case[0]]])
     def test_what_is_read_is_not_written(self, refuses, files, command, option):

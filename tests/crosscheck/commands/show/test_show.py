@@ -109,6 +109,14 @@ class TestDescription:
         assert np.abs(matrix[pattern]).min() > 0
         assert (system.rank, system.condition_number) == (66, pytest.approx(np.linalg.cond(matrix)))
 
+    @pytest.mark.parametrize("factor", [1e-18, 1e18])
+    def test_pattern_in_other_units(self, factor):
+        """Masses in exagrams or attograms: the same entries are none."""
+        tree = mixed_tree()
+        other = tree.with_inertial_parameters(factor * tree.inertial_parameters)
+        one, same = (describe(model, "tree", {}).system.pattern for model in (tree, other))
+        assert np.array_equal(one, same)
+
     def test_frames_and_locked(self, small_arm):
         description = describe(urdf.load(small_arm, lock={"y_elbow": 0.3}), "small", {"y_elbow": 0.3})
         found = plain(record_of(description))
