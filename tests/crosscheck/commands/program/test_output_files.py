@@ -40,6 +40,7 @@ READS = {
     "paper": (),
     "bench": ("--robot", "{robot}"),
     "robots": (),
+    "cache": (),
     "errata": (),
 }
 """Arguments with which each command reads files, all it can read."""
