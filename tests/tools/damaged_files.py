@@ -21,8 +21,8 @@ from mutants.processes import Result, run, table, unexpected
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
-PIECE = 2500
-"""Mutants between two looks at what is new."""
+FIRST_LOOK = 250
+"""Mutants that have the usual outcomes among them."""
 
 
 def main() -> int:
@@ -52,16 +52,14 @@ def of_format(format: str, numbers: range, given: argparse.Namespace) -> list[Re
     results: list[Result] = []
     with Progress(*Progress.get_default_columns(), MofNCompleteColumn(), console=Console(stderr=True)) as bar:
         task = bar.add_task(format, total=len(numbers))
-        for k in range(0, len(numbers), PIECE):
-            results += run(
-                [format],
-                given.seed,
-                numbers[k : k + PIECE],
-                given.processes,
-                lambda done, before=k: bar.update(task, completed=before + done),  # type: ignore[misc]
-            )
-            if given.enough and since_new([result.trial for result in results]) >= given.enough:
-                break
+        wanted = FIRST_LOOK if given.enough else len(numbers)
+        while wanted > 0 and (left := numbers[len(results) :]):
+
+            def show(done: int, before: int = len(results)) -> None:
+                bar.update(task, completed=before + done)
+
+            results += run([format], given.seed, left[:wanted], given.processes, show)
+            wanted = (given.enough or 0) - since_new([result.trial for result in results])
     return results
 
 
