@@ -824,4 +824,4 @@ def collada(path: Path) -> Array:
     numbers, places = floats.text.split(), corners.text.split()
     assert floats.get("count") in (None, str(len(numbers)))
     assert faces.get("count") in (None, str(len(places) // 6))
-    return np.array(numbers, dtype=float).reshape(-1, 3)[np.array(places, dtype=float).astype(int)[::2]] * meter
+    return np.array(numbers, dtype=float).reshape(-1, 3)[np.array(places[::2], dtype=float).astype(int)] * meter
