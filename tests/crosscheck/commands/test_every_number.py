@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from shown import pages
+from shown.approved import approve, page_text
 from typer.testing import CliRunner
 
 import urdf
@@ -280,3 +281,11 @@ class TestExcite:
         priors = {row["name"]: row["prior"] for row in rows}
         assert priors["M_3"] == pytest.approx(model.bodies[2].mass)
         assert priors["FV_1"] == 0
+
+
+class TestWhole:
+    def test_simulate(self, simulated):
+        approve("simulate", page_text(simulated[0]))
+
+    def test_excite(self, planned):
+        approve("excite", page_text(planned[0]), numbers=False)

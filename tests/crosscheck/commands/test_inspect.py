@@ -12,6 +12,7 @@ from jsonschema import Draft202012Validator
 from long_check import LONG
 from robots.mesh_files import box, mesh, one_link, stl, visual
 from shared_data import REPOSITORY
+from shown.approved import approve_report
 from shown.blocks import blocks, tables, texts
 from shown.browser import CHROMIUM, document
 from shown.pages import parsed
@@ -383,6 +384,10 @@ class TestEveryNumber:
             findings_report("/robots/more/b.urdf", "/robots/more/b.urdf", fit),
             findings_report("/robots/c.urdf", "/robots/c.urdf", []),
         ]
+
+    def test_whole(self, inspected):
+        approve_report("inspect", inspect_report(inspected[:1], []))
+        approve_report("inspect_folder", inspect_report(inspected, []))
 
     def test_one(self, inspected):
         report = inspect_report(inspected[:1], [])

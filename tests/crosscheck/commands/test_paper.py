@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from reproduced_paper import reproduced
 from rich.cells import cell_len
 from shared_data import REPOSITORY
+from shown.approved import approve_report
 from shown.browser import CHROMIUM, too_wide
 from shown.pages import complaints, parsed, table
 from typer.testing import CliRunner
@@ -475,3 +476,7 @@ class TestEveryNumber:
         assert said == shares
         reach = [f"{one.robot} {min(one.errors):.0f} to {max(one.errors):.0f}" for one in ranks]
         assert f'aria-label="A2: missing rank of the printed rows: {"; ".join(reach)}"' in page
+
+
+def test_whole(found):
+    approve_report("paper", paper_report(found), rounding="cos β")

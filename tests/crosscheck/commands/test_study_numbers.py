@@ -8,6 +8,7 @@ import pytest
 from identified.study_tables import METHODS, NOISES, TRUTH, study_tables
 from pyarrow.parquet import write_table
 from scipy import stats
+from shown.approved import approve_report
 from shown.blocks import blocks, cells, tables
 
 from crosscheck.commands.study.report import study_report
@@ -340,3 +341,7 @@ def test_tables_of_runs(rows, report):
                 assert said[5] == {None: "–", True: "yes", False: "no"}[row["consistent"]]
                 assert said[6] == ("–" if row["iterations"] is None else str(row["iterations"]))
                 assert said[7:] == [time_text(row["seconds"]), row["reason"] or ""]
+
+
+def test_whole(report):
+    approve_report("study", report)

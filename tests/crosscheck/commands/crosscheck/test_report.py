@@ -10,6 +10,7 @@ import stat
 import pytest
 from planting import SAMPLES, SEED, compared
 from rich.cells import cell_len
+from shown.approved import approve
 from shown.pages import first_cells, text_rows
 
 import crosscheck
@@ -172,3 +173,7 @@ def test_versions_name_every_library():
     numbers = versions()
     assert {"graphdyn", "pinocchio", "numpy"} < set(numbers)
     assert all(number and number[0].isdigit() for number in numbers.values())
+
+
+def test_whole(wrong_comparison):
+    approve("crosscheck", printed(wrong_comparison), rounding="residual")

@@ -6,6 +6,7 @@ import json
 import numpy as np
 import pytest
 from faults.judged_functions import DIAGNOSIS, STATES, judged, judgment
+from shown.approved import approve_report
 from shown.blocks import cells, tables, texts
 
 import crosscheck
@@ -159,3 +160,8 @@ def test_errors_of_a_judged_function(tree, undiagnosed):
     assert worst.answer == pytest.approx(wrong * tau)
     assert 0 < function.errors["graphdyn"].max() <= 1e-4 * (1 + 1e-6) * np.abs(tau[2]) / np.abs(tau).max()
     assert function.errors["pinocchio"] == pytest.approx(function.errors["graphdyn"], rel=1e-6)
+
+
+def test_whole(shown, wrong_judgment):
+    approve_report("judge", shown[1])
+    approve_report("judge_wrong", judge_report(wrong_judgment))

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from robots.mechanisms import at, four_bar, rod
+from shown.approved import approve_report
 from typer.testing import CliRunner
 
 import graphdyn
@@ -156,3 +157,7 @@ def test_a_linkage_that_closes_only_stretched(tmp_path):
     assert told.exit_code == 0
     assert "0, and 2 infinitesimal" in told.output
     assert "motions of a, b, c keep them closed to first order only" in " ".join(told.output.split())
+
+
+def test_whole():
+    approve_report("show_loops", show_report(describe(LINKAGE, "four-bar", {})))

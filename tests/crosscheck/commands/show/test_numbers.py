@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from robots.mechanisms import four_bar
 from scipy.spatial.transform import Rotation
 from shown import pages
+from shown.approved import approve, page_text
 from shown.blocks import blocks, cells, tables, texts
 from typer.testing import CliRunner
 
@@ -406,3 +407,7 @@ class TestLoops:
         facts = dict(next(block for block in blocks(report, "loops") if isinstance(block, Facts)).items)
         assert facts["pose"].endswith(" ".join(f"{x:.4g}" for x in loops.q))
         assert not [block for block in blocks(report, "loops") if isinstance(block, Picture)]
+
+
+def test_whole(shown):
+    approve("show", page_text(shown[0]))

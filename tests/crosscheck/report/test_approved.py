@@ -1,0 +1,60 @@
+"""Reports that are held against approved texts: what is seen as a difference."""
+
+import pytest
+from shown import approved
+from shown.approved import APPROVE_VARIABLE, approve, page_text
+
+TEXT = """Joints, 3 of them
+│ no. │ speed │
+│ 1   │ 1.234 │
+│ 2   │ -5e-3 │
+error 2.2e-16
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(approved, "FOLDER", tmp_path)
+    (tmp_path / "a.txt").write_text("Joints, 3 of them\n| no. | speed |\n| 1 | 1.234 |\n| 2 | -5e-3 |\nerror 2.2e-16\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("speed", "torque"), ("1.234", "1.244"), ("-5e-3", "5e-3"), ("│ 2   │ -5e-3 │\n", ""), ("error", "x\nerror"),
+        ("│ 1   │ 1.234 │", "│ 1.234 │ 1   │"), ("1.234", "–"), ("2.2e-16", "2.2e-6"),
+    ],
+)  # fmt: skip
+def test_seen(old, new):
+    with pytest.raises(AssertionError, match=r"a.txt is not what is shown; if that is meant, set GRAPHDYN_APPROVE=1"):
+        approve("a", TEXT.replace(old, new))
+
+
+@pytest.mark.parametrize(("old", "new"), [("1.234", "1.235"), ("   │", "│"), ("2.2e-16", "-7.1e-16")])
+def test_not_seen(old, new):
+    approve("a", TEXT.replace(old, new))
+
+
+def test_left_out():
+    approve("a", TEXT.replace("Joints", "time 1.5 s\nJoints"), rounding="time")
+    approve("a", TEXT.replace("1.234", "7"), numbers=False)
+    with pytest.raises(AssertionError):
+        approve("a", TEXT.replace("1.234", "7 m"), numbers=False)
+
+
+def test_approved(folder, monkeypatch):
+    changed = TEXT.replace("speed", "torque")
+    with monkeypatch.context() as asked:
+        asked.setenv(APPROVE_VARIABLE, "1")
+        approve("a", changed)
+    approve("a", changed)
+
+
+def test_pages():
+    page = "<body><h1>A</h1><style>x</style><table><tr><td title='more'>1</td><td><p>2\n3</p></td></tr></table>b<p>c</p></body>"
+    assert [" ".join(line.split()) for line in page_text(page).splitlines() if line.strip()] == [
+        "A",
+        "more 1 | 2 3 |",
+        "b",
+        "c",
+    ]
