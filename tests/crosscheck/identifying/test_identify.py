@@ -23,7 +23,7 @@ from crosscheck.identifying.results.parameters import base_rows, body_rows, devi
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from crosscheck.report.records.record import plain
 from graphdyn import InvalidInput, mass_matrix
-from graphdyn.identification import Problem, Samples, WeightedLeastSquares, model_prior
+from graphdyn.identification import Estimate, Problem, Samples, WeightedLeastSquares, model_prior
 from graphdyn.identification.terms import KnownBodies, KnownPayload, Offset, Payload, RigidBodies, Viscous
 from graphdyn.model.inertia import PARAMETER_NAMES
 
@@ -61,6 +61,29 @@ class TestBaselines:
         other = PinocchioModel.from_model(replace(model, joints=joints))
         found = identified([WithPinocchio(WeightedLeastSquares(), other)]).comparison.results[0]
         assert found.failure is not None or found.estimate.settings["difference"] > 1e-4
+
+    def test_the_answer_is_that_on_the_regressor_of_pinocchio(self):
+        """With its deviations and remarks, and how far it is from the answer on ours, here twice as large."""
+
+        class Says:
+            name = "guess"
+
+            def estimate(self, problem):
+                p, r = len(problem.torque_model.columns), problem.base.rank
+                ours = any(type(term) is RigidBodies for term in problem.torque_model.terms)
+                size, said = (2.0, "ours") if ours else (3.0, "theirs")
+                return Estimate(
+                    size * np.ones(p), size * np.eye(r), size * np.eye(r), remarks=(said,), settings={"k": size}
+                )
+
+        problem = compared().problem
+        found = WithPinocchio(Says()).estimate(problem)
+        p, r = len(problem.torque_model.columns), problem.base.rank
+        assert np.array_equal(found.parameters, 3 * np.ones(p))
+        assert np.array_equal(found.covariance, 3 * np.eye(r))
+        assert np.array_equal(found.block_covariance, 3 * np.eye(r))
+        assert found.settings == {"k": 3.0, "difference": pytest.approx(0.5)}
+        assert found.remarks == ("theirs", "differs from guess by 5.0e-01 of the torque")
 
     def test_graph_method_uses_wrenches(self):
         result = compared().comparison.of("graph method")
@@ -156,6 +179,16 @@ class TestParameters:
         expected = model.inertial_parameters.reshape(-1, 10).copy()
         expected[-1] += x[:10]
         np.testing.assert_allclose(found.body_parameters(found.shown()), expected)
+
+    def test_a_result_of_another_torque_model_is_read_with_its_own(self):
+        """The links of CAD, whose drives alone are fitted."""
+        found = compared()
+        cad = found.candidate("CAD links: WLS")
+        links = virtual().subject.model.inertial_parameters.reshape(-1, 10)
+        np.testing.assert_allclose(found.body_parameters(cad.result), links)
+        (curve,) = cad.model.fit.curves("WLS")
+        error = np.linalg.norm(curve.predicted - curve.measured, axis=0) / np.linalg.norm(curve.measured, axis=0)
+        np.testing.assert_allclose(found.fitted_errors(cad.result), error, rtol=1e-9)
 
     def test_links_make_the_mass_matrix_of_the_estimate(self):
         found = compared()

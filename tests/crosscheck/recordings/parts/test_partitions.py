@@ -21,6 +21,7 @@ from crosscheck.distributing import DaskWorkers, Lost, NoWorkers
 from crosscheck.identifying import ByTime, CandidateModel, Preparation
 from crosscheck.identifying.long_recordings import METHODS_OF_SUMS, SAMPLE_METHODS, STANDARD_METHODS_OF_SUMS
 from crosscheck.identifying.methods.methods import ESTIMATORS, method_named
+from crosscheck.identifying.results.identified_model import HeldOutPrediction
 from crosscheck.recordings import (
     BadRecordingFile,
     PartitionedRecording,
@@ -315,6 +316,24 @@ class TestIdentified:
         expected = WeightedLeastSquares().estimate(Problem(virtual().torque_model, samples_of(rows)))
         found = long.comparison.of("WLS").estimate
         np.testing.assert_allclose(found.parameters, expected.parameters, rtol=1e-3, atol=1e-3)
+
+    def test_squares(self, long, monkeypatch):
+        """Of parts that come in several chunks each: together those of the same rows in memory."""
+        read = load_recording(next(iter(long.problem.data.logs)).log.path.with_suffix(".parquet"))
+        (rows,) = samples_of(differentiated(split_by_rows(read, (0, 1875 - 62), (1875, 2500)).train, CUTOFF))
+        parameters, times = long.fit.parameters, [np.arange(float(rows.row_filter(rows.v).shape[0]))]
+        whole = HeldOutPrediction(Problem(virtual().torque_model, rows), times, parameters, {}).squares(1)
+        monkeypatch.setattr("graphdyn.identification.data.rows.MIN_FILTERED_ROWS", 100)
+        parts = replace(long.fit).squares(1)
+        assert len(parts.measured) == len(long.problem.data.parts(20))
+        assert parts.moving_rows.tolist() == whole.moving_rows.tolist()
+        for found, expected in (
+            (parts.measured, whole.measured),
+            (parts.measured_moving, whole.measured_moving),
+            (parts.everything["WLS"], whole.everything["WLS"]),
+            (parts.moving["WLS"], whole.moving["WLS"]),
+        ):
+            np.testing.assert_allclose(found.sum(axis=0), expected[0], rtol=1e-3)
 
     def test_other_logs_are_predicted(self, folder, monkeypatch):
         """They are examined too, from rows that fit into memory however many logs there are; none may be fitted."""
