@@ -505,10 +505,13 @@ def test_how_the_robot_is_read(folder):
 
 
 def test_what_only_the_robot_shows(folder):
-    many = small.ROBOT.replace("viscous = 0.5", "viscous = [1, 2, 3]")
-    study = study_of(folder, small.STUDY, many, small.SCENARIO, small.GRID)
-    with pytest.raises(BadConfiguration, match=r"study\.toml: viscous in \[robot\] has 3 .* has 2 joints: sh"):
-        run_study(study, folder / "never", InThisProcess())
+    for numbers, count in (("[1, 2, 3]", "3 numbers"), ("[1]", "1 number")):
+        robot = small.ROBOT.replace("viscous = 0.5", f"viscous = {numbers}")
+        study = study_of(folder, small.STUDY, robot, small.SCENARIO, small.GRID)
+        with pytest.raises(
+            BadConfiguration, match=rf"study\.toml: viscous in \[robot\] has {count}; .* has 2 joints: sh"
+        ):
+            run_study(study, folder / "never", InThisProcess())
     with pytest.raises(
         BadConfiguration, match=r"study\.toml: limits in \[robot\]: joint 'sh.*' may move from 1 to -1;"
     ):
