@@ -10,6 +10,7 @@ from random_trees import NAMED, random_base_motion, random_state, random_wrenche
 
 import graphdyn
 from graphdyn.compiler import interpreter, running
+from graphdyn.compiler.gram import gram as gram_of_portions
 from graphdyn.compiler.gram.gram import SAMPLES_PER_PORTION, torque_gram
 from graphdyn.compiler.llvm import emitter
 from graphdyn.compiler.native import MAX_CACHED_RESULT_BYTES, host_lanes
@@ -54,11 +55,11 @@ def test_a_sample_does_not_depend_on_the_samples_beside_it(back_end):
 
 @with_long_robots
 def test_the_number_of_threads_changes_nothing(back_end, monkeypatch):
-    """With work handed out sample by sample, more threads than samples included."""
+    """With work handed out a few samples at a time."""
     arrays = states(61)
     with on(back_end):
         alone = verbs(*arrays, threads=1)
-        monkeypatch.setattr(running, "WORTH_A_THREAD", 10_000)
+        monkeypatch.setattr(running, "WORTH_A_THREAD", 1_000)
         used = set()
         original = running.in_threads
         monkeypatch.setattr(
@@ -66,9 +67,10 @@ def test_the_number_of_threads_changes_nothing(back_end, monkeypatch):
             "in_threads",
             lambda work, ranges, threads: used.add(len(ranges)) or original(work, ranges, threads),
         )
-        for threads in (2, 3, 7):
+        for threads in (2, 3, 7, 30):
             assert_same(alone, verbs(*arrays, threads=threads))
         assert {2, 3, 7} <= used  # otherwise nothing was tested
+        assert max(used) > 61 / host_lanes()  # fewer samples than lanes
 
 
 @pytest.mark.parametrize("back_end", COMPILED)
@@ -225,6 +227,25 @@ def test_gram_matrices_tell_what_is_not_finite_and_bring_angles_back(back_end):
         spoiled = v.copy()
         spoiled[17, 2] = np.inf
         assert np.isnan(summed(q, spoiled, a, tau, extra)[1]["finite"])
+
+
+@back_ends
+def test_gram_matrices_tell_what_is_not_finite_in_any_portion_of_any_argument(back_end, monkeypatch):
+    monkeypatch.setattr(gram_of_portions, "SAMPLES_PER_PORTION", 16)
+    with on(back_end):
+        (q, v, a, extra), summed, (matrices, guards), tau = gram(50, 2)
+        assert guards["finite"] == 0
+        assert guards["squares"] == pytest.approx((q[:, [0, 2, 3]] ** 2).sum())
+        for row in (0, 15, 16, 40, 49):
+            for place in range(5):
+                arrays = [x.copy() for x in (q, v, a, tau, extra)]
+                arrays[place][row].flat[-1] = np.nan
+                assert np.isnan(summed(*arrays)[1]["finite"]), (row, place)
+            far = q.copy()
+            far[row, 3] += 2e6 * np.pi
+            found, _ = summed(far, v, a, tau, extra)
+            for x, y in zip(matrices, found, strict=True):
+                assert np.abs(x - y).max() < TURNED * np.abs(x).max()
 
 
 def test_lanes_of_the_host_are_a_power_of_two():

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from back_ends import on
 from long_check import LONG
-from random_trees import NAMED, random_state, random_tree
+from random_trees import NAMED, random_base_motion, random_state, random_tree, random_wrenches
 
 import graphdyn
 from graphdyn import InvalidInput
@@ -269,6 +269,20 @@ def test_far_angles_of_long_programs_are_brought_back_first(monkeypatch):
     near = np.where(far == q, q, np.arctan2(np.sin(far), np.cos(far)))
     found, expected = (graphdyn.joint_torques(tree, x, v, a, method="recursive") for x in (far, near))
     assert np.abs(found - expected).max() < SUM * np.abs(expected).max()
+    assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[tree].values())
+
+
+def test_long_programs_of_loaded_bodies_on_a_base_that_moves(monkeypatch):
+    """Of a tree of turns and slides, against the equations that know no programs."""
+    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", 0)
+    tree = random_tree(11, [0, 1, 0, 2], ["revolute", "prismatic", "prismatic", "revolute"])
+    (q, v, a), wrenches, base = random_state(tree, 1, (3,)), random_wrenches(tree, 2, (3,)), random_base_motion(3, (3,))
+    for verb in (graphdyn.inverse_dynamics, graphdyn.forward_dynamics):
+        expected = verb(tree, q, v, a, wrenches, base=base, method="projected")
+        found = verb(tree, q, v, a, wrenches, base=base, method="recursive")
+        for name, value in vars(expected).items():
+            size = np.abs(value).max(initial=np.abs(expected.joint_wrenches).max())
+            assert np.abs(getattr(found, name) - value).max(initial=0.0) < SUM * size, name
     assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[tree].values())
 
 

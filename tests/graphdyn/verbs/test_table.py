@@ -135,6 +135,24 @@ def test_refusals(name):
 
 
 @verbs
+def test_the_first_and_the_last_number_of_every_argument_are_looked_at(name, monkeypatch):
+    """Each alone, also where the answer hardly depends on it."""
+    monkeypatch.setenv("GRAPHDYN_BACKEND", "numpy")  # test_programs has compiled ones
+    function, zero = function_of(name), np.zeros(MODEL.n_bodies)
+    loads = {"external_wrenches": np.zeros((MODEL.n_bodies, 6))}
+    taken = dict.fromkeys(VERBS[name].inputs, zero)
+    if "external_wrenches" in inspect.signature(getattr(graphdyn, name)).parameters:
+        taken |= loads
+    for argument, array in taken.items():
+        for place in (0, -1):
+            spoilt = array.copy()
+            spoilt.flat[place] = np.nan
+            message = rf"{argument} contains nan at joint '{MODEL.joint_names[place]}'"
+            with pytest.raises(InvalidInput, match=message):
+                function(MODEL, **{**taken, argument: spoilt}, method="recursive")
+
+
+@verbs
 def test_unchecked_arguments_spoil_their_own_sample_only(name):
     q = np.zeros((2, MODEL.n_bodies))
     function, others = function_of(name), [q] * (len(VERBS[name].inputs) - 1)
