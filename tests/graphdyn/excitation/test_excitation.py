@@ -9,7 +9,7 @@ from identified.excited_robot import AT_REST, followed
 from planting import mixed_tree
 from robots.mechanisms import four_bar
 
-from graphdyn import Coupling, InvalidInput, frame_placement, joint_torque_regressor, joint_torques
+from graphdyn import Coupling, InvalidInput, JointLimits, frame_placement, joint_torque_regressor, joint_torques
 from graphdyn.excitation import (
     ConditionNumber,
     ExcitationProblem,
@@ -34,6 +34,7 @@ from graphdyn.excitation import (
 from graphdyn.excitation import optimizing as optimizing
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.information import Information
+from graphdyn.excitation.optimizing import _Search
 from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_slope, usage
 from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
 from graphdyn.identification.problem.prior import model_prior
@@ -504,6 +505,39 @@ def test_torques_have_the_friction_that_the_file_states():
     needed = np.abs(joint_torques(model, q, v, a) + damping * v) + friction
     used = [usage(one).used for one in signals(model, limits, (), motion) if one.kind == "torque"]
     assert used == pytest.approx(needed.max(axis=0) / 200.0)
+
+
+def test_limits_are_those_stated_but_for_what_is_given():
+    """Zero and less are no limits of velocities and efforts; parts are of stated ones alone."""
+    model = mixed_tree()
+
+    def limits_of(velocities, efforts, **given):
+        stated = [JointLimits(-1.0 - k, None if k == 1 else 2.0 + k, velocities[k], efforts[k]) for k in range(3)]
+        joints = tuple(replace(one, limits=limits) for one, limits in zip(model.joints, stated, strict=True))
+        limits = MotionLimits.of_model(replace(model, joints=joints), velocity_share=0.5, torque_share=0.25, **given)
+        names = ("lower", "upper", "velocity", "acceleration", "jerk", "torque")
+        return [getattr(limits, name).tolist() for name in names]
+
+    no = [np.inf] * 3
+    ranges = [[-1.0, -2.0, -3.0], [2.0, np.inf, 4.0]]
+    assert limits_of([2, 4, 6], [8, None, 0]) == [*ranges, [1.0, 2.0, 3.0], no, no, [2.0, np.inf, np.inf]]
+    assert limits_of([2, 4, 6], [-8, 4, 2])[-1] == [np.inf, 1.0, 0.5]
+    given = {"lower": -0.1, "upper": [1, 2, 3], "velocity": 7, "acceleration": 5, "jerk": [1, 2, 3], "torque": 9}
+    assert limits_of([0, -1, None], [8, 8, 8], **given) == [
+        [-0.1] * 3, [1, 2, 3], [7] * 3, [5] * 3, [1, 2, 3], [9] * 3
+    ]  # fmt: skip
+    for nothing in (0.0, -2.0, None):
+        with pytest.raises(InvalidInput, match=rf"joint '{model.joint_names[1]}' has no limit of velocity; give one"):
+            limits_of([2, nothing, 6], [8, 8, 8])
+
+
+def test_limits_are_tightened_by_all_violations_so_far():
+    """By each violation and a margin, of clearances a tenth; what was kept stays as it was."""
+    search = _Search(problem_of(), lambda value: None)
+    kinds = ["torque", "clearance", "jerk"]
+    for used in ([1.2, 1.1, 0.9], [1.05, 0.4, 1.0], [0.8, 1.3, 1.5]):
+        search.tighten([Usage(kind, "one", part) for kind, part in zip(kinds, used, strict=True)])
+    assert search._allowed == pytest.approx([1 - 0.25 - 2e-4, 1 - 0.4 - 0.2, 1 - 0.5 - 1e-4], rel=1e-12)
 
 
 def test_positions_use_their_range_from_its_middle():
