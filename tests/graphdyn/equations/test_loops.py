@@ -140,6 +140,23 @@ def test_how_far_a_singular_pose_is():
     assert loop_spaces(rows).distance == pytest.approx(0.125)
     assert loop_spaces(np.vstack([rows, rows[0]])).distance == pytest.approx(0.5 / np.sqrt(32))
     assert loop_spaces(np.zeros((1, 2))).distance == 1
+    idle = np.vstack([rows, rows.sum(axis=0)]) @ np.eye(2, 4)
+    values = np.linalg.svd(idle, compute_uv=False)
+    assert loop_spaces(idle).distance == pytest.approx(values[1] / values[0])
+    assert np.array_equal(loop_spaces(np.stack([idle, 0 * idle])).distance, [loop_spaces(idle).distance, 1.0])
+
+
+def test_the_most_regular_pose_has_the_largest_rank_first():
+    """And among poses of that rank the largest ratio of singular values: a folded linkage is no regular one."""
+    model = n_four_bar(2)
+    poses = np.concatenate([[np.zeros(model.nv)], model.random_state(np.random.default_rng(0), 4)[0]])
+    values = np.linalg.svd(model.loops.jacobian(model.loops.links(poses)), compute_uv=False)
+    ranks = (values > 1e-9).sum(axis=-1)
+    ratios = [sizes[rank - 1] / sizes[0] for sizes, rank in zip(values, ranks, strict=True)]
+    assert ranks[0] < ranks[1:].min()
+    assert ratios[0] > max(ratios[1:])
+    best = max(range(5), key=lambda k: (ranks[k], ratios[k]))
+    assert np.array_equal(random_states._most_regular(model.loops, poses), poses[best])
 
 
 def test_motions_apart_are_measured_by_what_is_summed():
@@ -551,6 +568,9 @@ def test_refusals():
             graphdyn.forward_dynamics(model, opened, still, still, method=method)
         with pytest.raises(InconsistentState, match=message + "; "):
             graphdyn.forward_dynamics(model, opened[1], still[0], still[0], method=method)
+    spoilt = np.concatenate([[np.full(3, np.nan)], opened])  # samples that nobody wants looked at
+    with pytest.raises(InconsistentState, match=r"the loop of chord 'closing' is open by .* in row 2; "):
+        graphdyn.forward_dynamics(model, spoilt, 0 * spoilt, 0 * spoilt, method="recursive", check=False)
     with pytest.raises(InconsistentState, match=r"the velocity opens the loop of chord 'closing' in row 1 .*assemble"):
         graphdyn.forward_dynamics(model, q, v + 1, still)
     for method in ("projected", "recursive"):

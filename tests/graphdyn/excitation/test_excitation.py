@@ -531,6 +531,17 @@ def test_limits_are_those_stated_but_for_what_is_given():
             limits_of([2, nothing, 6], [8, 8, 8])
 
 
+@pytest.mark.parametrize("rate", [30.0, 100.0, 125.0, 1000.0])
+def test_the_end_of_whole_periods_is_a_sample(rate):
+    """Whatever rounding makes of the duration times the rate; half a period more has no sample."""
+    for count in range(1, 500):
+        times = sample_times(count / rate, rate)
+        assert np.array_equal(times, np.arange(count + 1) / rate)
+        assert len(sample_times((count + 0.5) / rate, rate)) == count + 1
+        decimal = float(f"{count / 1000:.3f}")  # as people write it
+        assert len(sample_times(decimal, 1000.0)) == count + 1
+
+
 def test_limits_are_tightened_by_all_violations_so_far():
     """By each violation and a margin, of clearances a tenth; what was kept stays as it was."""
     search = _Search(problem_of(), lambda value: None)

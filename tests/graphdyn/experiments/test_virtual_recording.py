@@ -49,6 +49,15 @@ def test_rounded_prints_like_c(number, digits):
     assert np.array([rounded]).tobytes() == np.array([float(f"{number:.{digits - 1}e}")]).tobytes()
 
 
+@given(st.integers(1, 10**6), st.integers(1, 7))
+def test_what_looks_like_a_tie_is_rounded_as_the_number_behind_it(count, digits):
+    """0.15 is less than it looks, and 0.1 with one digit; 0.35 is less too, 0.45 more."""
+    number = float(f"{count}5e-{digits}")
+    wanted = len(str(count))
+    rounded = recording(**with_value("tau", number)).rounded(wanted).tau[3, 1]
+    assert rounded == float(f"{number:.{wanted - 1}e}")
+
+
 @given(st.floats(-1e12, 1e12), st.integers(1, 15))
 def test_truncated_cuts_digits_and_cuts_them_once(number, digits):
     once = recording(**with_value("tau", number)).rounded(digits, "truncated")
