@@ -363,9 +363,9 @@ class _Trial:
 
     def went_on(self, name: str, found: dict[str, bytes]) -> bool:
         """Whether a file is as without a failure, but for the command and for what is told of parts taken over."""
-        if not self.run.growing:
-            return self.same(name, found)
         content = found.get(name, b"")
+        if not self.run.growing or name in (f"work/{input}" for input in self.run.inputs):
+            return self.same(name, found)
         if name != f"work/{self.run.growing}":
             return content.rstrip().endswith(b"</html>")
         now, whole = json.loads(content), json.loads(self.whole[name])
