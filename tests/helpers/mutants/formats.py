@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from inspected.sample import CLEAN
 from lxml import etree
-from mutants import log_readings, readings
+from mutants import constraint_readings, log_readings, readings
 from mutants.material import RICH
 from mutants.of_arrays import ON_ARRAYS
 from mutants.of_bytes import ANYWHERE, ON_BYTES, ON_LINES
@@ -359,6 +359,37 @@ LOOPED = b"""\
 </robot>
 """
 
+JOINED = b"""\
+<?xml version="1.0"?>
+<robot name="arms" xmlns:drake="http://drake.mit.edu">
+  <link name="base"/>
+  <link name="upper"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>
+    <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>
+  <link name="fore"><inertial><mass value="2"/>
+    <inertia ixx="0.2" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.2"/></inertial></link>
+  <link name="crank"><inertial><mass value="3"/>
+    <inertia ixx="0.3" ixy="0" ixz="0" iyy="0.3" iyz="0" izz="0.3"/></inertial></link>
+  <link name="rod"><inertial><mass value="1"/>
+    <inertia ixx="0.3" ixy="0" ixz="0" iyy="0.3" iyz="0" izz="0.3"/></inertial></link>
+  <joint name="a" type="continuous"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/></joint>
+  <joint name="b" type="continuous">
+    <origin xyz="0.5 0 0"/><parent link="upper"/><child link="fore"/><axis xyz="0 1 0"/></joint>
+  <joint name="c" type="continuous">
+    <origin xyz="1 0 0"/><parent link="base"/><child link="crank"/><axis xyz="0 0 1"/></joint>
+  <joint name="d" type="continuous" independent="false">
+    <origin xyz="0 0 0.5"/><parent link="crank"/><child link="rod"/><axis xyz="0 1 0"/></joint>
+  <coupling name="gear"><predecessor link="fore"/><successor link="rod"/><ratio value="2"/></coupling>
+  <loop_joint name="hinge" type="continuous">
+    <link1 link="fore" xyz="0.5 0 0" rpy="0.1 0 0.2"/><link2 link="crank"/><axis xyz="0 0.6 0.8"/></loop_joint>
+  <constraint name="slide" type="prismatic_joint"><parent link="upper"/><parent_origin xyz="0.5 0 0" rpy="0 0 1"/>
+    <child link="crank"/><child_origin xyz="0 0.25 0"/><parent_axis xyz="0 0 1"/></constraint>
+  <drake:ball_constraint name="ball">
+    <drake:ball_constraint_body_A name="upper"/><drake:ball_constraint_body_B name="base"/>
+    <drake:ball_constraint_p_AP value="0 0 0"/><drake:ball_constraint_p_BQ value="0 0 0"/>
+  </drake:ball_constraint>
+</robot>
+"""
+
 XACRO = b"""\
 <?xml version="1.0"?>
 <robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -585,7 +616,11 @@ FORMATS: dict[str, Format] = {
         ".sqlite", study_store, Reading(readings.study_store, readings.study_store_fault)
     ),
     "sweep": of_text(".json", sweep, Reading(readings.sweep, readings.sweep_fault)),
-    "urdf with loops": of_xml(".urdf", [lambda: LOOPED], Reading(readings.looped, readings.looped_fault).trial),
+    "urdf with loops": of_xml(
+        ".urdf",
+        [lambda: LOOPED, lambda: JOINED],
+        Reading(constraint_readings.joined, constraint_readings.joined_fault).trial,
+    ),
     "urdf updated": of_xml(
         ".urdf", [partial(robot, name) for name in ROBOTS], Reading(readings.updated, readings.updated_fault).trial
     ),

@@ -645,60 +645,6 @@ def loop_yaml_fault(path: Path, found: Any) -> str | None:
     )
 
 
-AXES = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "spherical": "ball", "fixed": "weld"}
-
-
-def looped(path: Path) -> Any:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return urdf.load(path)
-
-
-def named(parent: Any, tag: str) -> list[Any]:
-    """Its elements whose tag is written so, without a prefix."""
-    return [e for e in parent.iterchildren(etree.Element) if e.prefix is None and etree.QName(e).localname == tag]
-
-
-def looped_fault(path: Path, found: Any) -> str | None:
-    """The chords are the <loop> elements of the file, between the same links at the same places, and so is its tree."""
-    root = etree.fromstring(path.read_bytes())
-    loops = {e.get("name"): e for e in named(root, "loop")}
-    parents = {named(j, "child")[0].get("link"): j for j in named(root, "joint")}
-
-    def numbers(e: Any, name: str, default: str) -> Array:
-        return np.array((e.get(name, default) if e is not None else default).split(), dtype=float)
-
-    def chord(one: Any) -> Iterable[str | None]:
-        element = loops[one.name]
-        yield differs(f"kind of {one.name}", one.kind, AXES[element.get("type")])
-        for tag, body, placement in (
-            ("predecessor", one.body_i, one.placement_i),
-            ("successor", one.body_j, one.placement_j),
-        ):
-            end = named(element, tag)[0]
-            name = "base" if body == 0 else found.bodies[body - 1].name
-            if end.get("link") in parents and parents[end.get("link")].get("type") == "fixed":
-                continue  # the link is fused into another
-            yield differs(f"{tag} of {one.name}", name, end.get("link"))
-            yield differs(
-                f"place of {tag}",
-                placement.translation,
-                numbers(next(iter(named(end, "origin")), None), "xyz", "0 0 0"),
-            )
-
-    def joint(one: Any) -> Iterable[str | None]:
-        element = next(e for e in parents.values() if e.get("name") == one.name)
-        axis = numbers(next(iter(named(element, "axis")), None), "xyz", "1 0 0")
-        yield differs(f"axis of {one.name}", np.round(one.axis, 9), np.round(axis / np.linalg.norm(axis), 9))
-
-    return (
-        differs("names of loops", sorted(c.name for c in found.chords), sorted(map(str, loops)))
-        or differs("number of moving links", found.n_bodies, sum(j.get("type") != "fixed" for j in parents.values()))
-        or first(fault for one in found.chords for fault in chord(one))
-        or first(fault for one in found.joints for fault in joint(one))
-    )
-
-
 HEAVIER = 1.5
 
 
