@@ -108,13 +108,19 @@ def joined_fault(path: Path, found: Any) -> str | None:
     """The chords and couplings are the elements of the file, between the same links at the same places, and so is its
     tree."""
     root = etree.fromstring(path.read_bytes())
+    parents = {part(j, "child").get("link"): j for j in named(root, "joint")}
+    fused = {link for link, j in parents.items() if j.get("type") == "fixed"}
+    (base,) = {e.get("name") for e in named(root, "link")} - set(parents)
+
+    def body_of(link: str) -> str:
+        return body_of(part(parents[link], "parent").get("link")) if link in fused else link
+
     loops = {}
     for tag, read in DIALECTS.items():
         for element in named(root, tag):
             one = read(element)
-            loops[element.get("name") or "-".join(x.link for x in one.ends)] = one
-    parents = {part(j, "child").get("link"): j for j in named(root, "joint")}
-    fused = {link for link, j in parents.items() if j.get("type") == "fixed"}
+            if len({body_of(x.link) for x in one.ends}) > 1:  # others hold nothing
+                loops[element.get("name") or "-".join(x.link for x in one.ends)] = one
 
     def chord(one: Any) -> Iterable[str | None]:
         there = loops[one.name]
@@ -124,10 +130,9 @@ def joined_fault(path: Path, found: Any) -> str | None:
             yield differs(f"axis of {one.name}", *rounded(one.axis, there.axis / np.linalg.norm(there.axis)))
         bodies = ((one.body_i, one.placement_i), (one.body_j, one.placement_j))
         for (body, placement), at in zip(bodies, there.ends, strict=True):
+            yield differs(f"link of {one.name}", found.bodies[body - 1].name if body else base, body_of(at.link))
             if at.link in fused:
                 continue
-            name = "base" if body == 0 else found.bodies[body - 1].name
-            yield differs(f"link of {one.name}", name, at.link)
             yield differs(f"place of {one.name}", placement.translation, at.translation)
             yield differs(f"rotation of {one.name}", *rounded(placement.rotation, at.rotation))
 
