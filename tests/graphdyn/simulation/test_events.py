@@ -108,6 +108,19 @@ def test_zero_that_is_reached_and_kept(settings):
         assert motion.occurrences[0].time == pytest.approx(speed, abs=1e-12)
 
 
+@pytest.mark.parametrize(("direction", "count"), [(0, 1), (1, 0), (-1, 1)])
+@pytest.mark.parametrize("beyond", [1.0, -1.0])
+def test_zero_that_is_reached_kept_and_left(settings, direction, count, beyond):
+    """It happens where zero is reached; what leaves zero later, to either side, has not been on the other side."""
+
+    def above_zero_below(t, q, v):
+        return max(0.0, 0.3 - q[0]) + beyond * max(0.0, q[0] - 0.6)
+
+    event = Event(above_zero_below, "zero", stop=False, direction=direction)
+    motion = simulate(slider(), [0.0], [1.0], 1.0, events=event, **settings)
+    assert [time for _, time in happened(motion)] == pytest.approx([0.3] * count, abs=1e-9)
+
+
 def test_a_zero_that_is_left_late(settings):
     event = Event(lambda t, q, v: max(0.0, q[0] - 0.3), "beyond", direction=1)
     motion = simulate(slider(), [0.0], [1.0], 1.0, events=event, **settings)
