@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 from random_trees import NAMED, random_state
 from robots.moving_robots import slider
+from scipy.linalg import block_diag, null_space
 
-from graphdyn import Event, Friction, InvalidInput, PDControl, simulate
+from graphdyn import Event, Friction, InvalidInput, PDControl, maximal_state, simulate
 from graphdyn.equations.system.constraints import constraints
 from graphdyn.layout import stacked
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.integration.events import InitialValueProblem
-from graphdyn.simulation.integration.maximal import _MaximalRun
+from graphdyn.simulation.integration.maximal import _least, _MaximalRun
 from graphdyn.simulation.integration.steps import tableau
 from graphdyn.simulation.plant import make_plant
 from graphdyn.simulation.torques import torques
@@ -35,6 +36,19 @@ def test_projection_beats_baumgarte_beats_nothing():
     assert errors["projection"].max() < CLOSED
     assert errors["none"][-1] > 5 * errors["none"][len(errors["none"]) // 4]  # it grows
     assert errors["projection"].max() < errors["baumgarte"][-1] < errors["none"][-1]
+
+
+def test_projections_are_the_least_in_the_norm_of_the_masses():
+    """What is needed and no motion of the joints besides: orthogonal, by A, to the null space of φ_q."""
+    model = NAMED["mixed_chain"]
+    state = maximal_state(model, *random_state(model, 3)[:2])
+    phi_q, _ = constraints(state)
+    right = np.random.default_rng(0).normal(size=len(phi_q))
+    change = _least(state, phi_q, right)
+    assert phi_q @ change == pytest.approx(right, abs=1e-12 * np.abs(phi_q).max() * np.abs(change).max())
+    blocks = [block for body in model.bodies for block in (body.mass * np.eye(3), body.inertia)]
+    along = null_space(phi_q).T @ block_diag(*blocks) @ change
+    assert np.abs(along).max() < 1e-12 * np.abs(change).max()
 
 
 @pytest.mark.parametrize("name", ["mixed_chain", "prismatic_inside_and_out"])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from robots.mechanisms import four_bar
 from robots.moving_robots import pendulum, slider
 
 from graphdyn import (
@@ -20,6 +21,7 @@ from graphdyn import (
     simulate,
 )
 from graphdyn.motion_laws import Polynomial, Rail
+from graphdyn.simulation.integration import fixed
 from graphdyn.simulation.torques import Torques, torques
 
 FIXED = {"method": "rk4", "step": 0.1}
@@ -40,6 +42,33 @@ def test_rows_after_many_steps():
     motion = simulate(slider(), [0.0], [1.0], 9000.0, at=at, method="rk4", step=1.0)
     assert np.array_equal(motion.time, at)
     assert motion.q[:, 0] == pytest.approx(at, rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["none", "function", "held"])
+@pytest.mark.parametrize("model", [pendulum(), four_bar()], ids=["tree", "loop"])
+def test_rows_do_not_depend_on_chunks_of_steps(model, kind, monkeypatch):
+    """Those of all steps, of which every third is asked for."""
+    held = np.outer(np.arange(4.0), np.ones(model.nv))
+    torque = {"none": None, "function": lambda t, q, v: np.cos(t) * np.ones(model.nv), "held": held}[kind]
+    q, v = model.random_state(np.random.default_rng(0))
+    given = {"torque": torque, "method": "euler", "step": 2.0**-10}
+    whole = simulate(model, q, v, 60 / 1024, **given)
+    for name in ("CHUNK_STEPS", "LOOP_CHUNK_STEPS"):
+        monkeypatch.setattr(fixed, name, 8)
+    some = simulate(model, q, v, 60 / 1024, at=whole.time[::3], **given)
+    for name in ("time", "q", "v", "a", "tau", "passive"):
+        assert np.array_equal(getattr(some, name), getattr(whole, name)[::3]), name
+
+
+@pytest.mark.parametrize("settings", [{}, {"method": "rk4", "step": 0.125}], ids=["dop853", "rk4"])
+@pytest.mark.parametrize("end", [0.5, 0.625, 0.3, 0.0625])
+def test_rows_up_to_an_event(end, settings):
+    """Its own is the last, and stands there once, also where it was asked for."""
+    event, at = Event(lambda t, q, v: t - end), [0.0, 0.25, 0.5, 0.75, 1.0]
+    motion = simulate(slider(), [0.0], [1.0], 1.0, at=at, events=event, **settings)
+    assert motion.time == pytest.approx([*(time for time in at if time < end), end], abs=1e-12)
+    assert np.all(np.diff(motion.time) > 1e-6)
+    assert motion.q[:, 0] == pytest.approx(motion.time, abs=1e-12)
 
 
 def test_rows_of_adaptive_steps():
