@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -69,6 +70,9 @@ def run(options: StudyOptions) -> None:
     study = read_configuration(config, allow_code=options.allow_code)
     plant_of(study.robot)  # which refuses what does not fit the robot, before any code of others runs
     if only is not None:
+        _refuse_unknown(
+            study, only, [f"{scenario.name}:{k}" for scenario in study.scenarios for k in range(study.runs)]
+        )
         _check_own(study)
         _show(study, only)
         raise typer.Exit(AGREED)
@@ -147,7 +151,11 @@ def _show(study: Configuration, only: str) -> None:
     from crosscheck.study.tasks import compute
 
     known = {f"{task.scenario.name}:{task.run}": task for task in tasks_of(study)}
-    if only not in known:
-        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; it has {', '.join([*known][:3])}, …")
+    _refuse_unknown(study, only, known)
     task = known[only]
     deliver(study_run_report(task, compute(study, task)))
+
+
+def _refuse_unknown(study: Configuration, only: str, known: Iterable[str]) -> None:
+    if only not in known:
+        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; it has {', '.join([*known][:3])}, …")

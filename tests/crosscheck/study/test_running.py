@@ -606,6 +606,7 @@ Path(__file__).with_suffix(".ran").touch()
         (("--allow-code",), "", "'ur5'\nviscous = [1, 2]", "viscous in .robot. has 2"),
         (("--allow-code", "--out", "."), "", "'ur5'", "holds a study already"),
         (("--allow-code", "--only", "a:1"), "", "'ur5'\nviscous = [1, 2]", "viscous in .robot. has 2"),
+        (("--allow-code", "--only", "a:1"), "", "'ur5'", "has no such run; it has"),
     ],
 )
 def test_code_of_a_refused_study_does_not_run(program, words, tmp_path, monkeypatch, options, study, robot, said):
