@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -210,12 +211,7 @@ class PreparationOptions(RecordingOptions):
     def _stages(self) -> tuple[int, ...]:
         if self.decimate is None:
             return ()
-        try:
-            return tuple(int(part) for part in self.decimate.split(","))
-        except ValueError:
-            raise typer.BadParameter(
-                f"--decimate {self.decimate}: give whole numbers with commas between them"
-            ) from None
+        return tuple(map(int, numbers("--decimate", self.decimate, whole=True)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -393,10 +389,10 @@ class IdentifyOptions(
 
 def _interval(option: str, text: str) -> tuple[float, float]:
     """FIRST:LAST; either may be left out. Raises typer.BadParameter."""
+    from urdf.document import finite_number
+
     first, colon, last = text.partition(":")
-    try:
-        if not colon:
-            raise ValueError
-        return float(first or 0), float(last or "inf")
-    except ValueError:
-        raise typer.BadParameter(f"{option} {text}: give FIRST:LAST, such as 0:6") from None
+    begin, end = finite_number(first or "0"), finite_number(last) if last else math.inf
+    if not colon or begin is None or end is None:
+        raise typer.BadParameter(f"{option} {text}: give FIRST:LAST, such as 0:6")
+    return begin, end

@@ -5,6 +5,7 @@ SIGTERM and SIGHUP unwind the program as Ctrl-C does: the processes it started e
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import sys
@@ -54,12 +55,22 @@ class Command(TyperCommand):
         super().format_epilog(ctx, formatter)
 
     def invoke(self, ctx: Any) -> Any:
+        _refuse_non_finite(ctx)
         refuse_harm(ctx)
         out.quiet = any(isinstance(file, OutputFile) and file.is_standard_output for file in ctx.params.values())
         try:
             return super().invoke(ctx)
         finally:
             out.quiet = False
+
+
+def _refuse_non_finite(ctx: Any) -> None:
+    """Raises typer.BadParameter for nan and inf, which are no number of a robot, nor of samples."""
+    for parameter in ctx.command.params:
+        given = ctx.params.get(parameter.name)
+        for value in given if isinstance(given, tuple | list) else [given]:
+            if isinstance(value, float) and not math.isfinite(value):
+                raise typer.BadParameter(f"{value} is not a finite number", ctx, parameter)
 
 
 class CommandGroup(TyperGroup):

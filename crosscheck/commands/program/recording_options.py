@@ -43,19 +43,19 @@ class ColumnOptions:
     @property
     def low_pass(self) -> Cutoff:
         """--cutoff. Raises typer.BadParameter."""
+        from urdf.document import finite_number
+
         text = self.cutoff
         if text in ("none", "residual"):
             return None if text == "none" else "residual"
-        try:
-            if "=" not in text:
-                return float(text)
-            parts = [part.partition("=") for part in text.split(",")]
-            cutoffs = {name.strip(): float(value) for name, _, value in parts}
-            if len(cutoffs) < len(parts):
-                raise typer.BadParameter(f"--cutoff {text}: a channel is given twice; give each once")
-            return cutoffs
-        except ValueError:
-            raise typer.BadParameter(f"--cutoff {text}: give Hz, CHANNEL=HZ,…, residual or none") from None
+        pairs = [part.partition("=") for part in (text.split(",") if "=" in text else [f"={text}"])]
+        names = [name.strip() for name, _, _ in pairs]
+        values = [number for _, _, value in pairs if (number := finite_number(value.strip())) is not None]
+        if len(values) < len(pairs):
+            raise typer.BadParameter(f"--cutoff {text}: give Hz, CHANNEL=HZ,…, residual or none")
+        if len(set(names)) < len(names):
+            raise typer.BadParameter(f"--cutoff {text}: a channel is given twice; give each once")
+        return dict(zip(names, values, strict=True)) if "=" in text else values[0]
 
     def recordings(
         self, option: str, logs: list[Path], joints: tuple[str, ...], advance: Advance, rate: float | None = None
@@ -116,11 +116,11 @@ def files_per_recording(mapping: ColumnMapping | None) -> int:
     return max(1, len(named))
 
 
-def numbers(option: str, text: str) -> list[float]:
+def numbers(option: str, text: str, *, whole: bool = False) -> list[float]:
     """Numbers between commas. Raises typer.BadParameter."""
     from urdf.document import finite_number
 
     found = [finite_number(part.strip()) for part in text.split(",")]
-    if None in found:
-        raise typer.BadParameter(f"{option} {text}: give numbers with commas between them")
+    if not all(number is not None and (number.is_integer() or not whole) for number in found):
+        raise typer.BadParameter(f"{option} {text}: give {'whole ' * whole}numbers with commas between them")
     return [number for number in found if number is not None]

@@ -130,6 +130,8 @@ class TestExitCodes:
             (["crosscheck", "--lock", "O1"], "--lock and --chain need exactly one robot"),
             (["crosscheck", "kr500", "--speed", "1"], "--speed"),
             (["errata", "--samples", "9"], "'--samples'"),
+            (["simulate", "kr500", "--duration", "inf"], "'--duration': inf is not a finite number"),
+            (["simulate", "kr500", "--gravity", "0", "nan", "1"], "'--gravity': nan is not a finite number"),
             (["nonsense"], "nonsense"),
         ],
     )

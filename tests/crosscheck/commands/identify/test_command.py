@@ -428,6 +428,13 @@ class TestOptions:
         [
             (["--cutoff", "x"], "--cutoff x: give Hz, CHANNEL=HZ,…, residual or none"),
             (["--decimate", "x"], "--decimate x: give whole numbers with commas between them"),
+            (["--decimate", "2,1.5"], "--decimate 2,1.5: give whole numbers with commas between them"),
+            (["--cutoff", "1_0"], "--cutoff 1_0: give Hz, CHANNEL=HZ,…, residual or none"),
+            (["--cutoff", "q=nan"], "--cutoff q=nan: give Hz"),
+            (["--cutoff", "q=10,20"], "--cutoff q=10,20: give Hz"),
+            (["--cutoff", "q=10,q=20"], "--cutoff q=10,q=20: a channel is given twice"),
+            (["--split", "0:1_0", "1:2"], "--split 0:1_0: give FIRST:LAST"),
+            (["--split", "nan:1", "1:2"], "--split nan:1: give FIRST:LAST"),
             (["--min-speed", "x"], "--min-speed x: give numbers with commas between them"),
             (["--split", "0", "1"], "--split 0: give FIRST:LAST, such as 0:6"),
             (["--split-rows", "0:9", "9:", "--split", "0:1", "1:2"], "--split and --split-rows exclude each other"),
