@@ -10,6 +10,7 @@ import pytest
 from faults.files import TOOLS
 from lxml import etree
 from planting import mixed_tree, with_body, with_joint
+from random_trees import random_tree
 from scipy.spatial.transform import Rotation
 from urdf_text import inertial
 
@@ -77,6 +78,29 @@ def test_orders(model, state):
         check(found[f"joint quantities are in the order {listed}"], reordered[:, theirs])
         check(found[f"joint motions, but not torques, are in the order {listed}"], reordered)
         check(found[f"torques, but not joint motions, are in the order {listed}"], tau[:, theirs])
+
+
+@pytest.mark.parametrize("n", [2, 6, 7])
+def test_number_of_orders(n):
+    """All of up to six joints; of more, exchanges of two, shifts, and the reverse and alphabetical order."""
+    names = [f"j{(5 * k) % 8}" for k in range(n)]
+    tree = random_tree(1, range(n), ["revolute"] * n)
+    joints = [dataclasses.replace(joint, name=name) for joint, name in zip(tree.joints, names, strict=True)]
+    descriptions = list(map(said, orders(dataclasses.replace(tree, joints=tuple(joints)))))
+    listed = {one.message.split("in the order ")[1]: one.size for one in descriptions}
+    known = {", ".join(names[k:] + names[:k]) for k in range(1, n)} | {", ".join(names[::-1]), ", ".join(sorted(names))}
+    expected = set(map(", ".join, itertools.permutations(names)))
+    if n > 6:
+        pairs = itertools.combinations(range(n), 2)
+        exchanged = [[{i: k, k: i}.get(place, place) for place in range(n)] for i, k in pairs]
+        expected = known | {", ".join(names[k] for k in order) for order in exchanged}
+    assert set(listed) == expected - {", ".join(names)}
+    assert len(descriptions) == 3 * len(listed)
+    assert {order for order in known if listed.get(order, 1) > 1} == set()
+    if n == 6:
+        others = {order: size for order, size in listed.items() if order not in known}
+        assert sum(size == 1 for size in others.values()) == 15  # exchanges of two
+        assert max(others.values()) == 5
 
 
 def test_units(model, state):
