@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from urdf_text import inertial
 
 import urdf
-from crosscheck.judging.faults.arguments import orders, units
+from crosscheck.judging.faults.arguments import angles, arguments, orders, units
 from crosscheck.judging.faults.fault import is_round
 from crosscheck.judging.faults.file_reading import file_reading
 from crosscheck.judging.faults.geometry import geometry
@@ -24,7 +24,7 @@ from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.faults.signs import signs
 from crosscheck.judging.faults.terms import gravity, joint_terms, terms
 from crosscheck.judging.verdicts.diagnosis import noise
-from graphdyn import inverse_dynamics
+from graphdyn import JointLimits, inverse_dynamics
 from urdf.reading import Misreadings
 
 ALIKE = 1e-12
@@ -78,6 +78,86 @@ def test_orders(model, state):
         check(found[f"joint quantities are in the order {listed}"], reordered[:, theirs])
         check(found[f"joint motions, but not torques, are in the order {listed}"], reordered)
         check(found[f"torques, but not joint motions, are in the order {listed}"], tau[:, theirs])
+
+
+TURNED_SIGNS = {
+    "the axis of joint 'x' points the other way": "qvat",
+    "the torque of joint 'x' has the opposite sign": "t",
+    "the motion of joint 'x' is taken with the opposite sign, its torque is not": "qva",
+    "velocity, acceleration and torque of joint 'x' are taken with the opposite sign, its position is not": "vat",
+    "all torques have the opposite sign": "t",
+}
+"""What is negative, by the words that do not name it themselves."""
+
+ANGLES = {
+    "is clipped at ±π": lambda q: np.minimum(np.maximum(q, -np.pi), np.pi),
+    "is replaced by its cosine": np.cos,
+    "is replaced by its sine": np.sin,
+    "is the other angle of (cos, sin), π/2 - q": lambda q: np.arctan2(np.cos(q), np.sin(q)),
+    "is halved, as in a quaternion": lambda q: 0.5 * q,
+    "is doubled": lambda q: q + q,
+    "is held at zero": lambda q: 0.0 * q,
+}
+
+
+def members(model, message):
+    """Numbers of the joints or bodies that a sentence names."""
+    names = re.findall(r"'([^']*)'", message)
+    known = model.body_names if "bod" in message else model.joint_names
+    return [known.index(name) for name in names] if names else list(range(model.n_bodies))
+
+
+def test_signs(model, state):
+    """Of q, v, a and τ of joints; of products of inertia, and of centers of mass."""
+    found = torques(model, signs, state)
+    for message, tau in found.items():
+        who = members(model, message)
+        if "bod" in message:
+            other = model
+            for k in who:
+                body = model.bodies[k]
+                changed = {"inertia": body.inertia * (2 * np.eye(3) - 1)}
+                if "center of mass" in message:
+                    changed = {"center_of_mass": -body.center_of_mass}
+                other = with_body(other, k + 1, **changed)
+            check(tau, inverse_dynamics(other, *state).tau)
+            continue
+        words = re.sub(r"(every joint|joints? '.*')", "joint 'x'", message)
+        named = {"position": "q", "velocity": "v", "acceleration": "a", "torque": "t"}
+        turned = TURNED_SIGNS.get(words) or "".join(letter for word, letter in named.items() if word in words)
+        sign = np.where(np.isin(np.arange(model.n_bodies), who), -1.0, 1.0)
+        q, v, a = (sign * x if name in turned else x for name, x in zip("qva", state, strict=True))
+        check(tau, inverse_dynamics(model, q, v, a).tau * (sign if "t" in turned else 1.0))
+    n = model.n_bodies
+    several = sum(1 for size in range(2, n) for _ in itertools.combinations(range(n), size))
+    assert len(found) == 15 * n + 5 + 1 + 5 * several + 2 * (n + 1)
+
+
+def test_angles_and_arguments(model, state):
+    """Of turning joints; arguments that are ignored, or taken for one another."""
+    limits = JointLimits(lower=-0.5, upper=0.25)
+    limited = with_joint(model, 1, limits=limits)
+    q, v, a = state
+    turning = np.array([not joint.is_prismatic for joint in model.joints])
+    for message, tau in torques(limited, angles, state).items():
+        which = np.isin(np.arange(model.n_bodies), members(model, message)) & turning
+        if "at its limits" in message:
+            angle = np.where(np.arange(model.n_bodies) == 0, np.clip(q, -0.5, 0.25), q)
+        else:
+            angle = next(change(q) for words, change in ANGLES.items() if message.endswith(words))
+        check(tau, inverse_dynamics(model, np.where(which, angle, q), v, a).tau)
+    given = {"positions": q, "velocities": v, "accelerations": a}
+    for message, tau in torques(model, arguments, state).items():
+        taken = dict(given)
+        if found := re.fullmatch("(.*) and (.*) are exchanged", message):
+            first, second = found.groups()
+            taken[first], taken[second] = given[second], given[first]
+        elif found := re.fullmatch("the (.*) of joint '.*' is ignored", message):
+            name = {"velocity": "velocities", "acceleration": "accelerations"}[found[1]]
+            taken[name] = np.where(np.isin(np.arange(model.n_bodies), members(model, message)), 0.0, given[name])
+        else:
+            taken[re.fullmatch("the (.*) are ignored", message)[1]] = 0 * q
+        check(tau, inverse_dynamics(model, *taken.values()).tau)
 
 
 @pytest.mark.parametrize("n", [2, 6, 7])
