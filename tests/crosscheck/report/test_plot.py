@@ -57,14 +57,15 @@ class TestData:
         original = plot(50_000)
         for panel, row in zip(original.panels, (12_345, 45_678), strict=True):
             panel.series[0].y[row] = 100.0
-            panel.series[0].y[30_000] = np.nan
+            panel.series[0].y[row + 2] = -100.0
+            panel.series[0].y[[row - 1, row + 1, 30_000]] = np.nan  # beside the extremes, too
         x, ys = decoded(plot_data(original, 3000))
-        assert 1000 < len(x) <= 3002  # one more per curve for its gap
+        assert 1000 < len(x) <= 3006  # one more for each part with a gap
         assert np.all(np.diff(x) > 0)
         rows = np.searchsorted(original.x, x)
         for y, panel in zip(ys, original.panels, strict=True):
             np.testing.assert_array_equal(y, panel.series[0].y[rows].astype("<f4"))
-            assert y[np.isfinite(y)].max() == 100.0
+            assert (y[np.isfinite(y)].min(), y[np.isfinite(y)].max()) == (-100.0, 100.0)
             assert np.isnan(y).any()
 
     def test_a_page_of_many_plots(self):

@@ -252,6 +252,29 @@ def test_shafts_begin_and_heads_end_at_their_places(shown):
     assert found == [[0, 1], [-1, 0], [-1, 0]]
 
 
+@pytest.mark.parametrize("length", [0.3, 0.02])
+def test_heads_of_moments(shown, length):
+    """Two, one behind the other: the first at the tip, the second 3/4 of a head behind; short arrows are thinner."""
+    shaft, first, second = shown.value(
+        f"""(() => {{
+          const arrows = new Arrows(1, 0, 0.01, 2, new THREE.Group());
+          arrows.set(0, [1, 2, 3], [0, {length}, 0]);
+          return arrows.parts.map((part) => {{
+            const matrix = new THREE.Matrix4(), place = new THREE.Vector3(), size = new THREE.Vector3();
+            part.getMatrixAt(0, matrix);
+            matrix.decompose(place, new THREE.Quaternion(), size);
+            return [place.toArray(), size.toArray()];
+          }});
+        }})()"""
+    )
+    thin = min(0.01, length / 9)
+    head = 5 * thin
+    assert np.abs(np.subtract(shaft, [[1, 2, 3], [thin, length - head, thin]])).max() < DRAWN
+    for part, behind in ((first, 0), (second, 0.75 * head)):
+        expected = [[1, 2 + length - behind, 3], [head / 2.2, head, head / 2.2]]
+        assert np.abs(np.subtract(part, expected)).max() < DRAWN
+
+
 def test_between_two_instants(shown, figures):
     """A quarter of the way from the fourth to the fifth: straight lines between both."""
     recording = figures[0]

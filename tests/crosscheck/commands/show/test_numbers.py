@@ -358,9 +358,15 @@ def test_picture(arm, tmp_path, small_arm_text):
         centers.append((frames[name] @ [*arm.body(name)[1], 1])[:3])
     view = drawing._view
     np.testing.assert_allclose(view @ view.T, np.eye(2), atol=1e-12)
+    assert view[0, 2] == 0
+    assert view[1, 2] > 0
     np.testing.assert_allclose(drawing.centers, np.array(centers) @ view.T, atol=1e-9)
     origins = [np.zeros(3), *(frames[name][:3, 3] for name in BODIES)]
     np.testing.assert_allclose(drawing.origins, np.array(origins) @ view.T, atol=1e-9)
+    reach = np.array(origins)[:, :2] - origins[0][:2]
+    far = reach[np.argmax(np.hypot(*reach.T))]
+    across, deep = view[:, :2] @ far / np.hypot(*far)
+    assert across > 0.5 > abs(deep)  # what is farthest is mostly on the right
     np.testing.assert_allclose(drawing.shadow, (origins * np.array([1, 1, 0])) @ view.T, atol=1e-9)  # on the ground
     axes = Figure().add_axes((0, 0, 1, 1))
     drawing.draw(axes)
