@@ -558,6 +558,25 @@ def test_the_same_figures_give_the_same_page(figures):
     assert page("one", figures[1]) == page("one", figures[1])
 
 
+def test_largest_loads(shown, figures):
+    """Of every instant, and at rest where the robot starts: force, moment, torque about axes that turn."""
+    recording, (figure, *_) = figures
+    model, nothing = figure.robot.model, 0 * figure.first
+    moving = inverse_dynamics(model, recording.q, recording.v, recording.a).joint_wrenches
+    at_rest = inverse_dynamics(model, figure.first, nothing, nothing).joint_wrenches
+    wrenches = np.concatenate([moving, at_rest[None]])
+    turning = [j for j, joint in enumerate(model.joints) if not joint.is_prismatic]
+    about = [wrenches[:, j, ANGULAR] @ model.joints[j].axis for j in turning]
+    expected = {
+        "force": np.linalg.norm(wrenches[..., LINEAR], axis=-1).max(axis=1),
+        "moment": np.linalg.norm(wrenches[..., ANGULAR], axis=-1).max(axis=1),
+        "torque": np.abs(about).max(axis=0),
+    }
+    found = shown.value("player.figures[0].loads()")
+    for kind, wanted in expected.items():
+        assert np.abs(found[kind] - wanted).max() < DRAWN * wanted.max(), kind
+
+
 def test_noise_is_drawn_as_nothing(shown):
     """A full arc is at least 1e-4 of weight times reach; 5e-14 N m beside 50 N is no arc, and the panel says 0."""
     loads = "{ force: [30], moment: [2e-13], torque: [5e-14] }"
