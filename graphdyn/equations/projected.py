@@ -165,7 +165,7 @@ def kkt(state: MaximalState, tau: Array, external_wrenches: Array, bias: Array) 
         rows, right = chord_rows(state)
         phi_q, zeta = np.concatenate([phi_q, rows], axis=-2), np.concatenate([zeta, right], axis=-1)
     force = applied_terms(state, tau, external_wrenches)
-    n_rows, unit = state.model.n_chord_rows, state.model.loops.length_unit
+    n_rows, unit = state.model.n_chord_rows, state.model.loops.in_sizes.length_unit
     return KKTSystem(mass_terms(state), phi_q, force, zeta, n_chord_rows=n_rows, length_unit=unit)
 
 

@@ -31,11 +31,12 @@ MOVED_SHARE = 0.1
 
 
 def infinitesimal_motions(loops: Loops, q: Array) -> Array:
-    """Joint motions (nv, k), orthonormal in units, that keep the loops closed near a closed pose q (nv,) to first order
-    alone: steps along them lead back.
+    """Joint motions (nv, k) that keep loops closed near a closed pose q (nv,) to first order alone: steps along them
+    lead back. Orthonormal in the sizes of the loops.
 
     None in a pose where branches of motions meet, although only steps along these lead on.
     """
+    loops = loops.in_sizes
     here, _ = assembled(loops, q)
     shaky = loops.shaky_motions(here)
     if not shaky.shape[1]:
@@ -52,7 +53,7 @@ def infinitesimal_refusal(who: str, loops: Loops, q: Array) -> InconsistentState
     motions = infinitesimal_motions(loops, q)
     if not motions.shape[1]:
         return None
-    parts = np.abs(motions / loops.column_units[:, None]).max(axis=1)
+    parts = np.abs(motions / loops.in_sizes.column_units[:, None]).max(axis=1)
     joints = [joint.name for joint, part in zip(loops.free_joints, parts, strict=True) if part > SHAKE]
     return InconsistentState(
         f"{who}: its loops close only stretched or folded: motions of {', '.join(joints)} keep them closed to first "

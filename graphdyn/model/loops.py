@@ -9,8 +9,11 @@ Rank and null spaces of the rows that chords add, pose by pose.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,21 +97,33 @@ class Loops:
         on_path = Graph(tuple(joint.inside for joint in joints)).path_matrix()
         self.paths = np.vstack([np.zeros(len(joints)), on_path.T])  # which joints lie between the ground and a body
         self.turns = np.array([not joint.is_prismatic for joint in joints])
-        around = [self.paths[chord.body_i] != self.paths[chord.body_j] for chord in chords]
-        units = [length_unit(_size(joints, chord, members)) for chord, members in zip(chords, around, strict=True)]
+        self._around = [self.paths[chord.body_i] != self.paths[chord.body_j] for chord in chords]
+        self._sizes = [_size(joints, chord, members) for chord, members in zip(chords, self._around, strict=True)]
+        self._measure([length_unit(size) for size in self._sizes])
+
+    def _measure(self, units: Sequence[float]) -> None:
+        """Takes units of length, one for each chord [m]."""
         self.length_unit = max(units, default=1.0)
         self.row_units = np.array(
             [
                 1.0 if name.startswith("moment") else unit
-                for chord, unit in zip(chords, units, strict=True)
+                for chord, unit in zip(self.chords, units, strict=True)
                 for name in chord.rows
             ]
         )
         of_joints = [
-            max([u for u, members in zip(units, around, strict=True) if members[k]], default=1.0)
-            for k in range(len(joints))
+            max([u for u, members in zip(units, self._around, strict=True) if members[k]], default=1.0)
+            for k in range(len(self.joints))
         ]
-        self.column_units = np.where(self.turns, 1.0, of_joints)[list(degrees_of_freedom.independent)]
+        self.column_units = np.where(self.turns, 1.0, of_joints)[list(self.degrees_of_freedom.independent)]
+
+    @cached_property
+    def in_sizes(self) -> Loops:
+        """The same loops with their sizes as units: what is found in these is the same for a linkage of any size."""
+        same = copy(self)
+        same._measure([size or 1.0 for size in self._sizes])
+        same.__dict__["in_sizes"] = same
+        return same
 
     @property
     def free_joints(self) -> tuple[Joint, ...]:
@@ -189,9 +204,10 @@ class Loops:
         largest: Array = (np.abs(gaps) / self.row_units).max(axis=-1, initial=0.0)
         return largest
 
-    def spaces(self, jacobian: Array) -> LoopSpaces:
-        """Spaces of J (…, m, nv), computed in units."""
-        found = loop_spaces(self.in_units(jacobian))
+    def spaces(self, jacobian: Array, share: float = LOOP_RANK_TOLERANCE) -> LoopSpaces:
+        """Spaces of J (…, m, nv), computed in units; its rank, by this share, in the sizes of the loops."""
+        values = np.linalg.svd(self.in_sizes.in_units(jacobian), compute_uv=False)
+        found = loop_spaces(self.in_units(jacobian), rank=np.count_nonzero(_counted(values, share), axis=-1))
         return LoopSpaces(found.left / self.row_units[:, None], found.right * self.column_units[:, None], found.inverse)
 
     def shaky_motions(self, q: Array) -> Array:
@@ -398,11 +414,21 @@ class LoopSpaces:
         return apply(self.left[..., :k], self.inverse * apply(_transposed(self.right[..., :k]), torques))
 
 
-def loop_spaces(jacobian: Array, share: float = LOOP_RANK_TOLERANCE) -> LoopSpaces:
-    """Spaces of J (…, m, n) whose entries have one unit; singular values below this share of the largest are zero."""
+def loop_spaces(
+    jacobian: Array, share: float = LOOP_RANK_TOLERANCE, rank: NDArray[np.intp] | None = None
+) -> LoopSpaces:
+    """Spaces of J (…, m, n) whose entries have one unit.
+
+    Singular values below this share of the largest are zero, or all but the largest where the rank (…) is given.
+    """
     left, values, right = np.linalg.svd(jacobian)
-    kept = values > share * values.max(axis=-1, keepdims=True, initial=0.0)
+    kept = _counted(values, share) if rank is None else np.arange(values.shape[-1]) < np.asarray(rank)[..., None]
     return LoopSpaces(left, _transposed(right), np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0))
+
+
+def _counted(values: NDArray[np.floating[Any]], share: float) -> NDArray[np.bool_]:
+    """Which singular values (…, k) are not zero."""
+    return np.asarray(values > share * values.max(axis=-1, keepdims=True, initial=0.0))
 
 
 def pivoted_columns(matrix: Array, count: int, last: Sequence[int] = ()) -> list[int]:

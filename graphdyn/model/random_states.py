@@ -57,17 +57,24 @@ def closed_pose(who: str, loops: Loops) -> Array:
 
     Raises InconsistentState, naming a loop, where none of them closes.
     """
-    starts, _ = drawn(loops.free_joints, np.random.default_rng(0), (CLOSING_STARTS,), loops.column_units)
-    starts[0] = 0.0
     nearest = np.full(loops.n_rows, np.inf)
-    for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // POSES_ASSEMBLED_AT_ONCE)):
-        found, gaps = assembled(loops, some)
-        widest = loops.widest(gaps)
-        if widest.min() <= CLOSED_TOLERANCE:
-            return np.asarray(found[np.flatnonzero(widest <= CLOSED_TOLERANCE)[0]])
-        nearest = min(nearest, gaps[widest.argmin()], key=loops.widest)
+    for measured in dict.fromkeys((loops, _measured(loops))):
+        starts, _ = drawn(loops.free_joints, np.random.default_rng(0), (CLOSING_STARTS,), measured.column_units)
+        starts[0] = 0.0
+        for some in (starts[:1], *np.array_split(starts[1:], CLOSING_STARTS // POSES_ASSEMBLED_AT_ONCE)):
+            found, gaps = assembled(measured, some)
+            widest = loops.widest(gaps)
+            if widest.min() <= CLOSED_TOLERANCE:
+                return np.asarray(found[np.flatnonzero(widest <= CLOSED_TOLERANCE)[0]])
+            nearest = min(nearest, gaps[widest.argmin()], key=loops.widest)
     remedy = f"None of {CLOSING_STARTS} poses leads to a closed one: check where the chord stands on its bodies"
     raise open_loop(who, loops, nearest, remedy)
+
+
+def _measured(loops: Loops) -> Loops:
+    """The loops in their units, or where joints slide in their sizes: large ones slide far."""
+    turning = np.array_equal(loops.column_units, loops.in_sizes.column_units)
+    return loops if turning else loops.in_sizes
 
 
 def regular_pose(who: str, loops: Loops, start: Array) -> Array:
@@ -83,7 +90,8 @@ def regular_pose(who: str, loops: Loops, start: Array) -> Array:
 
 def _most_regular_walked(loops: Loops, start: Array, rng: np.random.Generator) -> Array:
     """That of poses to which a start that may be the only closed one leads, whatever velocities these allow."""
-    q, gaps = walked(loops, start, drawn(loops.free_joints, rng, (REGULAR_CANDIDATES,), loops.column_units)[0])
+    measured = _measured(loops)
+    q, gaps = walked(measured, start, drawn(loops.free_joints, rng, (REGULAR_CANDIDATES,), measured.column_units)[0])
     return _most_regular(loops, np.concatenate([start[None], q[loops.widest(gaps) <= CLOSED_TOLERANCE]]))
 
 
@@ -99,11 +107,12 @@ def closed_states(
 
     Drawn again where the loops stay open, or so close to a singular pose that no velocity keeps them closed.
     """
-    q, v = drawn(loops.free_joints, rng, shape, loops.column_units)
+    measured = _measured(loops)
+    q, v = drawn(loops.free_joints, rng, shape, measured.column_units)
     rows, rates = (array.reshape(-1, array.shape[-1]) for array in (q, v))
     todo = np.arange(len(rows))
     for _ in range(CLOSING_STARTS):
-        rows[todo], gaps = walked(loops, start, rows[todo])
+        rows[todo], gaps = walked(measured, start, rows[todo])
         jacobian = loops.jacobian(loops.links(rows[todo]))
         still = np.zeros_like(gaps)
         rates[todo] = completed_rate(loops, jacobian, rates[todo], still)
@@ -113,7 +122,7 @@ def closed_states(
             return q, v
         if infinitesimal_motions(loops, start).shape[1]:
             refuse_infinitesimal(who, loops, _most_regular_walked(loops, start, np.random.default_rng(0)))
-        rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape, loops.column_units)
+        rows[todo], rates[todo] = drawn(loops.free_joints, rng, todo.shape, measured.column_units)
     raise InconsistentState(
         f"{who}: {len(todo)} of {len(rows)} random states did not close; give states of your own, closed by "
         "graphdyn.assemble"

@@ -174,7 +174,7 @@ class RobotModel:
         jacobian = self.loops.jacobian(self.loops.links(self.regular_pose))
         motors = [self.independent_joints.index(name) for name in self.actuated or ()]
         rank = int(self.loops.spaces(jacobian).rank)
-        return tuple(sorted(pivoted_columns(self.loops.in_units(jacobian), rank, motors)))
+        return tuple(sorted(pivoted_columns(self.loops.in_sizes.in_units(jacobian), rank, motors)))
 
     def joint_positions(self, q: ArrayLike) -> Array:
         """Joint positions of all joints (…, n) [rad or m], from those of the independent ones (…, nv)."""

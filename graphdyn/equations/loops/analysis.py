@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import one_state
 from graphdyn.equations.loops.dynamics import closed
-from graphdyn.equations.loops.reactions import in_self_stress, self_stress, transmission
+from graphdyn.equations.loops.reactions import in_self_stress, in_sizes_of_loops, self_stress, transmission
 from graphdyn.equations.specification import Arguments
 from graphdyn.equations.system.chord_rows import chord_rows
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import JOINT_CONSTRAINTS, Array
 from graphdyn.model.assembly import infinitesimal_motions
-from graphdyn.model.loops import SELF_STRESS_SHARE, pivoted_columns
+from graphdyn.model.loops import LOOP_RANK_TOLERANCE, NEAR_SINGULAR_SHARE, SELF_STRESS_SHARE, Loops, pivoted_columns
 from graphdyn.model.robot_model import RobotModel
 
 DIRECTION_SHARE = 1e-2
@@ -32,7 +32,7 @@ class LoopAnalysis:
         stretched; the dynamics are refused there
     grubler_mobility: 6 bodies less the rows, after Grübler and Kutzbach: what it would be, were all rows independent
     usual_rank: rank in a regular pose; the pose is singular where the rank is lower
-    motions: joint motions that keep the loops closed, orthonormal columns in the units of the loops   (nv, mobility)
+    motions: joint motions that keep the loops closed, orthonormal columns in the sizes of the loops   (nv, mobility)
     determined_multipliers, determined_wrenches, determined_chord_multipliers: which reactions the equations determine,
         in the shapes (n, 5), (n, 6) and (n_chord_rows,) of forward_dynamics, where the others are NaN
     self_stresses: combinations of reactions that hold each other without any load; each by the names of the joint or
@@ -67,14 +67,14 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
     if not model.chords:
         raise InvalidInput(f"robot '{model.name}' has no loops: all its reactions are determined")
     held = closed(model, x, moving=False)
-    spaces, state = held.spaces, Arguments(model, {"q": x}).rooted_state()
+    loops, state = model.loops.in_sizes, Arguments(model, {"q": x}).rooted_state()
+    shaky = infinitesimal_motions(loops, x)
+    spaces = loops.spaces(held.jacobian, _share(shaky))
     of_tree = JOINT_CONSTRAINTS * model.n_bodies + len(model.couplings)
-    rank = int(spaces.rank)
-    usual = int(model.loops.spaces(model.loops.jacobian(model.loops.links(model.regular_pose))).rank)
+    rank, usual = int(spaces.rank), _usual_rank(loops, model.regular_pose)
     stress = self_stress(state, chord_rows(state)[0], spaces)
     undetermined = in_self_stress(model, stress)
-    shaky = infinitesimal_motions(model.loops, x)
-    motions = _without(spaces.right[:, spaces.free], shaky, model.loops.column_units[:, None])
+    motions = _without(spaces.right[:, spaces.free], shaky, loops.column_units[:, None])
     return LoopAnalysis(
         n_rows=of_tree + model.n_chord_rows,
         rank=of_tree + rank,
@@ -86,8 +86,19 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
         determined_multipliers=~undetermined["multipliers"],
         determined_wrenches=~undetermined["joint_wrenches"],
         determined_chord_multipliers=~undetermined["chord_multipliers"],
-        self_stresses=_named(model, *_sparse(stress.joints, spaces.left, spaces.redundant)),
+        self_stresses=_named(model, *_sparse(loops, stress.joints, spaces.left, spaces.redundant)),
     )
+
+
+def _share(shaky: Array) -> float:
+    """Below which part of the largest a singular value is zero: where motions are infinitesimal, gaps leave some of
+    their root."""
+    return NEAR_SINGULAR_SHARE if shaky.shape[1] else LOOP_RANK_TOLERANCE
+
+
+def _usual_rank(loops: Loops, q: Array) -> int:
+    share = _share(infinitesimal_motions(loops, q))
+    return int(loops.spaces(loops.jacobian(loops.links(q)), share).rank)
 
 
 def _without(motions: Array, others: Array, units: Array) -> Array:
@@ -102,36 +113,40 @@ def _without(motions: Array, others: Array, units: Array) -> Array:
     return rest
 
 
-def _sparse(joints: Array, left: Array, redundant: NDArray[np.bool_]) -> tuple[Array, Array]:
+def _sparse(loops: Loops, joints: Array, left: Array, redundant: NDArray[np.bool_]) -> tuple[Array, Array]:
     """Self-stresses of joints (n, 6, d) and chords (m, d), each without the chord rows that lead the others.
 
     The columns are combined so that d rows, chosen by pivoting, form a unit matrix: small combinations by name.
     """
     chords = left[:, redundant]
-    leading = pivoted_columns(chords.T, chords.shape[1])
+    leading = pivoted_columns((chords * loops.row_units[:, None]).T, chords.shape[1])
     change = np.linalg.inv(chords[leading])
     return joints[..., redundant] @ change, chords @ change
 
 
 def _named(model: RobotModel, joints: Array, chords: Array) -> tuple[dict[str, float], ...]:
-    directions = [f"{what} {axis}" for what in ("force", "moment") for axis in ("t1", "t2", "p")]
-    slides = np.array([2 if joint.is_prismatic else 5 for joint in model.joints])
     found = []
     for d in range(chords.shape[1]):
-        column = transmission(model, joints[..., d], chords[:, d])
-        sizes = {
-            f"{joint.name} {direction}": float(column["joint_wrenches"][k, c])
-            for k, joint in enumerate(model.joints)
-            for c, direction in enumerate(directions)
-            if c != slides[k]
-        }
-        sizes |= dict(zip(model.loops.row_names(), column["chord_multipliers"].tolist(), strict=True))
-        sizes |= {
-            f"coupling {coupling.joint}": float(x)
-            for coupling, x in zip(model.couplings, column["coupling_multipliers"], strict=True)
-        }
-        largest = max(sizes.values(), key=abs)
-        found.append(
-            {name: size / largest for name, size in sizes.items() if abs(size) > SELF_STRESS_SHARE * abs(largest)}
-        )
+        parts = _by_name(model, joints[..., d], chords[:, d])
+        in_sizes = _by_name(model, *in_sizes_of_loops(model, joints[..., d], chords[:, d]))
+        largest, limit = max(parts.values(), key=abs), SELF_STRESS_SHARE * max(map(abs, in_sizes.values()))
+        found.append({name: part / largest for name, part in parts.items() if abs(in_sizes[name]) > limit})
     return tuple(found)
+
+
+def _by_name(model: RobotModel, joints: Array, chords: Array) -> dict[str, float]:
+    """What joints (n, 6), chords (m,) and couplings transmit in a self-stress."""
+    directions = [f"{what} {axis}" for what in ("force", "moment") for axis in ("t1", "t2", "p")]
+    slides = np.array([2 if joint.is_prismatic else 5 for joint in model.joints])
+    column = transmission(model, joints, chords)
+    parts = {
+        f"{joint.name} {direction}": float(column["joint_wrenches"][k, c])
+        for k, joint in enumerate(model.joints)
+        for c, direction in enumerate(directions)
+        if c != slides[k]
+    }
+    parts |= dict(zip(model.loops.row_names(), column["chord_multipliers"].tolist(), strict=True))
+    return parts | {
+        f"coupling {coupling.joint}": float(x)
+        for coupling, x in zip(model.couplings, column["coupling_multipliers"], strict=True)
+    }

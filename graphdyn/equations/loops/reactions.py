@@ -96,14 +96,12 @@ def self_stress(state: MaximalState, rows: Array, spaces: LoopSpaces) -> SelfStr
 
 
 def in_self_stress(model: RobotModel, stress: SelfStress) -> dict[str, NDArray[np.bool_]]:
-    """Which multipliers and components of joint wrenches take part in a self-stress, by the name of the answer.
-
-    Moments are compared with forces in the unit of length of the loops.
-    """
-    unit = model.loops.length_unit
-    joints = stress.joints / np.repeat([1.0, unit], 3)[:, None]
-    chords = stress.chords * (model.loops.row_units / unit)[:, None]
-    columns = [transmission(model, joints[..., d], chords[..., d]) for d in range(chords.shape[-1])]
+    """Which multipliers and components of joint wrenches take part in a self-stress, by the name of the answer."""
+    combinations = range(stress.chords.shape[-1])
+    columns = [
+        transmission(model, *in_sizes_of_loops(model, stress.joints[..., d], stress.chords[..., d]))
+        for d in combinations
+    ]
     involved = {name: np.zeros(array.shape, dtype=bool) for name, array in columns[0].items()}
     for column in columns:
         of_joints, of_chords = np.abs(column["joint_wrenches"]), np.abs(column["chord_multipliers"])
@@ -112,6 +110,13 @@ def in_self_stress(model: RobotModel, stress: SelfStress) -> dict[str, NDArray[n
         for name, array in column.items():
             involved[name] |= np.abs(array) > limit.reshape(*limit.shape, *(1,) * (array.ndim - limit.ndim))
     return involved
+
+
+def in_sizes_of_loops(model: RobotModel, joints: Array, chords: Array) -> tuple[Array, Array]:
+    """Wrenches of joints (…, n, 6) and chord multipliers (…, m) with moments by the size of the loops [N], so that they
+    compare with forces."""
+    loops = model.loops.in_sizes
+    return joints / np.repeat([1.0, loops.length_unit], 3), chords * (loops.row_units / loops.length_unit)
 
 
 _usual: WeakKeyDictionary[RobotModel, dict[str, NDArray[np.bool_]]] = WeakKeyDictionary()

@@ -77,7 +77,7 @@ def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closin
     jacobian = np.concatenate([row.jacobian for row in rows])
     dependent = list(model.dependent_joints)
     independent = [j for j in range(len(links)) if j not in dependent]
-    units = model.loops.column_units
+    units = model.loops.in_sizes.column_units
     columns, in_units = jacobian[:, dependent], jacobian * units
     normal = in_units[:, dependent].T @ in_units[:, dependent]
     inverse, pivots = inverted(normal, [range(j)[::-1] for j in range(len(normal))])

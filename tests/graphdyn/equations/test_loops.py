@@ -266,10 +266,49 @@ def test_the_motion_of_a_stretched_linkage_with_a_slide_is_that_of_its_table():
     np.testing.assert_allclose(np.abs(found.motions[:, 0]), [1, 0, 0, 0], atol=1e-12)
 
 
+def sliding(model, number, *axis):
+    """The mechanism, one of whose joints slides."""
+    joints = list(model.joints)
+    joints[number] = replace(joints[number], kind="prismatic", axis=np.array(axis))
+    return replace(model, joints=tuple(joints))
+
+
+def found_at(model, q, size):
+    """What the analysis decides of the mechanism so many times as large."""
+    slides = np.array([size if joint.is_prismatic else 1.0 for joint in model.loops.free_joints])
+    found = graphdyn.analyze_loops(enlarged(model, size), q * slides)
+    flags = (found.determined_multipliers, found.determined_wrenches, found.determined_chord_multipliers)
+    return (
+        (found.rank, found.usual_rank, found.mobility, found.infinitesimal_mobility),
+        [flag.tolist() for flag in flags],
+        sorted(sorted(stress) for stress in found.self_stresses),
+    )
+
+
+SCALED = {
+    "crank and rocker": on_turntable(four_bar()),
+    "far slide": on_turntable(sliding(four_bar(), 2, 0.6, 0.8, 0)),
+    "in line": four_bar(1, 1, 1, 3),
+    "with a slide across": on_turntable(sliding(four_bar(1, 1, 1, 1), 2, 0, 1.0, 0)),
+    "with a slide below": on_turntable(sliding(four_bar(1, 1, 1, 3), 0, 0, 1.0, 0)),
+    "parallelogram in line": four_bar(1, 2, 1, 2),
+    "bricard": bricard(),
+}
+
+
+@pytest.mark.parametrize("size", [1e-6, 100.0, 1e6])
+@pytest.mark.parametrize("name", [*SCALED, *CHORD_ROWS])
+def test_the_analysis_does_not_depend_on_the_unit_of_length(name, size):
+    """Mechanisms in a plane and in space, and random chains with offsets, of turns and slides."""
+    model, q = closed_chain(name, 8) if name in CHORD_ROWS else (SCALED[name], SCALED[name].closed_pose)
+    assert found_at(model, q, size) == found_at(model, q, 1.0)
+
+
 def test_a_stretched_linkage_that_is_slightly_open_is_one():
     model, q = four_bar(1, 1, 1, 3), np.array([1e-5, -2e-5, np.pi])
     assert 0 < np.abs(model.loops.gaps(q)).max() < 1e-9
-    assert graphdyn.analyze_loops(model, q).mobility == 0
+    found = graphdyn.analyze_loops(model, q)
+    assert (found.mobility, found.rank, found.usual_rank) == (0, 16, 16)
     with pytest.raises(InconsistentState, match="infinitesimal mobility"):
         graphdyn.forward_dynamics(model, q, np.zeros(3), np.zeros(3))
     assert graphdyn.kkt_system(model, q, np.zeros(3), np.zeros(3)).n_chord_rows == 5
