@@ -123,6 +123,7 @@ class ExciteRecord(
     """
 
     locked = attribute()
+    chain = attribute()
     criterion: Literal["log-det", "sigma", "condition"]
     noise: Sequence[float] = attribute("problem.noise")
     rate: float = attribute("problem.rate")

@@ -65,7 +65,7 @@ def run(options: ExportOptions) -> None:
     if model.chords:
         names = ", ".join(f"'{chord.name}'" for chord in model.chords)
         warn(f"robot '{model.name}' has loops, closed by {names}, which are not written: the model is that of its tree")
-    exported = ExportedModel(model, robot, reading.locked)
+    exported = ExportedModel(model, robot, reading)
     if ending == ".json":
         to.write(json_content(record(exported)))
     elif ending == ".m":

@@ -49,6 +49,7 @@ def _head(exported: ExportedModel, numbering: str) -> list[str]:
     return [
         f"Rigid-body model of {printable(exported.robot)}, written by graphdyn {versions()['graphdyn']}.",
         *([f"Locked joints: {locked}."] if locked else []),
+        *([f"Chain from {printable(exported.chain[0])} to {printable(exported.chain[1])}."] if exported.chain else []),
         "",
         "Units: m, rad, kg, kg m^2, m/s^2.",
         numbering,

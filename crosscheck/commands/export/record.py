@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any
 
+from crosscheck.reference.subject import OfReading
 from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, Warnings, attribute, written
 from graphdyn import Body, Frame, Joint, RobotModel
+from urdf import Reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,16 +25,16 @@ class JointedBody:
 
 
 @dataclass(frozen=True, eq=False)
-class ExportedModel:
+class ExportedModel(OfReading):
     """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need.
 
     robot: name or path as given
-    locked: joints that were frozen, and where [rad or m]
+    reading: how it was loaded
     """
 
     model: RobotModel
     robot: str
-    locked: Mapping[str, float]
+    reading: Reading
 
     @property
     def bodies(self) -> list[JointedBody]:
@@ -80,7 +82,7 @@ class ExportedFrameRecord(Record, of=Frame, only=("name", "body")):
     translation = attribute("placement.translation")
 
 
-class ExportRecord(Record, of=ExportedModel, only=("robot", "locked"), format="graphdyn export 1"):
+class ExportRecord(Record, of=ExportedModel, only=("robot",), format="graphdyn export 1"):
     """A rigid-body model of n bodies as plain numbers: all that inverse and forward dynamics need.
 
     n: number of bodies and of joints
@@ -91,6 +93,8 @@ class ExportRecord(Record, of=ExportedModel, only=("robot", "locked"), format="g
 
     versions: Versions
     warnings: Warnings
+    locked = attribute()
+    chain = attribute()
     n: Index = attribute("model.n_bodies")
     gravity = attribute("model.gravity")
     base_rotation = attribute("model.base.rotation")

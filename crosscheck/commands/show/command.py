@@ -82,7 +82,7 @@ def run(options: ShowOptions) -> None:
     if options.state is not None:
         q, v = given_state(options.state, model)
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
-    report = show_report(describe(model, robot, reading.locked, there))
+    report = show_report(describe(model, robot, reading, there))
     deliver(report, options, lambda: [figure_at_rest(robot, model, reading, q)])
 
 

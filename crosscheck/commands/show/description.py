@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -11,9 +10,12 @@ from numpy.typing import NDArray
 
 from crosscheck.commands.show.loops import LoopsDescription, describe_loops
 from crosscheck.commands.show.state import StateDescription
+from crosscheck.reference.subject import OfReading
 from crosscheck.report.records.record import Count, Keywords
 from graphdyn import RobotModel, kkt_system
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS, Array
+from urdf import Reading
+from urdf.reading import AS_IT_STANDS
 
 SEED = 0
 """Seed of the random state at which the matrix of Eq. (111) is shown."""
@@ -43,11 +45,11 @@ class SystemDescription:
 
 
 @dataclass(frozen=True, eq=False)
-class RobotDescription:
+class RobotDescription(OfReading):
     """A robot of n bodies: its parts, its graph, and the pattern of its equations.
 
     robot: name or path as given
-    locked: joints that were frozen, and where [rad or m]
+    reading: how it was loaded
     loops: None where the robot is a tree
     system: the matrix of Eq. (111)
     state: what was asked for with --state; None where nothing was
@@ -55,7 +57,7 @@ class RobotDescription:
 
     model: RobotModel
     robot: str
-    locked: Mapping[str, float]
+    reading: Reading
     loops: LoopsDescription | None
     system: SystemDescription
     state: StateDescription | None
@@ -67,14 +69,14 @@ class RobotDescription:
 
 
 def describe(
-    model: RobotModel, robot: str, locked: Mapping[str, float], state: StateDescription | None = None
+    model: RobotModel, robot: str, reading: Reading = AS_IT_STANDS, state: StateDescription | None = None
 ) -> RobotDescription:
-    """Everything about a robot that was loaded under this name with these joints locked.
+    """Everything about a robot that was loaded under this name.
 
     Raises InconsistentState, naming the loop, where none of many poses closes it.
     """
     loops = describe_loops(model, None if state is None else state.q) if model.chords else None
-    return RobotDescription(model, robot, locked, loops, _system(model, loops), state)
+    return RobotDescription(model, robot, reading, loops, _system(model, loops), state)
 
 
 def _system(model: RobotModel, loops: LoopsDescription | None) -> SystemDescription:

@@ -149,7 +149,7 @@ class ShownSystemRecord(Record, of=SystemDescription):
     pattern: Sequence[Annotated[str, Keywords(pattern="^[01]+$")]]
 
 
-class ShowRecord(Record, of=RobotDescription, leave_out=("model",), format="graphdyn show 1"):
+class ShowRecord(Record, of=RobotDescription, leave_out=("model", "reading"), format="graphdyn show 1"):
     """A robot of n bodies: its parts, its graph, and the pattern of its equations.
 
     base: name of the ground, body 0
@@ -165,6 +165,8 @@ class ShowRecord(Record, of=RobotDescription, leave_out=("model",), format="grap
     versions: Versions
     warnings: Warnings
     base = attribute("model.base_name")
+    locked = attribute()
+    chain = attribute()
     base_xyz = attribute("model.base.translation")
     base_rpy: Vector
     gravity = attribute("model.gravity")

@@ -62,7 +62,7 @@ def _overview(robot: RobotDescription) -> tuple[Block, ...]:
         (
             "robot",
             f"{robot.robot}: {counted(model.n_bodies, 'body', 'bodies')}, {counted(model.n_bodies, 'joint')}"
-            f"{reading_text(robot.locked)}",
+            f"{reading_text(robot.locked, robot.chain)}",
         ),
         ("total mass", f"{robot.total_mass:.6g} kg"),
         ("gravity", f"{vector_text(model.gravity)} m/s², world axes"),

@@ -105,6 +105,7 @@ class SimulateRecord(CommandRecord, of=SimulatedRun, leave_out=("motion", "readi
     """
 
     locked = attribute()
+    chain = attribute()
     duration: float
     rows: Count
     ended = attribute("motion.ended")

@@ -65,7 +65,7 @@ def run(options: VectorsOptions) -> None:
         for table in vector_tables(setting, chosen):
             tables[f"{table.known.name}.csv"] = table, table.csv()
             advance(table.known.name, 1)
-    exported = json_content(export.record(export.ExportedModel(model, robot, setting.reading.locked)))
+    exported = json_content(export.record(export.ExportedModel(model, robot, setting.reading)))
     listed = vectors.record(robot, model, frame, options.seed, setting.bound, (MODEL, exported), tables, command_line())
     files = {name: content for name, (_, content) in tables.items()}
     write_folder(folder, {**files, MODEL: exported, TABLE: json_content(listed)})

@@ -128,6 +128,7 @@ class TestSimulate:
         page, record, _ = simulated
         facts = pages.facts(page)
         assert (record["duration"], record["rows"], record["step"]) == (pytest.approx(0.2), 41, STEP)
+        assert (record["locked"], record["chain"]) == ({}, None)
         assert (facts["time"], facts["method"], facts["torque"]) == (
             "0.2 s, 41 rows",
             "euler, steps of 0.005 s",

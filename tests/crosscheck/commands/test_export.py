@@ -39,7 +39,7 @@ def model():
 
 @pytest.fixture(scope="module")
 def exported(model):
-    return ExportedModel(model, AWKWARD, {"gripper": 0.5})
+    return ExportedModel(model, AWKWARD, urdf.Reading(lock={"gripper": 0.5}, chain=("base", "tip\n")))
 
 
 def constants_of_c(text):
@@ -141,7 +141,9 @@ class TestText:
         """Within quotes, one is written as two."""
         first, *others = model.joints
         named = dataclasses.replace(model, joints=(dataclasses.replace(first, name="the 'first'"), *others))
-        assert "model.joint_name = {'the ''first''', " in matlab_text(ExportedModel(named, "arm", {}), "arm")
+        assert "model.joint_name = {'the ''first''', " in matlab_text(
+            ExportedModel(named, "arm", urdf.Reading()), "arm"
+        )
 
     def test_head(self, exported):
         for text, numbering in (
@@ -157,12 +159,13 @@ class TestText:
             assert numbering in text
             assert "Units: m, rad, kg, kg m^2, m/s^2." in text
             assert "Locked joints: gripper at 0.5." in text
+            assert re.search(r"Chain from base to tip.{1,4}\.\n", text)
             assert "Rigid-body model of a\"b\\c'd" in text
         comment = c_text(exported).split("enum")[0]
         assert (comment.count("/*"), comment.count("*/")) == (1, 1)
 
     def test_no_frames(self, model):
-        assert "frame_name" not in c_text(ExportedModel(dataclasses.replace(model, frames=()), "arm", {}))
+        assert "frame_name" not in c_text(ExportedModel(dataclasses.replace(model, frames=()), "arm", urdf.Reading()))
 
 
 class TestCommand:
@@ -172,7 +175,7 @@ class TestCommand:
         assert (done.code, done.out) == (AGREED, "")
         text = (tmp_path / f"arm.{ending}").read_text(encoding="utf-8")
         model = urdf.load(small_arm, lock={"a_slide": 0.1})
-        own = ExportedModel(model, str(small_arm), {"a_slide": 0.1})
+        own = ExportedModel(model, str(small_arm), urdf.Reading(lock={"a_slide": 0.1}))
         if ending == "json":
             assert json.loads(text) == plain(record(own))
         else:
@@ -183,6 +186,7 @@ class TestCommand:
         done = program("export", small_arm, *options, "--to", "-")
         assert json.loads(done.out)["gravity"] == [0.0, 0.0, -1.62]
         assert [body["name"] for body in json.loads(done.out)["bodies"]] == ["upper", "fore"]
+        assert json.loads(done.out)["chain"] == ["base", "tool"]
 
     @pytest.mark.parametrize(
         ("name", "message"),

@@ -135,7 +135,7 @@ class TestNumbers:
         for record in (
             crosscheck_records.record([small_comparison], [], []),
             judge_records.record(wrong_judgment, []),
-            show_records.record(describe(urdf.load(small_arm), "arm", {})),
+            show_records.record(describe(urdf.load(small_arm), "arm")),
             errata_records.record([Effect("A1", "arm", "error", np.ones(2), np.zeros(2))]),
         ):
             spoiled = plain(planted(record, SCHEMAS[file_name(plain(record)["format"])], number))

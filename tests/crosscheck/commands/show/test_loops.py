@@ -38,7 +38,7 @@ def file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def record():
-    return plain(record_of(describe(LINKAGE, "four-bar", {})))
+    return plain(record_of(describe(LINKAGE, "four-bar")))
 
 
 def test_analysis(record):
@@ -76,7 +76,7 @@ def test_chord_rows_stand_after_couplings_in_the_equations():
         couplings=(Coupling("d1", {"a": 1.0}), Coupling("d2", {"a": 2.0})),
         chords=chords,
     )
-    system = describe(model, "linkage", {}).system
+    system = describe(model, "linkage").system
     assert (system.size, len(system.q)) == (11 * 5 + 2 + 15, 3)
     pattern = system.pattern
     assert np.array_equal(pattern, pattern.T)
@@ -97,7 +97,7 @@ def test_terminal_and_page(file):
     ):
         assert said in done.stdout
     model = urdf.load(file)
-    text = page(show_report(describe(model, "linkage", {})), ["graphdyn", "show", "linkage"], versions())
+    text = page(show_report(describe(model, "linkage")), ["graphdyn", "show", "linkage"], versions())
     for said in ("A pose that closes the loops", "◇ and c: chords", ">c1<"):
         assert said in text
 
@@ -160,4 +160,4 @@ def test_a_linkage_that_closes_only_stretched(tmp_path):
 
 
 def test_whole():
-    approve_report("show_loops", show_report(describe(LINKAGE, "four-bar", {})))
+    approve_report("show_loops", show_report(describe(LINKAGE, "four-bar")))

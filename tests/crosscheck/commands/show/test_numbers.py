@@ -387,7 +387,7 @@ class TestLoops:
 
     def test_page(self):
         """Ends of the chord on its bodies, what holds itself, largest first, and reactions as the record has them."""
-        described = describe(four_bar(), "four-bar", {})
+        described = describe(four_bar(), "four-bar")
         report, loops = show_report(described), described.loops
         chords, ends, reactions, stresses = tables(report, "loops")
         (chord,) = described.model.chords

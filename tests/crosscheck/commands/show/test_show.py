@@ -35,7 +35,7 @@ TREE, ARM = mixed_tree(), kr500()
 
 @pytest.fixture(scope="module")
 def tree():
-    return describe(TREE, "tree", {})
+    return describe(TREE, "tree")
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def written(tree):
 
 @pytest.fixture(scope="module")
 def arm():
-    return describe(ARM, "kr500", {})
+    return describe(ARM, "kr500")
 
 
 def show(*arguments):
@@ -114,15 +114,17 @@ class TestDescription:
         """Masses in exagrams or attograms: the same entries are none."""
         tree = mixed_tree()
         other = tree.with_inertial_parameters(factor * tree.inertial_parameters)
-        one, same = (describe(model, "tree", {}).system.pattern for model in (tree, other))
+        one, same = (describe(model, "tree").system.pattern for model in (tree, other))
         assert np.array_equal(one, same)
 
     def test_frames_and_locked(self, small_arm):
-        description = describe(urdf.load(small_arm, lock={"y_elbow": 0.3}), "small", {"y_elbow": 0.3})
+        description = describe(
+            urdf.load(small_arm, lock={"y_elbow": 0.3}), "small", urdf.Reading(lock={"y_elbow": 0.3})
+        )
         found = plain(record_of(description))
         names = {name for frame in found["frames"] for name in (frame["name"], *frame["aliases"])}
         assert {"tool", "flange", "fore", "y_elbow"} <= names
-        assert found["locked"] == {"y_elbow": 0.3}
+        assert (found["locked"], found["chain"]) == ({"y_elbow": 0.3}, None)
         assert len(found["bodies"]) == 2
 
 
@@ -169,13 +171,13 @@ class TestText:
     @pytest.mark.parametrize("robot", ["kr500", "ur5", "z1"])
     def test_fits_into_80_characters(self, robot, monkeypatch):
         model = urdf.load(robot)
-        lines = shown(describe(model, robot, {}), NARROW, monkeypatch).splitlines()
+        lines = shown(describe(model, robot), NARROW, monkeypatch).splitlines()
         assert max(map(len, lines)) <= NARROW
         assert any("┼" in line and "├───" in line for line in lines[-30:])
 
     def test_too_large_to_draw(self, monkeypatch):
         model = urdf.load("tiago")
-        said = shown(describe(model, "tiago", {}), NARROW, monkeypatch)
+        said = shown(describe(model, "tiago"), NARROW, monkeypatch)
         assert "incidence S: too wide for 80 characters; --json and --html have it" in said
         assert "too wide for 80 characters; --json and --html have it" in said
 
@@ -236,7 +238,7 @@ class TestCommand:
         assert show("ur5", "--json", path).exit_code == 0
         record = json.loads(path.read_text(encoding="utf-8"))
         assert record["format"] == "graphdyn show 1"
-        assert record == plain(record_of(describe(urdf.load("ur5"), "ur5", {})))
+        assert record == plain(record_of(describe(urdf.load("ur5"), "ur5")))
 
 
 class TestState:
@@ -331,7 +333,7 @@ class TestState:
         model = urdf.load(robot)
         q, v = model.random_state(np.random.default_rng(0))
         state = describe_state(model, q, v, tip(model), "world")
-        lines = shown(describe(model, robot, {}, state), NARROW, monkeypatch).splitlines()
+        lines = shown(describe(model, robot, state=state), NARROW, monkeypatch).splitlines()
         assert max(map(len, lines)) <= NARROW
         assert any(f"{state.kinetic_energy:.6g} J" in line for line in lines)
 
@@ -340,7 +342,7 @@ class TestState:
         model = urdf.load("ur5")
         q = np.array([0, -1.2, 1.5, 0, 0.3, 0])
         state = describe_state(model, q, 0 * q, "tool0", "local_world_aligned")
-        text = shown(describe(model, "ur5", {}, state), 120, monkeypatch)
+        text = shown(describe(model, "ur5", state=state), 120, monkeypatch)
         torques = graphdyn.gravity_torque(model, q)
         assert np.abs(torques[[0, 4, 5]]).max() < 1e-12
         assert re.search(rf"shoulder_lift_joint │ +-1.2 │ 0 │ +{torques[1]:.6g} │", text)
@@ -476,11 +478,11 @@ class TestPage:
 def test_couplings():
     driven = {TREE.joint_names[2]: 1.5, TREE.joint_names[0]: -2.0}
     model = dataclasses.replace(TREE, couplings=(graphdyn.Coupling(TREE.joint_names[1], driven, 0.25),))
-    described = describe(model, "tree", {})
+    described = describe(model, "tree")
     assert plain(record_of(described))["couplings"] == [
         {"joint": TREE.joint_names[1], "ratios": driven, "offset": 0.25}
     ]
     assert described.system.size == 11 * model.n_bodies + 1
     text = page(show_report(described), ["graphdyn", "show"], versions())
     assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in text
-    assert "Couplings" not in page(show_report(describe(TREE, "tree", {})), ["graphdyn", "show"], versions())
+    assert "Couplings" not in page(show_report(describe(TREE, "tree")), ["graphdyn", "show"], versions())
