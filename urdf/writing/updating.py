@@ -89,10 +89,6 @@ def _indent(data: bytes, at: int) -> bytes:
     return line if _LINE_START.match(line) else b""
 
 
-_OTHER_ENCODINGS = (b"\xff\xfe", b"\xfe\xff")
-"""Byte-order marks of UTF-16 and UTF-32: ASCII text cannot be inserted into such a file."""
-
-
 @dataclass(frozen=True)
 class Update:
     """What urdf.update did.
@@ -140,10 +136,10 @@ def update(
     shares = fused_links(source, reading=how)
     data = path.read_bytes()
     try:
-        if data.startswith(_OTHER_ENCODINGS):
-            raise ValueError
+        if b"\0" in data:
+            raise LookupError
         spans = inertial_spans(data)
-    except (ValueError, expat.ExpatError):  # of other encodings than of one byte, or UTF-8
+    except (LookupError, ValueError, expat.ExpatError):  # of other encodings than of one byte, or UTF-8
         problem = "the file is in UTF-16 or another encoding that cannot be edited"
         raise CannotUpdate(problem, "save it as UTF-8 first", path=path) from None
     edits, changed, notes = [], [], []
