@@ -23,10 +23,11 @@ from graphdyn.compiler.gram import gram
 from graphdyn.compiler.gram.gram import CompiledGram, InterpretedGram, torque_gram
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.native import CompiledProgram
-from graphdyn.compiler.programs import Request, trace
+from graphdyn.compiler.programs import Request, pivot_scales, trace
 from graphdyn.compiler.rolled import rolling as body_by_body
 from graphdyn.compiler.rolled.body_steps import Pass
 from graphdyn.compiler.rolled.rolled_code import LongProgram
+from graphdyn.scalars.expressions import Program
 
 MODEL = NAMED["one_revolute"]
 X = np.zeros((3, 1))
@@ -284,6 +285,23 @@ def test_long_programs_of_loaded_bodies_on_a_base_that_moves(monkeypatch):
             size = np.abs(value).max(initial=np.abs(expected.joint_wrenches).max())
             assert np.abs(getattr(found, name) - value).max(initial=0.0) < SUM * size, name
     assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[tree].values())
+
+
+@pytest.mark.parametrize("unrolled", [0, 100])
+def test_pivots_are_parts_of_what_they_can_be(unrolled, monkeypatch):
+    """Ratios of leading minors of the mass matrix, from the last joint on, over the inertia of the stretched arm."""
+    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", unrolled)
+    tree = random_tree(11, [0, 1, 0, 2], ["revolute", "prismatic", "prismatic", "revolute"])
+    q, v, tau = random_state(tree, 1, (3,))
+    pivots = np.empty((3, 4))
+    request = Request("forward_dynamics", ("pivots",))
+    seen = running.run(tree, request, {"q": q, "v": v, "tau": tau}, {"pivots": pivots})
+    mass = graphdyn.mass_matrix(tree, q, method="projected")
+    minors = [np.linalg.det(mass[:, j:, j:]) if j < 4 else np.ones(3) for j in range(5)]
+    wanted = np.stack([minors[j] / minors[j + 1] for j in range(4)], axis=-1) / pivot_scales(tree)
+    np.testing.assert_allclose(pivots, wanted, rtol=SUM)
+    assert seen["minimum"] == pivots.min()
+    assert isinstance(running.prepared(tree, request).program, Program if unrolled else LongProgram)
 
 
 @pytest.mark.parametrize("model", [CHAIN, pytest.param(STAR, marks=LONG)], ids=["chain", "star"])

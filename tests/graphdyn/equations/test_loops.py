@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -23,11 +24,13 @@ from graphdyn import (
     RobotModel,
     identification,
 )
+from graphdyn.equations.loops.analysis import _without
 from graphdyn.model import random_states
 from graphdyn.model.assembly import moving_apart
 from graphdyn.model.chord import CHORD_ROWS
 from graphdyn.model.loops import Loops, loop_spaces, rotation_vector
 from graphdyn.model.spatial import rotation_about
+from graphdyn.verbs import VERBS
 
 ROUNDING = 1e-13
 """Of accelerations and torques relative to the largest: measured 1e-14, at poses with a well-conditioned J."""
@@ -157,6 +160,17 @@ def test_the_most_regular_pose_has_the_largest_rank_first():
     assert ratios[0] > max(ratios[1:])
     best = max(range(5), key=lambda k: (ranks[k], ratios[k]))
     assert np.array_equal(random_states._most_regular(model.loops, poses), poses[best])
+
+
+def test_motions_beside_others_are_those_at_right_angles_in_units():
+    """Of angles and of slides in micrometers; what both have in common is left out."""
+    units = np.array([1.0, 1e-6, 1.0, 1e-6, 1e-6])[:, None]
+    axes = np.linalg.qr(np.random.default_rng(0).normal(size=(5, 5)))[0]
+    others = (axes[:, :1] + 2 * axes[:, 1:2]) / np.sqrt(5)
+    rest = _without(units * axes[:, :3], units * others, units) / units
+    assert rest.shape == (5, 2)
+    np.testing.assert_allclose(rest.T @ np.hstack([rest, others, axes[:, 3:]]), np.eye(2, 5), atol=1e-12)
+    assert np.array_equal(_without(units * axes, np.empty((5, 0)), units), units * axes)
 
 
 def test_motions_apart_are_measured_by_what_is_summed():
@@ -700,6 +714,68 @@ def test_joints_that_follow_a_coupling_several_turns_away_are_read():
     elsewhere = graphdyn.maximal_state(model.uncoupled, [2.5, 0.4, 7.6], [1.0, -2.0, 3.0])
     with pytest.raises(InconsistentState, match=r"position of joint 'c' is off its coupling by 0\.1 rad"):
         graphdyn.joint_state(model, elsewhere)
+
+
+RATIO, GEAR_INERTIA = -2.0, 0.3
+
+
+def geared():
+    """A four-bar whose crank turns a disk beside it."""
+    model = four_bar()
+    disk = Body("disk", 1.0, np.zeros(3), GEAR_INERTIA * np.eye(3))
+    return replace(
+        model,
+        bodies=(*model.bodies, disk),
+        joints=(*model.joints, Joint("d", "revolute", 0, at(-1.0), np.array([0, 0, 1.0]))),
+        couplings=(graphdyn.Coupling("d", {"a": RATIO}, 0.1),),
+    )
+
+
+@pytest.fixture(scope="module")
+def geared_motion():
+    """States that it moves through under no torque."""
+    q, v = geared().random_state(np.random.default_rng(3), 12)
+    return {"q": q, "v": v, "a": graphdyn.joint_accelerations(geared(), q, v, 0 * q), "tau": 0 * q}
+
+
+def test_loops_and_couplings_in_one_robot():
+    """The disk is felt at the crank as its inertia times the square of the ratio."""
+    plain, model = four_bar(), geared()
+    q, v = plain.random_state(np.random.default_rng(3), 12)
+    a = graphdyn.joint_accelerations(plain, q, v, 0 * q)
+    q, v, a = graphdyn.assemble(plain, q, v, a + 1.0)
+    added = GEAR_INERTIA * RATIO**2 * a[:, 0]
+    for method in ("auto", "projected", "dense"):
+        tau = graphdyn.inverse_dynamics(model, q, v, a, method=method).tau
+        wanted = graphdyn.inverse_dynamics(plain, q, v, a).tau + np.stack([added, 0 * added, 0 * added], axis=-1)
+        assert relative_error(tau, wanted) < ROUNDING, method
+        assert relative_error(graphdyn.joint_accelerations(model, q, v, tau, method=method), a) < 1e-12, method
+
+
+@pytest.mark.parametrize("name", VERBS)
+def test_no_verb_compiles_loops_and_couplings_as_something_else(name, geared_motion):
+    """Where there is no compiled form it says so, and the other methods answer alike."""
+    row = VERBS[name]
+    verb = partial(getattr(graphdyn, name), geared(), *(geared_motion[argument] for argument in row.inputs))
+    verb = partial(verb, frame="rocker", reference="world") if row.of_frame else verb
+    if row.remedy is not None:
+        with pytest.raises(InvalidInput, match=r"does not know the loops of robot 'four-bar'"):
+            verb()
+        return
+    wanted = verb(method="projected")
+    if row.closed is not None:
+        message = f"{name} of robot 'four-bar', which has loops and couplings, has no compiled form"
+        with pytest.raises(InvalidInput, match=message):
+            verb(method="recursive")
+    for method in ("auto",) if row.closed else ("auto", "recursive"):
+        found = verb(method=method)
+        pairs = [(found, wanted)] if isinstance(found, np.ndarray) else zip(parts(found), parts(wanted), strict=True)
+        for ours, theirs in pairs:
+            np.testing.assert_allclose(ours, theirs, atol=1e-10 * np.nanmax(np.abs(theirs), initial=1.0))
+
+
+def parts(answer):
+    return answer if isinstance(answer, tuple) else vars(answer).values()
 
 
 @pytest.mark.parametrize("ground_first", [False, True])

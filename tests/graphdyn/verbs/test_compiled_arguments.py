@@ -134,7 +134,14 @@ class TestArguments:
             call(*state[:2])
 
     @pytest.mark.parametrize(
-        ("v", "found"), [(np.zeros(5), r"\(5,\)"), (np.zeros((6, 2)), r"\(6, 2\)"), (np.float64(1.0), r"\(\)")]
+        ("v", "found"),
+        [
+            (np.zeros(5), r"\(5,\)"),
+            (np.zeros((6, 1)), r"\(6, 1\)"),  # whose numbers lie in memory as those of a vector
+            (np.zeros((6, 2)), r"\(6, 2\)"),
+            (np.zeros((6, 3), order="F"), r"\(6, 3\)"),
+            (np.float64(1.0), r"\(\)"),
+        ],
     )
     def test_another_shape(self, call, state, v, found):
         with pytest.raises(InvalidInput, match=rf"v has shape {found}, expected \(6,\)"):

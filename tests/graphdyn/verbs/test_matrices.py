@@ -6,8 +6,9 @@ from random_trees import NAMED, random_state, random_wrenches
 from witnesses import derivative, relative_error
 
 import graphdyn
-from graphdyn import BaseMotion, SingularMassMatrix
+from graphdyn import BaseMotion, Placement, SingularMassMatrix
 from graphdyn.layout import BODY_PARAMETERS
+from graphdyn.model.spatial import rotation_about
 
 DIFFERENCE = 1e-10
 """Sixth-order central differences, relative to the largest derivative and to what is differentiated: measured 2e-12."""
@@ -36,13 +37,18 @@ bases = pytest.mark.parametrize("base", [None, MOVING], ids=["fixed", "moving"])
 @methods
 @bases
 def test_energies_are_linear_in_the_parameters(model, method, base):
+    """Wherever the robot stands; the potential is that of heights above the world's origin."""
     q, v, _ = random_state(model, 1, (3,))
+    model = model.with_base(Placement(rotation_about([0.6, 0.0, 0.8], 0.7), [0.3, -0.2, 1.5]))
     columns = graphdyn.energy_regressor(model, q, v, base=base, method=method)
     kinetic = columns.kinetic @ model.inertial_parameters
     potential = columns.potential @ model.inertial_parameters
     terms = columns.potential * model.inertial_parameters
     assert relative_error(kinetic, graphdyn.kinetic_energy(model, q, v, base=base)) < IDENTITY
     assert relative_error(potential, graphdyn.potential_energy(model, q, base=base), terms) < IDENTITY
+    masses = [body.mass for body in model.bodies]
+    heights = graphdyn.maximal_state(model, q, base=base, method="projected").position @ model.gravity
+    assert relative_error(potential, -heights @ masses, terms) < IDENTITY
 
 
 @robots
