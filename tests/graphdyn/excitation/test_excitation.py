@@ -542,6 +542,30 @@ def test_the_end_of_whole_periods_is_a_sample(rate):
         assert len(sample_times(decimal, 1000.0)) == count + 1
 
 
+def test_no_motion_is_taken_that_violates_a_limit_even_slightly(monkeypatch):
+    """Nor one before the sharpest search; what is far beyond its limit is given up."""
+    problem = problem_of(lower=-100.0, upper=100.0, acceleration=np.inf, jerk=np.inf, torque=np.inf)
+    start = Trajectory(problem.basis, np.random.default_rng(0).normal(size=(3, problem.basis.size)))
+    full = max(use.used for use in problem.usages(start.motion(sample_times(5.0, optimizing.CHECK_RATE))))
+    parts, tightened = list[float](), list[float]()
+    found = [replace(start, coefficients=start.coefficients * part / full) for part in (0.9, 0.999, 1.0005, 1.2, 1.31)]
+    slow, allowed, slight, fast, hopeless = found
+    monkeypatch.setattr(_Search, "run", lambda *_: parts.pop(0))
+    monkeypatch.setattr(_Search, "tighten", lambda _, used: tightened.append(max(use.used for use in used)))
+
+    def searched(*motions):
+        parts[:] = motions
+        return optimizing._searched(problem, start, 3, lambda value: None)
+
+    taken = searched(slow, fast, slight, fast, allowed)
+    assert taken.trajectory is allowed
+    assert max(use.used for use in taken.usages) == pytest.approx(0.999)
+    assert tightened == pytest.approx([1.0005, 1.2])
+    assert searched(slow, slow, slow).trajectory is slow
+    given_up = searched(slow, slow, slight, hopeless)
+    assert (given_up.kind, given_up.used) == ("velocity", pytest.approx(1.31))
+
+
 def test_limits_are_tightened_by_all_violations_so_far():
     """By each violation and a margin, of clearances a tenth; what was kept stays as it was."""
     search = _Search(problem_of(), lambda value: None)
