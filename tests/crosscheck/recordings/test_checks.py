@@ -11,7 +11,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.checks import increasing, motion_findings
+from crosscheck.recordings.checks import increasing, motion_findings, value_findings
 from crosscheck.recordings.errors import reason, spans
 from graphdyn import InvalidInput
 
@@ -278,6 +278,27 @@ def test_degrees_taken_for_radians(tmp_path):
     finding = only(changed(tmp_path, change), "many-turns")
     assert finding.message == "q of 'joint_1' reaches 57.28 rad"
     assert finding.remedy == "if these are degrees, or motor angles in front of the gears, say so in a mapping"
+
+
+@pytest.mark.parametrize(
+    ("slides", "largest", "found"),
+    [
+        (False, 99.0, []),
+        (False, 101.0, [("many-turns", (), "q of 'a' reaches 101 rad")]),
+        (True, 101.0, []),
+        (
+            False,
+            10_001.0,
+            [("implausible-value", (1,), "|q| of 'a' up to 1e+04, beyond 10000 (1600 turns in one direct")],
+        ),
+        (True, 1001.0, [("implausible-value", (1,), "|q| of 'a' up to 1e+03, beyond 1000 (a kilometer of rail)")]),
+    ],
+)
+def test_slides_make_no_turns(slides, largest, found):
+    q = np.array([0.5, -largest, 0.1])[:, None]
+    said = list(value_findings("r.csv", ["a"], [slides], {"q": q, "tau": q / largest}, None))
+    assert [(finding.code, finding.rows) for finding in said] == [(code, rows) for code, rows, _ in found]
+    assert all(finding.message.startswith(words) for finding, (*_, words) in zip(said, found, strict=True))
 
 
 def test_rows_for_unknown_reasons_are_not_dropped(tmp_path):
