@@ -35,7 +35,10 @@ def written(folder, text, name="r.csv"):
         ("t\tq1\ttau1\n0\t1,5\t2\n1\t2,5\t1.5\n", r"line 3, column 'tau1': '1.5' has a point, and '1,5' \(line 2, c"),
         ('t,q1,tau1\n"0,5","0,1","1.677"\n', r"'1.677' has a point, and '0,5' \(line 2, column 't'\) a comma"),
         ("t;q1;tau1\n0;1;1.677\n1;2;-975\n", r"line 2, column 'tau1': '1.677' is a decimal, or the point separates th"),
-        ("t;q1;tau1\n0;1.677;-975\n1;2.848;1.677\n", r"line 3, column 'tau1': '1.677' is a decimal, or the point sep"),
+        (
+            "t;q1;tau1\n0.5;1.677;-975\n1.5;2.848;1.677\n",
+            r"line 3, column 'tau1': '1.677' is a decimal, or the point sep",
+        ),
         ("t;q1;tau1\n0;1;1,677\n1;2;2,975\n", r"line 2, column 'tau1': '1,677' is a decimal, or the comma separates"),
         (
             "t,q1,tau1\n0.5,1,1\n1.5,2,2.125\n",
