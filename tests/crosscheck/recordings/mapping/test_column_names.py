@@ -88,6 +88,18 @@ def test_joints_with_names(tmp_path, form):
     assert_read(load_recording(tmp_path / "r.parquet", joints=ROBOT))
 
 
+@pytest.mark.parametrize("form", [*NAMED, *NUMBERED])
+@pytest.mark.parametrize("field", FIELDS)
+def test_capitals_change_no_meaning(form, field):
+    small, *others = (
+        meaning(form.format(field=word, joint="elbow", number=2), ROBOT)
+        for word in (field, field.capitalize(), field.upper())
+    )
+    assert small.quantity == {"position": "q", "velocity": "v", "effort": "tau"}[field]
+    for other in others:
+        assert (other.quantity, other.joint, other.unit) == (small.quantity, small.joint, small.unit)
+
+
 @pytest.mark.parametrize("form", NUMBERED)
 def test_elements_of_arrays(tmp_path, form):
     """Without names beside them the joints are those of the robot in this order, which is told."""

@@ -1,5 +1,7 @@
 """Recordings read in windows: the same samples as those of the whole file, and the same estimate."""
 
+from dataclasses import replace
+
 import numpy as np
 import pyarrow as pa
 import pytest
@@ -15,6 +17,7 @@ from crosscheck.recordings import (
     lowpass,
     samples_of,
 )
+from crosscheck.recordings.preparation.resampling import PERIOD_TOLERANCE
 from graphdyn import InvalidInput
 from graphdyn.identification import Problem, WeightedLeastSquares
 
@@ -128,6 +131,18 @@ class TestRefusals:
         t = columns["time_s"][1234] + 0.002
         with pytest.raises(InvalidInput, match=r"after row 1233 the time steps by 0.006 s instead of 0.004 s"):
             list(self.changed(tmp_path, columns, 1234, time_s=t))
+
+    @pytest.mark.parametrize(("share", "refused"), [(0.9, False), (1.1, True)])
+    def test_a_part_of_the_period_decides_what_is_uneven(self, tmp_path, columns, share, refused):
+        """Whatever the rate: here ten thousand rows per second."""
+        fast = columns | {"time_s": columns["time_s"] / 40}
+        late = fast["time_s"][1234] + share * PERIOD_TOLERANCE * 1e-4
+        streamed = replace(self.changed(tmp_path, fast, 1234, time_s=late), cutoff=None)
+        if refused:
+            with pytest.raises(InvalidInput, match="after row 1233 the time steps by"):
+                list(streamed)
+        else:
+            assert sum(map(len, streamed)) == len(columns["time_s"]) - 8, "two difference quotients of five points"
 
     def test_rate(self, files):
         with pytest.raises(InvalidInput, match="rate is 0; give samples per second"):
