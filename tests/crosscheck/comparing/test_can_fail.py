@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 from long_check import few
-from planting import SAMPLES, SEED, compared, flagged, with_body, with_joint
+from planting import SAMPLES, SEED, compared, flagged, mixed_tree, with_body, with_joint
 from shown.pages import first_cells
 
 import crosscheck
@@ -130,6 +130,20 @@ def slightly_off(name):
 def test_one_wrong_number_of_several_quantities(tree, plant, field):
     plant.pinocchio_value(field, lambda x: x * (1 + PLANTED_FORWARD))
     assert flagged(compared(tree)) == SHARED[field]
+
+
+def test_every_route_has_errors_of_its_own():
+    """Beside our answers with the loads of the case."""
+    case, *_ = cases(mixed_tree(), SAMPLES, SEED)
+    seen, table = [], ErrorTable()
+
+    def errors(of, ours, size):
+        seen.append((of, ours.loads))
+        return {"momentum": np.full(len(ours.q), size)}
+
+    table.add_of_routes(case, errors, {"urdf": 1e-3, "model": 2e-3})
+    assert table.results()["momentum"].by_route == {"urdf": 1e-3, "model": 2e-3}
+    assert all(of is case and loads is case.external_wrenches for of, loads in seen)
 
 
 @pytest.mark.parametrize("reference", FRAME_REFERENCES)

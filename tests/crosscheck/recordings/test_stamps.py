@@ -204,6 +204,8 @@ def test_every_type_of_time(tmp_path, kind, numbers, expected):
     times = pa.array(numbers, pa.int32() if kind.bit_width == 32 else pa.int64()).cast(kind)
     parquet.write_table(pa.table({"time": times, "q_1": [0.0, 1.0]}), tmp_path / "r.parquet")
     assert load_recording(tmp_path / "r.parquet").t.tolist() == expected
+    cells = cells_of_column(times)  # Parquet has no dates in milliseconds
+    assert np.diff(cells.values) * cells.seconds == pytest.approx(np.diff(expected), rel=1e-6)
 
 
 def test_times_of_the_day_and_durations_as_text(tmp_path):

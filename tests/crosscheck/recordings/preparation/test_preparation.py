@@ -208,6 +208,22 @@ def test_white_noise_of_positions():
     assert np.all(white_noise(noise[:6]) == 0)
 
 
+@pytest.mark.parametrize("cutoff", [None, 40.0])
+def test_samples_are_the_rows_of_their_block(cutoff):
+    """In every channel, and in time: of blocks of different lengths."""
+    block = np.repeat([0, 1, 2], [900, 1200, 900])
+    log = record(T, temperature=np.column_stack([T, -T]), block=block)
+    prepared = differentiated(log, cutoff)
+    for k, samples in enumerate(samples_of(prepared)):
+        rows = prepared.block == k
+        assert np.array_equal(samples.time, prepared.t[rows])
+        assert np.array_equal(samples.temperature, prepared.temperature[rows])
+        for name in ("q", "v", "a", "tau"):
+            assert np.array_equal(getattr(samples, name), prepared.channel(name)[rows])
+        assert samples.v == pytest.approx(motion(samples.time)[1], abs=0.05)
+    assert k == 2
+
+
 @pytest.mark.parametrize(
     ("decimate", "speed"), [((), None), ((4,), None), ((), [0.2, 0.05])], ids=["each", "fourth", "measured velocities"]
 )
