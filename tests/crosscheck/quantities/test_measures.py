@@ -126,4 +126,4 @@ def test_the_scale_is_the_one_that_is_told(terms, name):
         wrong = zero.copy()
         wrong.reshape(2, -1)[:, place] = ERROR
         found = row.errors(wrong, zero, states, chosen)
-        assert found == pytest.approx(ERROR / expected if expected is not None else [np.inf] * 2, rel=1e-9)
+        assert found == pytest.approx(ERROR / expected if expected is not None else [np.inf] * 2, rel=1e-9, abs=0)

@@ -118,6 +118,7 @@ class TestWhole:
         pieces = list(problem(folder / "log", folder / "again.parquet").data)
         assert [piece.continues for piece in pieces] == 2 * [False, True, True, True]
         whole = differentiated(load_recording(folder / "log.parquet"), CUTOFF)
+        assert np.array_equal(np.concatenate([piece.time for piece in pieces[:4]]), whole.t)
         q = np.concatenate([piece.q for piece in pieces[:4]])
         np.testing.assert_allclose(q, whole.q, rtol=0, atol=FORGOTTEN * np.abs(whole.q).max())
 
