@@ -2,7 +2,8 @@
 
 The height lies a hair below or above an extremum of a joint's course, or anywhere. The second computation is a spline
 through fine steps of order eight without any event; Euler's course is the polygon through its own rows. How far the
-method itself is off is measured first, and the hair is wider.
+method itself is off is measured first, and the hair is wider. Of loops it is measured with the rows that are asked
+for, since their steps end there: with a row at every fine step they are off by 4e-11, without by 2e-8 at rtol = 2e-6.
 """
 
 from __future__ import annotations
@@ -122,11 +123,13 @@ def course(start: Start, joint: int, settings: dict[str, Any], fine: Simulation)
         return Course(joint, PPoly(np.array([np.diff(x) / np.diff(t), x[:-1]]), t), bent)
     velocity, rows = fine.v @ fine.model.degrees_of_freedom.matrix[joint], positions(fine, joint)
     position = CubicHermiteSpline(fine.time, rows, velocity)
-    own = start.moved(**settings, **({} if "method" in settings else {"at": fine.time}))
+    asked = start.moved(**settings)
+    own = [asked] if "method" in settings else [asked, start.moved(**{**settings, "at": fine.time})]
     # a spline of every other row is off by sixteen times as much
     coarse = CubicHermiteSpline(fine.time[::2], rows[::2], velocity[::2])
     off = np.abs(coarse(fine.time) - rows).max() / 16
-    return Course(joint, position, float(np.abs(positions(own, joint) - position(own.time)).max() + off))
+    apart = max(float(np.abs(positions(each, joint) - position(each.time)).max()) for each in own)
+    return Course(joint, position, float(apart + off))
 
 
 def limited(model: RobotModel, joint: int, height: float, side: float) -> RobotModel:
@@ -154,6 +157,7 @@ def problems(kind: str, method: str, seed: int, heights: int = 8) -> tuple[int, 
     fine = start.moved(method="rk8", step=start.duration / steps)
     at = None if method != "dop853" or rng.random() < 0.5 else np.linspace(0, start.duration, 7)
     joint = int(rng.integers(len(start.model.joints)))
+    settings["at"] = at
     known = course(start, joint, settings, fine)
     # where fixed steps stop a joint for good they are off by more, and not at rows alone
     least = (2.0 if kind == "friction" else ACCURACY_SHARE) * known.accuracy + LEAST_HAIR
@@ -166,8 +170,8 @@ def problems(kind: str, method: str, seed: int, heights: int = 8) -> tuple[int, 
         if known.distance(height) < least or abs(height - values[0]) < least:
             continue
         expected, where = known.crossings(height), f"{kind} {method} {seed}: height {height!r}, hair {hair:.2g}: "
-        found += [where + text for text in _limit(start, known, height, {**settings, "at": at}, expected, least)]
-        found += [where + text for text in _event(start, known, height, {**settings, "at": at}, expected, least, rng)]
+        found += [where + text for text in _limit(start, known, height, settings, expected, least)]
+        found += [where + text for text in _event(start, known, height, settings, expected, least, rng)]
         asked += 2
     return asked, found
 
