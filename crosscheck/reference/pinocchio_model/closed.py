@@ -23,9 +23,12 @@ POINT_CHORD_KINDS = ("hinge", "ball", "weld")
 CLOSURE_ACCURACY, MAX_CLOSURE_ITERATIONS = 1e-14, 30
 """Accuracy and iterations of the proximal method, whose accuracy only ends it early."""
 
-CLOSURE_TRIALS = tuple((apart, mu) for apart in (0.01, 0.1, 1.0) for mu in (1e-10, 1e-8, 1e-12))
-"""Distance of a chord's further points [m] and μ, in the order in which they are tried. With redundant rows and μ = 0
-Pinocchio is silently wrong; with links of 7 mg on a delta robot it is NaN for most of these."""
+POINT_DISTANCES = (0.01, 0.1, 1.0)
+"""Distances of a chord's further points [m], in the order in which they are tried."""
+
+CLOSURE_MUS = (1e-10, 1e-8, 1e-12)
+"""Values of μ, tried at each distance. With redundant rows and μ = 0 Pinocchio is silently wrong; with links of 7 mg on
+a delta robot it is NaN for most of these."""
 
 MAX_CORRECTION = 1e-4
 """Largest correction of an answer, relative to it: what the proximal method leaves open is below 1e-5, wrong answers
@@ -61,23 +64,39 @@ def closed_dynamics(
     finds no answer, as with links without mass, the corrections start from zero.
     """
     state = ClosedState(robot.configuration(q), robot.there(v), robot.there(tau), external_wrenches)
-    for apart, mu in CLOSURE_TRIALS:
-        points = tuple(_points(robot, chords, apart))
-        a, forces = _solved(robot, points, mu, state)
-        if np.isfinite(a).all() and (refined := _refined(robot, points, state, a, forces, MAX_CORRECTION)) is not None:
-            return refined
-    from_zero = _refined(robot, points, state, np.zeros_like(state.v), np.zeros((len(points), 3)), np.inf)
-    assert from_zero is not None
-    return from_zero
+    mass, free_torques = _mass(robot, state), state.tau - _torques_of_loads(robot, state)
+    for apart in POINT_DISTANCES:
+        held = _Held.at(robot, tuple(_points(robot, chords, apart)), state, mass)
+        for mu in CLOSURE_MUS:
+            a, forces = _solved(robot, held.points, mu, state, free_torques)
+            if np.isfinite(a).all():
+                refined, wrenches, correction = held.refined(a, forces)
+                if correction <= MAX_CORRECTION * np.abs(a).max():
+                    return refined, wrenches
+    return held.refined(np.zeros_like(state.v), np.zeros((len(held.points), 3)))[:2]
+
+
+def _mass(robot: PinocchioModel, state: ClosedState) -> Array:
+    upper = np.triu(pin.crba(robot.native, robot.data, state.q))
+    return np.asarray(upper + np.triu(upper, 1).T)
+
+
+def _torques_of_loads(robot: PinocchioModel, state: ClosedState) -> Array:
+    """What the external wrenches take at the joints (nv,), as torques that would hold them."""
+    native, still = robot.native, np.zeros(robot.native.nv)
+    loaded = pin.rnea(native, robot.data, state.q, still, still, robot.forces(state.external_wrenches))
+    return np.asarray(loaded - pin.rnea(native, robot.data, state.q, still, still))
 
 
 def _solved(
-    robot: PinocchioModel, points: tuple[pin.RigidConstraintModel, ...], mu: float, state: ClosedState
+    robot: PinocchioModel,
+    points: tuple[pin.RigidConstraintModel, ...],
+    mu: float,
+    state: ClosedState,
+    torques: Array,
 ) -> tuple[Array, Array]:
-    """Accelerations (nv,) and forces at the points, on body i (n_points, 3)."""
-    native, still = robot.native, np.zeros(robot.native.nv)
-    loaded = pin.rnea(native, robot.data, state.q, still, still, robot.forces(state.external_wrenches))
-    loads = loaded - pin.rnea(native, robot.data, state.q, still, still)
+    """Accelerations (nv,) and forces at the points, on body i (n_points, 3), under torques (nv,) without loads."""
+    native = robot.native
     models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     for point in points:
         models.append(point)
@@ -85,40 +104,51 @@ def _solved(
     data = native.createData()
     pin.initConstraintDynamics(native, data, models, datas)
     settings = pin.ProximalSettings(CLOSURE_ACCURACY, mu, MAX_CLOSURE_ITERATIONS)
-    a = pin.constraintDynamics(native, data, state.q, state.v, state.tau - loads, models, datas, settings)
+    a = pin.constraintDynamics(native, data, state.q, state.v, torques, models, datas, settings)
     return np.array(a), np.array([found.contact_force.linear for found in datas])
 
 
-def _refined(
-    robot: PinocchioModel,
-    points: tuple[pin.RigidConstraintModel, ...],
-    state: ClosedState,
-    a: Array,
-    forces: Array,
-    largest_correction: float,
-) -> tuple[Array, Array] | None:
-    """Accelerations and joint wrenches after REFINEMENTS corrections; None where the first one is larger
+@dataclass(frozen=True, eq=False)
+class _Held:
+    """Points held together at a state: M, J⁺ (nv, 3 n_points) and the motions that keep J v = 0 (nv, f)."""
 
-    M δa - Jᵀ δf = τ - rnea(q, v, a, f) and J δa = -(what the points accelerate apart), with Pinocchio's M, J, rnea.
-    """
-    native, data = robot.native, robot.data
-    mass = np.array(pin.crba(native, data, state.q))
-    mass = np.triu(mass) + np.triu(mass, 1).T
-    jacobian = _jacobian(robot, points, state.q)
-    left, values, right = np.linalg.svd(jacobian)
-    rank = int(np.count_nonzero(values > POINT_RANK_TOLERANCE * values[0]))
-    inverse, free = (right[:rank].T / values[:rank]) @ left[:, :rank].T, right[rank:].T
-    for number in range(REFINEMENTS + 1):
-        apart = _moved_apart(robot, points, state, a)
-        missing = state.tau - pin.rnea(native, data, state.q, state.v, a, _loads(robot, points, state, forces))
-        if number == REFINEMENTS:
-            break
-        start = -inverse @ apart
-        step = start + free @ np.linalg.solve(free.T @ mass @ free, free.T @ (missing - mass @ start))
-        if number == 0 and np.abs(step).max() / largest_correction > np.abs(a).max():
-            return None
-        a, forces = a + step, forces + (inverse.T @ (mass @ step - missing)).reshape(-1, 3)
-    return a[robot.columns], robot.joint_wrenches()
+    robot: PinocchioModel
+    points: tuple[pin.RigidConstraintModel, ...]
+    state: ClosedState
+    mass: Array
+    inverse: Array
+    free: Array
+
+    @classmethod
+    def at(
+        cls, robot: PinocchioModel, points: tuple[pin.RigidConstraintModel, ...], state: ClosedState, mass: Array
+    ) -> _Held:
+        left, values, right = np.linalg.svd(_jacobian(robot, points, state.q))
+        rank = int(np.count_nonzero(values > POINT_RANK_TOLERANCE * values[0]))
+        inverse = (right[:rank].T / values[:rank]) @ left[:, :rank].T
+        return cls(robot, points, state, mass, inverse, right[rank:].T)
+
+    def refined(self, a: Array, forces: Array) -> tuple[Array, Array, float]:
+        """Accelerations and joint wrenches after REFINEMENTS corrections, and the largest entry of the first one.
+
+        M δa - Jᵀ δf = τ - rnea(q, v, a, f) and J δa = -(what the points accelerate apart), with Pinocchio's M, J, rnea.
+        """
+        corrections = list[float]()
+        for _ in range(REFINEMENTS):
+            apart, missing = self._residuals(a, forces)
+            start = -self.inverse @ apart
+            pushed = self.free.T @ (missing - self.mass @ start)
+            step = start + self.free @ np.linalg.solve(self.free.T @ self.mass @ self.free, pushed)
+            corrections.append(float(np.abs(step).max()))
+            a, forces = a + step, forces + (self.inverse.T @ (self.mass @ step - missing)).reshape(-1, 3)
+        self._residuals(a, forces)  # leaves the joint wrenches of these
+        return a[self.robot.columns], self.robot.joint_wrenches(), corrections[0]
+
+    def _residuals(self, a: Array, forces: Array) -> tuple[Array, Array]:
+        """How the points accelerate apart (3 n_points,), and which torques are missing (nv,)."""
+        robot, state = self.robot, self.state
+        apart, loads = _moved_apart(robot, self.points, state, a), _loads(robot, self.points, state, forces)
+        return apart, state.tau - pin.rnea(robot.native, robot.data, state.q, state.v, a, loads)
 
 
 def _ends(robot: PinocchioModel, point: pin.RigidConstraintModel) -> tuple[pin.SE3, pin.SE3]:
