@@ -15,6 +15,7 @@ from faults.verdicts import in_single_precision, judged, verdict
 from long_check import few
 from planting import mixed_tree
 from shared_data import existing
+from shown.approved import approve
 
 import urdf
 from crosscheck.commands.judge.record import record
@@ -58,6 +59,7 @@ def test_cases(case):
     if case.robot in ("vx300s", "kr210"):
         existing(Path(ROBOTS[case.robot]))
     judgment = judged(case, 20)[0]
+    approve(f"judged/{case.name}, {case.robot}", as_text(judge_report(judgment)))
     assert verdict(case, judgment) not in ("WRONG", "missed"), [x.message for x in judgment.diagnoses]
     for diagnosis in judgment.diagnoses:
         assert diagnosis.remedy

@@ -9,6 +9,7 @@ from faults.pinocchio_code import PinocchioCode, own_functions
 from faults.textbook_faults import WRIST_LOCKED
 from long_check import few
 from shared_data import REPOSITORY
+from shown.approved import approve
 from typer.testing import CliRunner
 
 import crosscheck
@@ -296,7 +297,12 @@ def homogeneous(placement, change=np.asarray):
 @pytest.mark.parametrize("fault", few(FAULTS, *(set(FAULTS) - {"mass_matrix_inverse, M"})))
 def test_faults_are_named(three_joints, fault):
     name, faulty, kind, message = FAULTS[fault]
-    assert named(name, faulty(three_joints), lock=WRIST_LOCKED, batched=name.startswith("d")) == (kind, message)
+    judgment = judged(**{name: faulty(three_joints)}, lock=WRIST_LOCKED, batched=name.startswith("d"))
+    (diagnosis,) = judgment.diagnoses
+    assert (diagnosis.kind, diagnosis.message) == (kind, message)
+    assert judgment.decided
+    assert not judgment.agrees
+    approve(f"judged/{fault}", as_text(judge_report(judgment)))
 
 
 def test_a_base_regressor_that_lacks_a_parameter(code):

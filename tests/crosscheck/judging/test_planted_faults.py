@@ -7,11 +7,14 @@ import pytest
 from faults.textbook import TextbookArm
 from faults.textbook_faults import FIRST, LOCKED, PLANTS, WRIST_LOCKED
 from long_check import few
+from shown.approved import approve
 from urdf_text import inertial
 
 import urdf
+from crosscheck.commands.judge.report import judge_report
 from crosscheck.judging.faults.terms import velocity_terms
 from crosscheck.judging.judge import judge
+from crosscheck.report.text import as_text
 from graphdyn import joint_torque_regressor
 
 SAMPLES = 10
@@ -100,8 +103,10 @@ SENTENCES = {
 
 @pytest.mark.parametrize(("kind", "variant"), SENTENCES)
 def test_sentences(kind, variant):
-    (diagnosis,) = planted(kind, variant).diagnoses
+    judgment = planted(kind, variant)
+    (diagnosis,) = judgment.diagnoses
     assert diagnosis.message == SENTENCES[kind, variant]
+    approve(f"judged/{kind}, {variant}", as_text(judge_report(judgment)))
 
 
 def test_a_dropped_link_has_its_name(dropped_tool):

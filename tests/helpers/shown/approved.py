@@ -37,11 +37,11 @@ def approve(name, text, rounding="(?!)", *, numbers=True):
     rounding: pattern of lines that rounding alone decides, which are left out
     numbers: False where they are those of a search, and other ones on other processors
     """
-    path = FOLDER / f"{name}.txt"
+    path = FOLDER / (re.sub(r"[^\w/]+", "_", name) + ".txt")
     text = re.sub(r"\S*/(?=[^/\s]+\.\w+)", "", text)  # folders of this run
     lines = [line for line in _lines(text) if not re.search(rounding, line)]
     if os.environ.get(APPROVE_VARIABLE):
-        FOLDER.mkdir(exist_ok=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     wanted = path.read_text(encoding="utf-8").splitlines()
     pairs = zip(lines, wanted, strict=False)
