@@ -173,15 +173,20 @@ def motion_fault(second: Callable[[Path], tuple[Array, Array]]) -> Callable[[Pat
     return fault
 
 
+SI = {"rad": 1.0, "m": 1.0, "mm": 1e-3, "s": 1.0}
+"""Units that a garbled letter makes of others."""
+
+
 def csv_motion(path: Path) -> tuple[Array, Array]:
-    table, units = plain_table(path), ("rad", "m", "rad")
-    names = [f"{name}.q[{unit}]" for name, unit in zip(arm().independent_joints, units, strict=True)]
-    rows = [row for row in zip(*(table[name] for name in ("time[s]", *names)), strict=True) if any(row)]
+    table, names = plain_table(path), ["time", *(f"{joint}.q" for joint in arm().independent_joints)]
+    of = {re.sub("(?i)^times?$", "time", name.partition("[")[0]): name for name in table}
+    factors = np.array([SI[of[name].rstrip("]").partition("[")[2]] for name in names])
+    rows = [row for row in zip(*(table[of[name]] for name in names), strict=True) if any(row)]
     with path.open(encoding="utf-8-sig", newline="") as opened:
         head = [cell.strip() for cell in next(csv.reader(opened), [])]
     if "joint3.a [rad/s^2]" not in head and not all(rows[-1]):
         rows.pop()  # of a recording, which is cut off, with a warning
-    columns = np.array(rows, dtype=float).T
+    columns = (np.array(rows, dtype=float) * factors).T
     return columns[0], columns[1:].T
 
 
