@@ -172,6 +172,8 @@ class TestColors:
         named = one_link(visual('<box size="1 1 1"/>', '<material name="red"/>'))
         assert only(named.replace("<link", self.RED + "<link", 1)).color == (1, 0, 0, 0.5)
         assert only(one_link(visual('<box size="1 1 1"/>', self.RED))).color == (1, 0, 0, 0.5)
+        own = one_link(visual('<box size="1 1 1"/>', self.RED.replace("1 0 0 0.5", "0 0 1 1")))
+        assert only(own.replace("<link", self.RED + "<link", 1)).color == (0, 0, 1, 1)  # before that of the robot
         assert only(named).color == only(one_link(visual('<box size="1 1 1"/>'))).color == (0.72, 0.74, 0.78, 1.0)
 
     def test_of_the_mesh_file(self, drawn, tmp_path):

@@ -334,6 +334,13 @@ class TestBeside:
         assert "arm.yaml:4: key 'rotor_inertia'" in str(caught[0].message)
         assert "a motor at joint 'crank', which other joints drive" in str(caught[0].message)
 
+    def test_a_name_of_a_link_and_of_its_joint(self, pair):
+        """They are one body."""
+        path = pair(YAML.replace("'crank'", "'rod'"))
+        path.write_text(path.read_text().replace('name="crank"', 'name="rod"'))
+        (chord,) = urdf.load(path).chords
+        assert (chord.body_i, chord.body_j) == (2, 3)
+
     def test_a_name_of_a_link_and_of_another_joint(self, pair):
         path = pair(YAML.replace("'fore'", "'upper'"))
         path.write_text(path.read_text().replace('name="crank"', 'name="upper"'))
@@ -460,6 +467,9 @@ def test_inspected(name, said):
     report = urdf.inspect(existing(DATA / "loops" / f"{name}.urdf"))
     messages = " ".join(finding.message for finding in report.findings)
     assert all(part in messages for part in said)
+    idle = any("drives: " in part for part in said)
+    assert ("degrees of freedom that no motor drives" in messages) == idle
+    assert "independent-contradiction" not in report.codes  # in a regular pose, also where q = 0 is singular
     assert report.usable
 
 
