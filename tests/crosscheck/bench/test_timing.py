@@ -99,6 +99,22 @@ def test_the_first_call_is_timed_in_seconds(monkeypatch):
     assert 0.01 <= curves._first_call(2) <= time.perf_counter() - start
 
 
+def test_sizes_of_a_batch(monkeypatch):
+    """Times per sample; a line ends where a call takes more than half of the duration: 2 s of 3, not 1 s."""
+    forms = [Contender(name, 1, lambda count, name=name: (name, count), None, "") for name in ("quick", "slow")]
+    per_call = {"quick": lambda count: 0.01 * count, "slow": lambda count: 0.2 * count}
+
+    def in_turns(runs, threads, repeats):
+        return [[per_call[name](count)] * repeats for name, count in (run() for run in runs)]
+
+    monkeypatch.setattr(curves, "_forms", lambda states, work, threads: forms)
+    monkeypatch.setattr(curves, "in_turns", in_turns)
+    found = curves.batch_sizes(range(500), "forward_dynamics", (1,), 3.0, 2, lambda what: None)
+    assert [(line.name, line.x) for line in found.lines] == [("quick", (1, 10, 100)), ("slow", (1, 10))]
+    for line in found.lines:
+        assert [times.median for times in line.times] == pytest.approx([per_call[line.name](1)] * len(line.x))
+
+
 def test_times_are_per_sample(monkeypatch):
     """Ten samples, five for one that takes no more; the limit runs second, on one thread; a core half of the time."""
     taken = []
