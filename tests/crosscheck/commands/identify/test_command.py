@@ -1,7 +1,9 @@
 """`graphdyn identify`: options, tables, files and exit codes, on recordings of a simulated arm."""
 
+import contextlib
 import json
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,8 +16,10 @@ from typer.testing import CliRunner
 
 import urdf
 from crosscheck.commands import app
+from crosscheck.commands.identify import command
 from crosscheck.commands.program import own_process
 from crosscheck.identifying import friction_terms, virtual_robot
+from crosscheck.recordings.errors import RecordingFinding
 from graphdyn import InvalidInput
 
 SCHEMA = REPOSITORY / "docs/schemas/identify-3.schema.json"
@@ -478,3 +482,26 @@ class TestOptions:
         code, said = program("x.csv")
         assert code == 2
         assert "--robot is missing; give a name (`graphdyn robots`) or a URDF file" in said
+
+
+def test_findings_of_logs_that_are_read_part_by_part(monkeypatch):
+    """Of the fitted and of the predicted ones, each once, in their order."""
+    told = []
+    first, second = (
+        RecordingFinding(code, "note", "a.parquet", None, (), message, "give it")
+        for code, message in (("assumed-unit", "no unit"), ("gap", "5 s are missing"))
+    )
+
+    def read(*findings):
+        return SimpleNamespace(findings=findings)
+
+    trials = [SimpleNamespace(test=read(second, second))]
+    found = SimpleNamespace(recordings=[read(first, first)], division=SimpleNamespace(trials=trials))
+    monkeypatch.setattr("crosscheck.identifying.identify", lambda *given, **options: found)
+    monkeypatch.setattr("crosscheck.recordings.PartitionedRecording", lambda *given, **options: None)
+    monkeypatch.setattr(command, "show_findings", lambda findings: told.extend(findings))
+    workers = SimpleNamespace(kept=contextlib.nullcontext)
+    options = SimpleNamespace(workers=workers, logs=[], validate=None, reading=None, mapping=None, rate=None)
+    asked = SimpleNamespace(preparation=SimpleNamespace(cutoff=10.0), _asdict=dict)
+    assert command.from_parts(options, "ur5", asked) is found
+    assert told == [first, second]
