@@ -405,6 +405,14 @@ def test_best_and_median_of_random_motions(folding_arm):
     for found, total in ((best, order[0]), (median, order[2])):
         expected = excitation_plan(problem.torque_model, total)
         assert found.sigma.tolist() == expected.sigma.tolist()
+    rng, totals = np.random.default_rng([1, 2]), {}
+    courses = [random_trajectory(model, problem.limits, problem.checked_spheres, problem.basis, rng) for _ in range(5)]
+    for place, known in ((0, order[0]), (2, order[2])):  # a second motion adds to the first
+        sums = [known + problem.total_information(course) for course in courses]
+        totals[place] = sorted(sums, key=lambda total: problem.criterion(total)[0])[place]
+    for found, total in zip(random_plans(problem, 2, 5, None), totals.values(), strict=True):
+        expected = excitation_plan(problem.torque_model, total)
+        np.testing.assert_allclose(found.sigma, expected.sigma, rtol=1e-9)
 
 
 def test_links_without_shapes(program, tmp_path):

@@ -1,5 +1,6 @@
 """graphdyn judge: user code by name, exit codes, output."""
 
+import dataclasses
 import json
 import re
 from pathlib import Path
@@ -7,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import urdf
+from crosscheck.commands.judge.command import JudgeOptions
 from crosscheck.commands.judge.programs import ProgramOptions, user_programs
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.judging.exchange import program as exchanged
@@ -131,6 +133,23 @@ class TestJudge:
         line = Path("my_code.py").read_text(encoding="utf-8").splitlines().index("def broken(q, v, a):") + 2
         raised = f"error: inverse_dynamics raised RuntimeError: out of ideas ({{}}, line {line}, in broken); at q = ["
         assert done.err.startswith(raised.format(Path("my_code.py").resolve()))
+
+
+def test_every_option_of_the_setting():
+    """Each changes its own field alone."""
+    usual = JudgeOptions(robot="ur5").setting
+    assert (usual.robot, usual.samples, usual.seed, usual.bound) == ("ur5", 100, 0, 1e-9)
+    same = {
+        "samples": 7, "seed": 3, "beyond_limits": True, "frame": "hand", "external_wrenches": True, "batched": True,
+        "precision": "single", "tolerance": 1e-4,
+    }  # fmt: skip
+    cases = [({name: value}, {name: value}) for name, value in same.items()]
+    cases.append(({"joint_names": "a, b"}, {"joint_names": ["a", "b"]}))
+    cases.append(({"convention": ["order=angular first"]}, {"conventions": {"order": "angular first"}}))
+    for options, fields in cases:
+        found = JudgeOptions(robot="ur5", **options).setting
+        assert found == dataclasses.replace(usual, reading=found.reading, **fields)
+    assert JudgeOptions(robot="ur5", lock=["a=0.5"]).setting.reading.locked == {"a": 0.5}
 
 
 def test_options_of_programs_and_libraries(monkeypatch, tmp_path):
