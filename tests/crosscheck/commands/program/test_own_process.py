@@ -48,8 +48,12 @@ def talks(q, v, a):
     os.write(1, b"written\\n")
     return graphdyn.joint_torques(urdf.load("ur5"), q, v, a)
 
+def deaf():
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+
 def waits(q, v, a):
-    print(subprocess.Popen(["sleep", "1000"]).pid, flush=True)
+    print(subprocess.Popen(["sleep", "1000"], preexec_fn=deaf).pid, flush=True)
     while True:
         pass
 
@@ -162,7 +166,7 @@ class TestOutput:
     few([("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129), ("SIGKILL", -9)], ("SIGTERM", 143)),
 )
 def test_the_program_is_ended(started, folder, name, code):
-    """With the process of its command, and with what user code has started there."""
+    """With the process of its command, and with what user code has started there, which hears no signal but one."""
     program = started(*judge("waits"))
     begun = int(program.stderr.readline())
     program.send_signal(getattr(signal, name))
