@@ -282,13 +282,18 @@ def test_answers(rows, report):
         assert upper == time_text(seconds[-6])  # of 20 values the 6th from either end: 95.9 %
 
 
-def test_tables_of_errors(rows, report):
-    """Medians over the runs in percent, with their intervals."""
+@pytest.mark.parametrize("measures", ["torques", "wrenches"])
+def test_tables_of_errors(rows, report, measures):
+    """Medians over the runs in percent, with their intervals; wrenches are measured in some scenarios."""
     order = [f"position_noise={noise:g},motion={motion}" for motion in ("Fourier", "paper") for noise in NOISES]
-    found = tables(report, "errors-torques")
+    found = tables(report, f"errors-{measures}")
     for table, error in zip(found, ERROR_NAMES, strict=True):
+        assert set(cells(table)) == {name for name in METHODS if METHODS[name][0] == measures}
         for name, said in cells(table).items():
             for scenario, text in zip(order, said, strict=True):
+                if (scenario, name) not in rows.of:
+                    assert text == "–"
+                    continue
                 wanted = 100 * np.array(middle(rows.errors(scenario, name, error)))
                 assert read(text) == pytest.approx(wanted, rel=TWO_DIGITS), (error, name, scenario)
 
