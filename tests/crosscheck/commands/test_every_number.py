@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 from shown import pages
-from shown.approved import approve, page_text
+from shown.approved import approve, approve_record, page_text
 from typer.testing import CliRunner
 
 import urdf
@@ -287,6 +287,7 @@ class TestExcite:
 class TestWhole:
     def test_simulate(self, simulated):
         approve("simulate", page_text(simulated[0]))
+        approve_record("simulate", simulated[1], without=("versions", "command"))
 
     def test_excite(self, planned):
         approve("excite", page_text(planned[0]), numbers=False)

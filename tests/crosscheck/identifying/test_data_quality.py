@@ -12,6 +12,7 @@ import pytest
 from identified import identified_arm, spoilt_recordings
 from long_check import few
 from shared_data import DATA, existing
+from shown.approved import approve_record
 from typer.testing import CliRunner
 
 import crosscheck.identifying
@@ -26,6 +27,7 @@ from crosscheck.identifying.data_quality.remedies import mapping_lines, recorded
 from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
 from crosscheck.recordings import BadMapping, Recording, StreamedRecording, load_recording, mapping_of
+from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.data_quality import Change
@@ -305,6 +307,7 @@ class TestVerdict:
         assert "no usable model" in text
         assert "Why no model is recommended" in text
         assert "Lines of the file of --mapping" in text
+        approve_record("data_quality", plain(record(found, None, []))["data_quality"])
 
     def test_a_fault_of_a_recording_that_is_predicted(self):
         """It says nothing of the model, and is told."""

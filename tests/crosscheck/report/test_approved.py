@@ -2,7 +2,7 @@
 
 import pytest
 from shown import approved
-from shown.approved import APPROVE_VARIABLE, approve, page_text
+from shown.approved import APPROVE_VARIABLE, approve, approve_record, page_text
 
 TEXT = """Joints, 3 of them
 │ no. │ speed │
@@ -55,3 +55,15 @@ def test_pages():
     page = f"<body><h1>A</h1><style>x</style>{table}b<p>c</p></body>"
     lines = (" ".join(line.split()) for line in page_text(page).splitlines())
     assert [line for line in lines if line] == ["A", "more 1 | 2 3 |", "b", "c"]
+
+
+def test_records(folder, monkeypatch):
+    record = {"a": [1.23456, 2], "b": [{"c": None, "seconds": 1.0}, {"c": "x"}], "d": []}
+    with monkeypatch.context() as asked:
+        asked.setenv(APPROVE_VARIABLE, "1")
+        approve_record("r", record, without=("seconds",))
+    assert (approved.FOLDER / "r_record.txt").read_text() == ".a: 1.235 2\n.b.0.c: None\n.b.1.c: x\n.d:\n"
+    approve_record("r", record | {"seconds": 5}, without=("seconds",))
+    for change in ({"a": [1.3, 2]}, {"b": [{"c": "x"}]}, {"e": 1}):
+        with pytest.raises(AssertionError):
+            approve_record("r", record | change, without=("seconds",))

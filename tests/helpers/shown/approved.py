@@ -57,6 +57,26 @@ def approve_report(name, report, rounding="(?!)"):
     approve(name, as_text(report) + "\n=== page ===\n" + page_text(told), rounding)
 
 
+def approve_record(name, record, *, without=()):
+    """What a JSON file says. without: names of fields that are left out, of times, versions and processors"""
+    lines = []
+
+    def read(where, value):
+        if isinstance(value, dict):
+            for key in value:
+                if key not in without:
+                    read(f"{where}.{key}", value[key])
+        elif isinstance(value, list) and any(isinstance(each, dict | list) for each in value):
+            for k, each in enumerate(value):
+                read(f"{where}.{k}", each)
+        else:
+            values = value if isinstance(value, list) else [value]
+            lines.append(f"{where}: " + " ".join(f"{x:.4g}" if isinstance(x, float) else str(x) for x in values))
+
+    read("", record)
+    approve(f"{name}_record", "\n".join(lines))
+
+
 def page_text(text):
     """What a page shows: a line for each paragraph, row or picture, with what pointers see."""
     lines = [""]

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from robots.mechanisms import four_bar
 from scipy.spatial.transform import Rotation
 from shown import pages
-from shown.approved import approve, page_text
+from shown.approved import approve, approve_record, page_text
 from shown.blocks import blocks, cells, tables, texts
 from typer.testing import CliRunner
 
@@ -417,3 +417,4 @@ class TestLoops:
 
 def test_whole(shown):
     approve("show", page_text(shown[0]))
+    approve_record("show", shown[1], without=("versions",))
