@@ -5,7 +5,6 @@ SIGTERM and SIGHUP unwind the program as Ctrl-C does: the processes it started e
 
 from __future__ import annotations
 
-import math
 import os
 import signal
 import sys
@@ -54,8 +53,15 @@ class Command(TyperCommand):
             self.epilog = self.epilog.replace(FUNCTION_LIST, function_list())
         super().format_epilog(ctx, formatter)
 
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """The parameters, whose numbers are those of all other texts that are read: Python takes 1_0 and nan too."""
+        typed, rest = list(args), super().parse_args(ctx, args)
+        texts, *_ = self.make_parser(ctx).parse_args(args=typed)
+        for parameter in self.params:
+            _refuse_odd_numbers(ctx, parameter, texts.get(parameter.name))
+        return rest
+
     def invoke(self, ctx: Any) -> Any:
-        _refuse_non_finite(ctx)
         refuse_harm(ctx)
         out.quiet = any(isinstance(file, OutputFile) and file.is_standard_output for file in ctx.params.values())
         try:
@@ -64,13 +70,18 @@ class Command(TyperCommand):
             out.quiet = False
 
 
-def _refuse_non_finite(ctx: Any) -> None:
-    """Raises typer.BadParameter for nan and inf, which are no number of a robot, nor of samples."""
-    for parameter in ctx.command.params:
-        given = ctx.params.get(parameter.name)
-        for value in given if isinstance(given, tuple | list) else [given]:
-            if isinstance(value, float) and not math.isfinite(value):
-                raise typer.BadParameter(f"{value} is not a finite number", ctx, parameter)
+def _refuse_odd_numbers(ctx: Any, parameter: Any, given: Any) -> None:
+    """Raises typer.BadParameter for texts (one, or several) that typer has read as numbers and nothing else would."""
+    from urdf.document import finite_number
+
+    texts, read = (
+        [one] if isinstance(one, str | int | float) else one for one in (given, ctx.params.get(parameter.name))
+    )
+    if not isinstance(texts, list | tuple) or not isinstance(read, list | tuple):
+        return
+    for text, value in zip(texts, read, strict=False):
+        if isinstance(value, int | float) and isinstance(text, str) and finite_number(text.strip()) is None:
+            raise typer.BadParameter(f"{text} is not a finite number such as 10 or -1.5e-3", ctx, parameter)
 
 
 class CommandGroup(TyperGroup):

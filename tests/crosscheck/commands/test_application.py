@@ -132,6 +132,11 @@ class TestExitCodes:
             (["errata", "--samples", "9"], "'--samples'"),
             (["simulate", "kr500", "--duration", "inf"], "'--duration': inf is not a finite number"),
             (["simulate", "kr500", "--gravity", "0", "nan", "1"], "'--gravity': nan is not a finite number"),
+            (["simulate", "kr500", "--duration", "1_0"], "'--duration': 1_0 is not a finite number such as 10"),
+            (["simulate", "kr500", "--duration", "0,5"], "'--duration'"),
+            (["simulate", "kr500", "--rate", "٣"], "'--rate'"),
+            (["show", "kr500", "--gravity", "0", "0", "1_0"], "'--gravity': 1_0 is not a finite number"),
+            (["crosscheck", "kr500", "--samples", "1_0"], "'--samples': 1_0 is not a finite number"),
             (["nonsense"], "nonsense"),
         ],
     )
