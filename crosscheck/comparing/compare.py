@@ -60,11 +60,14 @@ def compare(
     those of the tree, and a few more (quantities.LOOPED) compare the closed robot with constraintDynamics.
 
     Raises InvalidInput for invalid samples or seed, and for a way to read a RobotModel; urdf's errors for a file that
-    cannot be loaded.
+    cannot be loaded; InconsistentState, before anything is compared, where loops cannot be closed or close only when
+    stretched.
     """
     check_counts(samples, seed)
     compared = subject(robot, Reading.of(compare, reading))
     coupled, looped = compared.model.opened, compared.model.uncoupled
+    why_open = why_not_closed(looped)
+    closed = None if why_open or not looped.chords else looped_case(looped, samples, seed)  # refuses before it all
     model = coupled.uncoupled
     compared = replace(compared, model=model)
     pinocchio_models, notes = _pinocchio_models(compared)
@@ -83,10 +86,10 @@ def compare(
             record.add_of_routes(coupled_case(coupled, samples, seed), errors, pinocchio_models)
         if looped.chords:
             notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
-            if why := why_not_closed(looped):
-                skipped |= dict.fromkeys(LOOPED, why)
+            if closed is None:
+                skipped |= dict.fromkeys(LOOPED, why_open)
             else:
-                record.add_of_routes(looped_case(looped, samples, seed), looped_errors, pinocchio_models)
+                record.add_of_routes(closed, looped_errors, pinocchio_models)
         identification = compare_identification(model, pinocchio_models["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:

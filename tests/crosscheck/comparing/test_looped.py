@@ -13,11 +13,12 @@ from shared_data import DATA, existing
 import crosscheck
 import urdf
 from crosscheck.commands.program.exits import BAD_INPUT
+from crosscheck.comparing import compare as comparing
 from crosscheck.comparing import looped
 from crosscheck.quantities import COMPARED, LOOPED
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from graphdyn import Chord, SingularMassMatrix, forward_dynamics
+from graphdyn import Chord, InconsistentState, SingularMassMatrix, forward_dynamics
 
 SAMPLES = 2
 
@@ -108,6 +109,12 @@ def test_loops_that_pinocchio_has_not():
     assert (
         told.not_compared["closed_forward_dynamics"] == "Pinocchio has no constraint for a slide that keeps its digits"
     )
+
+
+def test_what_closes_only_stretched_is_refused_before_anything_is_compared(monkeypatch):
+    monkeypatch.setattr(comparing, "_compare_chunk", lambda *_, **__: pytest.fail("compared"))
+    with pytest.raises(InconsistentState, match="its loops close only stretched or folded: motions of a, b, c"):
+        crosscheck.compare(four_bar(1.0, 1.0, 1.0, 3.0), samples=SAMPLES)
 
 
 def test_loops_are_not_identified_from_recordings_nor_exported(program, tmp_path, monkeypatch):
