@@ -86,9 +86,9 @@ def compare(
             record.add_of_routes(coupled_case(coupled, samples, seed), errors, pinocchio_models)
         if looped.chords:
             notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
-            if closed is None:
+            if why_open:
                 skipped |= dict.fromkeys(LOOPED, why_open)
-            else:
+            elif closed is not None:
                 record.add_of_routes(closed, looped_errors, pinocchio_models)
         identification = compare_identification(model, pinocchio_models["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()

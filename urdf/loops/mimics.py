@@ -45,8 +45,7 @@ def relations(source: Source, closures: Sequence[Closure], taken: Container[str]
     A coupling drives the joint nearest to the successor that is marked independent="false", or where none is, the
     nearest that is not marked "true"; not one that is driven already. taken: joints that mimic others
 
-    Raises InvalidLoop where no joint is left to drive, for sums of angles and lengths, and for an attribute
-    independent= that is neither true nor false.
+    Raises InvalidLoop where no joint is left to drive, and for sums of angles and lengths.
     """
     into, links = joint_into(source), {name_of(link) for link in source.links}
     driven: set[str] = set()
@@ -75,13 +74,8 @@ def relations(source: Source, closures: Sequence[Closure], taken: Container[str]
 
 
 def _driven(sums: CoupledSums, place: SourceLocation, free: list[etree._Element], joints: list[etree._Element]) -> str:
-    marks = {}
-    for joint in joints:
-        text = joint.get("independent")
-        if text is not None and text.lower() not in INDEPENDENT_VALUES:
-            problem = f"joint '{shortened(name_of(joint))}' has independent=\"{shortened(text)}\""
-            raise place.error(InvalidLoop, problem, 'write "true" or "false"')
-        marks[joint] = None if text is None else INDEPENDENT_VALUES[text.lower()]
+    texts = {joint: joint.get("independent") for joint in joints}
+    marks = {joint: None if text is None else INDEPENDENT_VALUES[text.lower()] for joint, text in texts.items()}
     for wanted in (False, None):
         for joint in free:
             if marks[joint] is wanted:
@@ -100,8 +94,7 @@ def unbound_dependents(source: Source, model: RobotModel) -> list[str]:
     marked = {
         name_of(joint)
         for joint in source.joints
-        if not INDEPENDENT_VALUES.get((joint.get("independent") or "true").lower(), True)
-        and joint.find("mimic") is None
+        if not INDEPENDENT_VALUES[joint.get("independent", "true").lower()] and joint.find("mimic") is None
     }
     paths = model.loops.paths
     in_loop = np.zeros(model.n_bodies, dtype=bool)
@@ -109,6 +102,15 @@ def unbound_dependents(source: Source, model: RobotModel) -> list[str]:
         in_loop |= paths[chord.body_i] != paths[chord.body_j]
     bound = (model.degrees_of_freedom.matrix[in_loop] != 0).any(axis=0)
     return [name for name, held in zip(model.independent_joints, bound, strict=True) if name in marked and not held]
+
+
+def check_marks(source: Source) -> None:
+    """Raises InvalidLoop for a joint whose independent= is neither true nor false; source: all of the file."""
+    for joint in source.joints:
+        text = joint.get("independent")
+        if text is not None and text.lower() not in INDEPENDENT_VALUES:
+            place = SourceLocation(source.path, line_of(joint), describe(joint))
+            raise place.error(InvalidLoop, f'it has independent="{shortened(text)}"', 'write "true" or "false"')
 
 
 def check_motors(source: Source, beside: CompanionFiles) -> None:

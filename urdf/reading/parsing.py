@@ -21,7 +21,7 @@ from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, joints_in_order, tree_faults
 from urdf.errors import InvalidRobot
 from urdf.loops.closing import all_closures, chords, closure_faults, stated_beside
-from urdf.loops.mimics import actuated, check_motors, resolve, unread_motors
+from urdf.loops.mimics import actuated, check_marks, check_motors, resolve, unread_motors
 from urdf.reading.checks import faults
 from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble
@@ -73,6 +73,7 @@ def parse(source: Source, beside: CompanionFiles, reading: Reading) -> Parsed:
     for fault in chain(faults(source), tree_faults(source)):
         raise fault
     closures = all_closures(source, beside)
+    check_marks(source)
     check_motors(source, beside)
     around = cut(source, reading.chain)
     root, order = joints_in_order(source)

@@ -235,8 +235,12 @@ def test_kinds_that_are_not_modeled(kind):
 
 
 def test_independent_is_true_or_false():
-    with pytest.raises(urdf.InvalidLoop, match=r"joint 'elbow' has independent=\"maybe\"; write \"true\" or \"false\""):
-        urdf.load(marked(arm(coupling()), elbow="maybe"))
+    for text in (arm(coupling()), arm(loop()), arm("")):  # whether anything reads it or not
+        for said in ("maybe", ""):
+            with pytest.raises(
+                urdf.InvalidLoop, match=rf"joint 'elbow': it has independent=\"{said}\"; write \"true\" or \"false\""
+            ):
+                urdf.load(marked(text, elbow=said))
     mixed = arm(coupling(), links=()).replace('"elbow" type="continuous"', '"elbow" type="prismatic"')
     with pytest.raises(
         urdf.InvalidLoop, match="'c' adds angles to lengths: joints 'elbow', 'shoulder'; couple joints of"

@@ -133,8 +133,7 @@ def _idle(model: RobotModel, motion: Array) -> Iterator[Finding]:
 def _independent(model: RobotModel, structure: Structure, motion: Array) -> Iterator[Finding]:
     """Joints that are not marked independent="false", where any joint is marked."""
     marks = {
-        name_of(joint): INDEPENDENT_VALUES.get((joint.get("independent") or "true").lower(), True)
-        for joint in structure.movable
+        name_of(joint): INDEPENDENT_VALUES[joint.get("independent", "true").lower()] for joint in structure.movable
     }
     if not any("independent" in joint.attrib for joint in structure.movable):
         return
