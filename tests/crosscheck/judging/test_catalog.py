@@ -23,8 +23,11 @@ from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.faults.signs import signs
 from crosscheck.judging.faults.terms import gravity, joint_terms, terms
+from crosscheck.judging.searching.own_faults import OWN_FAULTS
+from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import noise
 from graphdyn import JointLimits, inverse_dynamics
+from graphdyn.model import PARAMETER_NAMES
 from urdf.reading import Misreadings
 
 ALIKE = 1e-12
@@ -410,6 +413,38 @@ def test_families(model, state, kinds):
         count += 1
     n = model.n_bodies
     assert count == {geometry: 9 * n + 2 * n * (n - 1), parameters: 13 * n + 4, gravity: 1}[kinds]
+
+
+@pytest.mark.parametrize("quarters", [-3, -1, 1, 2, 4])
+def test_zeros_that_are_right_angles(model, quarters):
+    """Of turning joints; a slide has its zero in meters."""
+    zeros = list(geometry(model))[3 : 9 * model.n_bodies : 9]
+    for fault, joint in zip(zeros, model.joints, strict=True):
+        (told,) = fault.say(np.array([quarters * np.pi / 2]))
+        shown = f"{quarters * np.pi / 2:.6g} m" if joint.is_prismatic else f"{quarters} π/2 rad"
+        assert told.message.startswith(f"the zero of joint '{joint.name}' is off by {shown}: ")
+
+
+def test_changes_of_answers_and_arguments_in_their_order(model, state):
+    """Answers one after the other; what is taken later is taken before."""
+    code = DynamicsCode.of(model)
+    answers = code.giving(lambda tau, _: tau + 1).giving(lambda tau, _: 2 * tau)
+    arguments = code.taking(lambda q, v, a: (q, v + 1, a)).taking(lambda q, v, a: (q, 2 * v, a))
+    q, v, a = state
+    tau, taken = torques_of([answers, arguments], state)
+    check(tau, 2 * (inverse_dynamics(model, *state).tau + 1))
+    check(taken, inverse_dynamics(model, q, 2 * v + 1, a).tau)
+
+
+def test_columns_outside_of_a_base_regressor(model, state):
+    """The parameter and body of a column that no combination gives, and the number of one that is too many."""
+    states = JudgedStates(model, *state, 0 * state[0], None, None)
+    ours, more = np.random.default_rng(3).normal(size=(2, 12, 3, 10 * model.n_bodies))
+    missing = np.delete(ours, 13, axis=-1)
+    found = OWN_FAULTS["base_regressor"](np.concatenate([missing, more[..., :1]], axis=-1), ours, states, 1e-9)
+    name = f"{PARAMETER_NAMES[3]} of body '{model.body_names[1]}'"
+    assert f"no combination of its columns gives those of {name} (rank " in found.said.message
+    assert f"gives columns {10 * model.n_bodies}; " in found.said.message
 
 
 def test_torques_that_a_joint_adds(model, state):
