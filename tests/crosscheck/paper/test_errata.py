@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import urdf
+from crosscheck.paper import errata
 from crosscheck.paper.errata import COSINES, ERRATA, measure, with_unit_d33, without_d_transposed, world_axis_rows
-from graphdyn import kkt_system, kr500, maximal_state
+from graphdyn import inverse_dynamics, kkt_system, kr500, maximal_state
 from graphdyn.equations.kinematics import null_space
 from graphdyn.equations.system.constraints import constraints
 from graphdyn.equations.system.kkt import cardano_form
@@ -58,6 +59,22 @@ def test_wrong_terms_show_in_the_accelerations(effects, erratum):
 def test_wrong_signs_are_gross(effects, erratum):
     for effect in of(effects, erratum):
         assert effect.median > GROSS
+
+
+@pytest.mark.parametrize("name", ["kr500", "ur5"])
+def test_what_wrong_signs_do(effects, name):
+    """2 (g - r̈) beside r̈, from states drawn as the measurement draws them; one error per state, and one per mass."""
+    model = urdf.load(name)
+    sample = errata._Sample(errata._draw(model, np.random.default_rng(3), SAMPLES))
+    moved = inverse_dynamics(model, sample.case.q, sample.case.v, sample.case.a)
+    acceleration = moved.body_accelerations[..., :3]
+    expected = 2 * np.abs(model.gravity - acceleration).max(axis=(1, 2)) / np.abs(acceleration).max(axis=(1, 2))
+    np.testing.assert_allclose(errata._force_sign(sample)[0], expected, rtol=1e-9)
+    z, g = acceleration[..., 2], np.linalg.norm(model.gravity)
+    masses = ((z - g) * (z + g)).sum(axis=0) / ((z - g) ** 2).sum(axis=0)  # of what the force balance gives, per mass
+    np.testing.assert_allclose(errata._gravity_sign(sample)[0], np.abs(masses - 1), rtol=1e-9)
+    counts = {effect.erratum: len(effect.errors) for effect in effects if effect.robot == name}
+    assert counts == {"A1": SAMPLES, "A2": SAMPLES, "A3": counts["A3"], "A4": SAMPLES, "A5": SAMPLES, "A6": 6}
 
 
 def test_missing_rank_in_a_generic_pose(effects):
