@@ -169,6 +169,31 @@ def test_a_slider(shown, figures):
     assert shown.value("document.getElementById('state').textContent") == "Pose set by hand: static gravity loads."
 
 
+def test_what_is_asked_of_a_server(shown, figures):
+    """To let go from the pose that is shown, which is said where there is no answer; the figure that is chosen."""
+    q = HAND[: figures[1][1].robot.model.nv]
+    kept, said = shown.value(
+        f"""(async () => {{
+          const kept = [], usual = window.fetch, chosen = document.getElementById("figure");
+          const choose = (k) => {{ chosen.selectedIndex = k; chosen.dispatchEvent(new Event("change")); }};
+          window.fetch = async (name, {{ body }}) => {{
+            kept.push([name, JSON.parse(body)]);
+            return {{ ok: false, text: async () => "it breaks" }};
+          }};
+          choose(1);
+          player.figures[1].hand = {q};
+          player.draw();
+          await player.letGo();
+          const said = document.getElementById("state").textContent;
+          window.fetch = usual;
+          choose(0);
+          return [kept, said];
+        }})()"""
+    )
+    assert kept == [["let-go", {"figure": 1, "q": q, "seconds": 5}]]
+    assert said == "No motion: it breaks"
+
+
 def test_a_loop(shown, figures):
     """It is drawn closed, and nothing moves it by hand; what statics leaves open is drawn nowhere."""
     bar = figures[1][2]

@@ -8,6 +8,7 @@ from urdf_text import joint, link
 
 import graphdyn
 import urdf
+from urdf.inspection.rules.mesh_rules import MAX_QUOTED_NAMES
 
 SIDES = (0.2, 0.1, 0.4)
 MASS = 8.0
@@ -136,6 +137,18 @@ def test_links_that_cannot_be_compared(inspected):
         "mesh files: 2; links whose inertials are compared with them: 1; links that are not: "
         "'tool' (line 5: no such file)"
     )
+
+
+def test_many_links_that_cannot_be_compared(inspected):
+    """The first are named, the others counted."""
+    lost = "".join(
+        link(f"tool{k}").replace("</link>", f"{visual(mesh('gone.obj'))}</link>") + joint(f"k{k}", "arm", f"tool{k}")
+        for k in range(MAX_QUOTED_NAMES + 2)
+    )
+    arm = one_link(DRAWN, MASS, tensor=entries(TENSOR))
+    *_, finding = inspected(text=arm.replace("</robot>", f"{lost}</robot>"))
+    assert finding.message.count("'tool") == MAX_QUOTED_NAMES
+    assert finding.message.endswith(" and 2 more")
 
 
 def test_without_meshes_nothing_changes(inspected):

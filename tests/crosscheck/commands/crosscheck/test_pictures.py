@@ -72,6 +72,9 @@ class TestPictures:
         straight = graphdyn.RobotModel("straight", bodies, tuple(joints))
         assert pose(straight).tolist() == [BENT_ANGLE, BENT_ANGLE]
         assert "straight line" in pose_text(straight)
+        sliding = dataclasses.replace(straight, joints=(joints[0], dataclasses.replace(joints[1], kind="prismatic")))
+        assert pose(sliding).tolist() == [BENT_ANGLE, 0]
+        assert "straight line" in pose_text(sliding)
         assert 'role="img"' in stick_figure("k", straight, "straight")
 
     def test_usual_robot_is_in_its_zero_pose(self, tree):
