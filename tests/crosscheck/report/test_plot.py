@@ -80,7 +80,12 @@ class TestData:
 
     def test_thinning_is_said(self):
         assert "smallest or largest among their neighbors" not in written(plot(100))
-        assert "Of 7000 samples, those are drawn that are smallest or largest" in written(plot(7000))
+        many = written(plot(7000))
+        assert "Of 7000 samples, those are drawn that are smallest or largest" in many
+        (data,) = re.findall(r'<script type="application/json">(.*?)</script>', many)
+        assert MAX_STATIC_POINTS < len(decoded(data)[0]) <= MAX_ZOOM_POINTS
+        longest = max(len(re.findall("[ML] ", path)) for path in re.findall(r' d="([^"]*)"', many))
+        assert MAX_STATIC_POINTS < longest <= 2 * MAX_STATIC_POINTS  # of the picture: two for each part
 
     def test_width(self):
         assert '<div class="block wide">' in written(plot(10))
