@@ -26,7 +26,7 @@ from graphdyn import (
 )
 from graphdyn.equations.loops.analysis import _without
 from graphdyn.model import random_states
-from graphdyn.model.assembly import moving_apart
+from graphdyn.model.assembly import assembled, moving_apart
 from graphdyn.model.chord import CHORD_ROWS
 from graphdyn.model.loops import Loops, loop_spaces, rotation_vector
 from graphdyn.model.spatial import rotation_about
@@ -232,6 +232,49 @@ def test_a_linkage_of_a_micrometer_and_one_of_a_thousand_kilometers_move_as_one_
         assert relative_error(forces, np.nan_to_num(usual.chord_multipliers)) < tolerance, method
     with pytest.raises(InconsistentState, match="is open by"):
         graphdyn.forward_dynamics(other, (q + 1e-5) * slides, v * slides, tau * moments)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_assembly_tells_the_gaps_that_it_leaves(size):
+    """In meters, whatever the size of a linkage that no pose closes."""
+    model = enlarged(four_bar(ground=9.0), size)
+    found, gaps = assembled(model.loops, np.array([[0.1, 0.2, 0.3], [1.0, -1.0, 2.0]]))
+    np.testing.assert_allclose(gaps, model.loops.gaps(found), rtol=1e-12, atol=1e-14 * size)
+    assert np.linalg.norm(gaps, axis=-1) == pytest.approx(4.5 * size)
+
+
+@pytest.mark.usefixtures("interpreted")
+@pytest.mark.parametrize("kind", ["hinge", "slide", "weld"])
+def test_a_chord_that_is_open_by_an_angle_alone_is_refused(kind):
+    """About each axis that it holds; turns about the axis of a hinge leave it closed."""
+    model, q = closed_chain(kind)
+    (chord,), still = model.chords, np.zeros(10)
+    held = [row.split()[1] for row in CHORD_ROWS[kind] if row.startswith("moment")]
+    for name, axis in zip(("t1", "t2", "p"), chord.triad.T, strict=True):
+        # an axis of the chord, which stands on body i, as body j sees it
+        links = model.loops.links(q)
+        on_i = links.rotation[chord.body_i] @ chord.placement_i.rotation
+        on_j = links.rotation[chord.body_j] @ chord.placement_j.rotation
+        turn = rotation_about(on_j.T @ on_i @ axis, 1e-6)
+        place = Placement(chord.placement_j.rotation @ turn, chord.placement_j.translation)
+        other = replace(model, chords=(replace(chord, placement_j=place),))
+        for method in ("projected", "recursive"):
+            if name in held:
+                with pytest.raises(InconsistentState, match="loop of chord 'chord' is open by 1e-06 m or rad"):
+                    graphdyn.forward_dynamics(other, q, still, still, method=method)
+            else:
+                graphdyn.forward_dynamics(other, q, still, still, method=method)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("method", METHODS)
+def test_how_far_velocities_may_be_from_closed(method, size):
+    """By a hundred-millionth of what is summed, however fast the linkage is."""
+    model = four_bar()
+    q, v = graphdyn.assemble(model, [0.7, 0.0, 1.0], [size, 0, 0], hold=["a"])
+    graphdyn.forward_dynamics(model, q, v * [1, 1 + 1e-9, 1], 0 * q, method=method)
+    with pytest.raises(InconsistentState, match="the velocity opens the loop of chord 'closing'"):
+        graphdyn.forward_dynamics(model, q, v * [1, 1 + 5e-8, 1], 0 * q, method=method)
 
 
 def on_turntable(model):

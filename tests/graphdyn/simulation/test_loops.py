@@ -32,6 +32,17 @@ def test_published_mechanisms():
     assert np.isnan(motion.reactions.multipliers).all()
 
 
+@pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk4", "step": 0.01}], ids=["dop853", "rk4"])
+def test_the_first_row_is_closed_to_rounding(settings):
+    """A start that is open by less than counts is closed before anything else."""
+    q, v = START
+    motion = simulate(CRANK, q + np.array([0, 2e-9, 0]), v + np.array([0, 0, 2e-9]), 0.02, **settings)
+    assert motion.closure_error().max() < 1e-14
+    jacobian = CRANK.loops.jacobian(CRANK.loops.links(motion.q[0]))
+    assert np.abs(jacobian @ motion.v[0]).max() < 1e-14
+    assert motion.q[0] == pytest.approx(q, abs=1e-8)
+
+
 def test_through_singular_poses():
     motion, error = four_bars(1.0, method="rk8", step=1e-2)  # at 0.715 s
     assert motion.q[-1, 0] < -0.1

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from random_trees import NAMED, random_state
 from robots.moving_robots import slider
+from scipy.integrate import cumulative_simpson
 from scipy.linalg import block_diag, null_space
 
 from graphdyn import Event, Friction, InvalidInput, PDControl, maximal_state, simulate
@@ -132,6 +133,20 @@ def test_work_and_angles_beyond_a_turn():
     assert motion.q[-1, 0] > 3.5
     assert motion.energy.drift < 1e-8
     assert motion.energy.work[-1] > 0
+
+
+def test_work_that_is_taken_from_the_bodies():
+    """A damper, a motor that brakes and a motor that drives: by ∫ τ v dt over the rows, and by the energies."""
+    model = NAMED["mixed_chain"]
+    q, v, _ = random_state(model, 2)
+    gains = np.array([-2.0, 1.0, -0.5, -3.0])
+    motion = simulate(
+        model, q, v, 0.2, torque=lambda t, q, v: gains * v, method="rk8", step=0.01, coordinates="maximal"
+    )
+    power = (gains * motion.v**2).sum(axis=-1)
+    assert motion.energy.work == pytest.approx(cumulative_simpson(power, x=motion.time, initial=0), abs=2e-4)
+    assert motion.energy.work.min() < 0
+    assert motion.energy.drift < 1e-6
 
 
 @pytest.mark.parametrize(
