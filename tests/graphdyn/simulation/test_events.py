@@ -1,6 +1,7 @@
 """Limits and events between steps: one rule for all methods, against parabolas and other motions in closed form."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from robots.moving_robots import pendulum, slider
 
 import graphdyn
 from graphdyn import Event, Friction, IntegrationFailed, InvalidInput, JointLimits, simulate
-from graphdyn.simulation.integration.crossings import Pieces, crossings
+from graphdyn.simulation.integration.crossings import Pieces, Watch, crossings
 from graphdyn.simulation.integration.events import event_watch
 from graphdyn.simulation.integration.sketches import RowSteps
 
@@ -141,6 +142,23 @@ def test_a_function_of_time_that_swings_within_steps(settings):
     motion = simulate(slider(), [0.0], [1.0], 3.0, events=event, **settings)
     expected = (np.pi * np.arange(1, 20) - 1e-3) / 20
     assert [time for _, time in happened(motion)] == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("start", [0.0, 1e-9, -1e-9])
+def test_what_starts_inside_leaves_at_once_where_it_moves_out(direction, start):
+    """A course from zero, or beside it, by as much as rounding says; outwards it crosses, inwards it does not."""
+
+    def joints(numbers, times):
+        q = times[..., None]
+        return q, np.ones_like(q)
+
+    for slope, inside in product((1.0, -1.0), (True, False)):
+        watch = Watch(lambda t, q, v, slope=slope: slope * t + start, direction=direction, inside=inside)
+        found = [crossing.time for crossing in crossings([watch], Pieces(np.array([0.0, 1.0]), joints))]
+        begins_outside = start * direction > 0
+        leaves = slope == direction and (inside or not begins_outside)
+        assert found == pytest.approx([abs(start) if leaves and not begins_outside else 0.0] * leaves, abs=1e-12)
 
 
 def test_sketches_of_steps_say_how_far_they_may_be_off():
