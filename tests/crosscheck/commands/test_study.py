@@ -12,6 +12,7 @@ from lxml import html
 from pyarrow.parquet import write_table
 from shared_data import REPOSITORY
 from shown import pages
+from shown.approved import approve_result
 from shown.browser import CHROMIUM, document
 
 from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
@@ -52,6 +53,10 @@ def written(report):
 @pytest.fixture(scope="module")
 def shown(written):
     return html.fromstring(written)
+
+
+def test_whole(folder):
+    approve_result("study", summarized(read_outcomes(folder)))
 
 
 def test_record(report, folder):

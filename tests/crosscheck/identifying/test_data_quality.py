@@ -12,7 +12,7 @@ import pytest
 from identified import identified_arm, spoilt_recordings
 from long_check import few
 from shared_data import DATA, existing
-from shown.approved import approve_record
+from shown.approved import approve_record, approve_result
 from typer.testing import CliRunner
 
 import crosscheck.identifying
@@ -120,6 +120,9 @@ def found_of(file, mistake):
 
 
 class TestRemedies:
+    def test_whole(self, right):
+        approve_result("data_quality", right)
+
     def test_right(self, right):
         assert right.findings == ()
 

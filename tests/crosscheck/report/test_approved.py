@@ -1,8 +1,11 @@
 """Reports that are held against approved texts: what is seen as a difference."""
 
+from dataclasses import dataclass, replace
+
+import numpy as np
 import pytest
 from shown import approved
-from shown.approved import APPROVE_VARIABLE, approve, approve_record, page_text
+from shown.approved import APPROVE_VARIABLE, approve, approve_record, approve_result, page_text
 
 TEXT = """Joints, 3 of them
 │ no. │ speed │
@@ -14,6 +17,7 @@ error 2.2e-16
 
 @pytest.fixture(autouse=True)
 def folder(tmp_path, monkeypatch):
+    monkeypatch.delenv(APPROVE_VARIABLE, raising=False)
     monkeypatch.setattr(approved, "FOLDER", tmp_path)
     (tmp_path / "a.txt").write_text("Joints, 3 of them\n| no. | speed |\n| 1 | 1.234 |\n| 2 | -5e-3 |\nerror 2.2e-16\n")
 
@@ -67,3 +71,26 @@ def test_records(folder, monkeypatch):
     for change in ({"a": [1.3, 2]}, {"b": [{"c": "x"}]}, {"e": 1}):
         with pytest.raises(AssertionError):
             approve_record("r", record | change, without=("seconds",))
+
+
+@dataclass
+class Found:
+    name: str
+    values: np.ndarray
+    parts: tuple
+
+
+def test_results(folder, monkeypatch):
+    values = np.random.default_rng(0).normal(size=(10, 3))
+    found = Found("a", values, ({"x": 1.5, "seconds": 2.0}, None))
+    with monkeypatch.context() as asked:
+        asked.setenv(APPROVE_VARIABLE, "1")
+        approve_result("f", found, without=("seconds",))
+    approve_result("f", replace(found, values=values * (1 + 1e-6)), without=("seconds",))
+    for change in (
+        {"name": "b"}, {"values": -values}, {"values": values[:-1]}, {"values": values[:, ::-1]}, {"parts": ()},
+        {"values": np.where(values == values[0, 0], np.nan, values)}, {"values": 1.01 * values},
+        {"parts": ({"x": 2.0}, None)},
+    ):  # fmt: skip
+        with pytest.raises(AssertionError):
+            approve_result("f", replace(found, **change), without=("seconds",))

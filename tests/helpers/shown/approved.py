@@ -9,8 +9,11 @@ import difflib
 import math
 import os
 import re
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from pathlib import Path
 
+import numpy as np
 from shown.pages import parsed
 
 from crosscheck.report.html import page
@@ -75,6 +78,44 @@ def approve_record(name, record, *, without=()):
 
     read("", record)
     approve(f"{name}_record", "\n".join(lines))
+
+
+def approve_result(name, result, *, without=()):
+    """All numbers and words in the fields of an object, and of objects in them. without: fields that are left out
+
+    Of an array of more than twelve numbers: shape, norm, and the cosines of its angles to two fixed directions, plus 2.
+    """
+    lines = []
+
+    def read(where, value):
+        if is_dataclass(value):
+            value = {each.name: getattr(value, each.name) for each in fields(value)}
+        if isinstance(value, Mapping):
+            for key in value:
+                if key not in without:
+                    read(f"{where}.{key}", value[key])
+        elif isinstance(value, list | tuple) and not all(isinstance(each, float | int) for each in value):
+            for k, each in enumerate(value):
+                read(f"{where}.{k}", each)
+        elif isinstance(value, list | tuple | float | np.ndarray | np.number):
+            lines.append(f"{where}: {_summary(np.asarray(value))}")
+        elif value is None or isinstance(value, str | int):
+            lines.append(f"{where}: {value}")
+
+    read("", result)
+    approve(f"{name}_result", "\n".join(lines))
+
+
+def _summary(values):
+    if values.dtype.kind not in "fiub" or values.size <= 12:
+        return " ".join(f"{x:.4g}" if isinstance(x, float) else str(x) for x in values.ravel().tolist())
+    flat = np.nan_to_num(values.ravel().astype(float), posinf=1e9, neginf=-1e9)
+    size = np.linalg.norm(flat) or 1.0
+    places = np.arange(1.0, len(flat) + 1)
+    cosines = [flat @ (way / np.linalg.norm(way)) / size for way in (np.cos(places), np.sin(places**1.5))]
+    missing = int(np.isnan(values.astype(float)).sum())
+    told = [str(values.shape), f"{size:.4g}", *(f"{2 + x:.4f}" for x in cosines), f"{missing} missing" * bool(missing)]
+    return " ".join(told)
 
 
 def page_text(text):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from identified import identified_arm
 from identified.own_rows import own_rows
-from shown.approved import approve_record, approve_report
+from shown.approved import approve_record, approve_report, approve_result
 from shown.blocks import cells, tables
 
 import graphdyn
@@ -412,4 +412,5 @@ class TestEveryNumber:
 def test_whole(found, report):
     record = plain(identify_record(found, None, []))
     approve_record("identify", record, without=("versions", "seconds", "iterations"))
+    approve_result("identify", found, without=("model", "seconds", "iterations", "others"))
     approve_report("identify", report, rounding="CAD links: WLS .*3 of 3")  # its last cell is a time
