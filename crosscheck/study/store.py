@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+import shutil
 import sqlite3
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
@@ -14,6 +16,7 @@ from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from crosscheck.study.tasks import StudyOutcome
@@ -41,6 +44,12 @@ PRAGMA user_version = {STORE_SCHEMA};
 
 MIN_ROW_BYTES = 100
 """No task takes less of the file."""
+
+HEADER_BYTES = 100
+"""Beginning of a database, which says how long it is."""
+
+MAX_STORE_BYTES = 1 << 32
+"""No study has so many tasks: a longer database is not what its header says."""
 
 Row = tuple[Any, ...]
 
@@ -93,8 +102,13 @@ def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[St
     """
     with ExitStack() as opened_now:
         try:
-            connection = opened_now.enter_context(_connected(file))
-            kept = _kept(connection, file)
+            try:
+                connection = opened_now.enter_context(_connected(file))
+                kept = _kept(connection, file)
+            except DamagedStore as damage:
+                kept = _kept_of_cut_off(file)
+                if kept is None:
+                    raise damage from None
             if kept is not None:
                 opened_now.close()
                 _rewrite(file, kept)
@@ -129,8 +143,41 @@ def _connected(file: Path) -> Iterator[sqlite3.Connection]:
         yield connection
 
 
-def _damaged(file: Path, problem: str) -> InvalidInput:
-    return InvalidInput(f"{file} is damaged: {problem}; remove it, or name another folder")
+def _kept_of_cut_off(file: Path) -> _Kept | None:
+    """What can be read of a file that is cut off: with empty pages in place of the lost ones SQLite reads the others.
+
+    None where it is as long as it says, and where its inputs are lost.
+    """
+    whole = _whole_size(file)
+    if not file.stat().st_size < whole <= MAX_STORE_BYTES:
+        return None
+    with TemporaryDirectory() as folder:
+        filled = Path(folder) / file.name
+        for name in (file.name, f"{file.name}-wal"):
+            if (part := file.with_name(name)).exists():
+                shutil.copyfile(part, filled.with_name(name))
+        os.truncate(filled, whole)
+        with suppress(DamagedStore), _connected(filled) as connection:
+            return _kept(connection, file)
+    return None
+
+
+def _whole_size(file: Path) -> int:
+    """How long a database is by its header [bytes]; 0 where that is not known (sqlite.org/fileformat2.html)."""
+    with file.open("rb") as content:
+        header = content.read(HEADER_BYTES)
+    if len(header) < HEADER_BYTES or header[24:28] != header[92:96]:
+        return 0
+    page = int.from_bytes(header[16:18], "big")
+    return (page if page > 1 else 1 << 16) * int.from_bytes(header[28:32], "big")
+
+
+class DamagedStore(InvalidInput):
+    """A file that is no store, or one that is damaged beyond what can be read."""
+
+
+def _damaged(file: Path, problem: str) -> DamagedStore:
+    return DamagedStore(f"{file} is damaged: {problem}; remove it, or name another folder")
 
 
 @dataclass(frozen=True)

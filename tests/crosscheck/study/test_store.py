@@ -68,6 +68,26 @@ def test_what_was_written_is_read(file, content):
     assert file.read_bytes() == content
 
 
+@pytest.mark.parametrize("left", [3 * PAGE, 5 * PAGE + 7, 8 * PAGE, -PAGE, -1])
+def test_a_store_that_is_cut_off_keeps_what_is_left_of_it(file, content, left):
+    file.write_bytes(content[:left])
+    inputs, outcomes, told = read(file)
+    assert inputs == INPUTS
+    assert outcomes.items() < OUTCOMES.items()
+    assert len(outcomes) >= len(content[:left]) // PAGE - 6  # pages: header, inputs, index, and those between outcomes
+    (line,) = told
+    assert line.endswith("can be read, all others are computed again")
+
+
+@pytest.mark.parametrize("left", [99, 100, PAGE - 1, PAGE])
+def test_a_store_without_its_beginning_is_refused(file, content, left):
+    file.write_bytes(content[:left])
+    with pytest.raises(InvalidInput, match=r"is damaged: .*; remove it, or name another") as caught, opened(file):
+        pass
+    assert str(caught.value).startswith(str(file))
+    assert file.read_bytes() == content[:left]
+
+
 @pytest.mark.parametrize(
     "harm",
     [
