@@ -691,15 +691,23 @@ def xacro(path: Path) -> Any:
 
 
 def xacro_fault(path: Path, found: Any) -> str | None:
-    """The masses are those of the document that the package xacro makes of the file."""
-    from xacro import process_file
+    """The robot is that of the document that the package xacro makes of the file."""
+    import xacro as package
 
     with quiet("xacro"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        root = etree.fromstring(process_file(str(path)).toxml().encode())
-    there = {e.get("name"): float(e.find("inertial/mass").get("value")) for e in root.findall("link") if len(e)}
-    odd = [body.name for body in found.bodies if body.mass != there[body.name]]
-    return f"the mass of {odd[0]} is not that of the second reader, {there[odd[0]]}" if odd else None
+        package.init_stacks(str(path))
+        document = package.parse(io.BytesIO(path.read_bytes()))
+        package.process_doc(document, mappings={})
+        there = urdf.load(document.toxml(), mimic="independent")
+    return first(
+        [
+            differs("bodies", found.body_names, there.body_names),
+            differs("joints", found.joint_names, there.joint_names),
+            differs("parameters", found.inertial_parameters, there.inertial_parameters),
+            differs("axes", np.array([j.axis for j in found.joints]), np.array([j.axis for j in there.joints])),
+        ]
+    )
 
 
 # Meshes
