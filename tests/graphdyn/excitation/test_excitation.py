@@ -8,6 +8,7 @@ import scipy.stats
 from identified.excited_robot import AT_REST, followed
 from planting import mixed_tree
 from robots.mechanisms import four_bar
+from shown.approved import approve_result
 
 from graphdyn import Coupling, InvalidInput, JointLimits, frame_placement, joint_torque_regressor, joint_torques
 from graphdyn.excitation import (
@@ -605,3 +606,16 @@ def test_rates_use_the_limits_of_their_own_joints():
     assert [used for kind, used in found if kind == "velocity"] == [1.0, 0.5, 0.25]
     assert [used for kind, used in found if kind == "acceleration"] == [1.0, 0.5, 0.4]
     assert [used for kind, used in found if kind == "jerk"] == [0.4, 1.0, 0.5]
+
+
+def test_whole():
+    """Plan and use of the limits of one motion, whose course is given."""
+    plane = Plane((0.0, 0.6, 0.8), -3.0)
+    problem = problem_of(planes=[plane])
+    trajectory = Trajectory(problem.basis, 0.3 * np.random.default_rng(0).normal(size=(3, problem.basis.size)))
+    motion = trajectory.motion(np.linspace(0.0, 5.0, 40))
+    plan = excitation_plan(problem.torque_model, problem.total_information(trajectory))
+    numbers = {name: getattr(plan, name) for name in ("names", "units", "prior", "spread", "relative", "verdicts")}
+    sums = {"without": plan.without_effect, "in_sums": plan.only_in_sums, "condition": plan.condition_number}
+    used = {"value": problem.value(trajectory), "usages": problem.usages(motion)}
+    approve_result("excitation", {**numbers, **sums, **used})

@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from random_trees import random_tree
 from robots.mechanisms import four_bar
 from robots.moving_robots import pendulum, slider
+from shown.approved import approve_result
 
 from graphdyn import (
     ComputedTorqueControl,
@@ -15,6 +17,8 @@ from graphdyn import (
     GraphDynError,
     IntegrationFailed,
     InvalidInput,
+    JointLimits,
+    JointStops,
     PDControl,
     SingularMassMatrix,
     kr500,
@@ -283,3 +287,26 @@ def test_refused(more, message):
 def test_errors_are_those_of_the_package():
     assert issubclass(IntegrationFailed, GraphDynError)
     assert simulate(kr500(), np.zeros(6), np.zeros(6), 0.01).reactions.joint_wrenches.shape[1:] == (6, 6)
+
+
+def test_whole():
+    """A motion with all that a simulation knows, but for what energy has no balance of."""
+    tree = random_tree(7, [0, 1, 1], ["revolute", "prismatic", "continuous"])
+    bounded = (replace(joint, limits=JointLimits(-1.0, 0.45)) for joint in tree.joints[:2])
+    model = replace(tree, joints=(*bounded, tree.joints[2]))
+    motion = simulate(
+        model,
+        [0.4, 0.1, -0.5],
+        [1.0, -0.2, 2.0],
+        0.3,
+        torque=PDControl([40.0, 60.0, 20.0], [4.0, 6.0, 2.0], np.zeros(3)),
+        method="rk4",
+        step=1e-3,
+        at=np.linspace(0.0, 0.3, 13),
+        friction=Friction(viscous=[0.1, 0.2, 0.3], coulomb=[0.2, 0.1, 0.3]),
+        rotor_inertia=[0.1, 0.2, 0.3],
+        limits=JointStops(1e4, 10.0),
+        torque_limits=[15.0, 30.0, 10.0],
+    )
+    names = ("time", "q", "v", "a", "tau", "passive", "ended", "occurrences", "reactions", "energy")
+    approve_result("simulation", {name: getattr(motion, name) for name in names})
