@@ -83,6 +83,7 @@ class TestBaselines:
         assert np.array_equal(found.covariance, 3 * np.eye(r))
         assert np.array_equal(found.block_covariance, 3 * np.eye(r))
         assert found.settings == {"k": 3.0, "difference": pytest.approx(0.5)}
+        assert WithPinocchio(WeightedLeastSquares()).needs == f"{WeightedLeastSquares().needs}; unknown rigid bodies"
         assert found.remarks == ("theirs", "differs from guess by 5.0e-01 of the torque")
 
     def test_graph_method_uses_wrenches(self):

@@ -24,7 +24,7 @@ from graphdyn import (
     rollout,
 )
 from graphdyn.identification import Samples
-from graphdyn.identification.terms import Coulomb, PayloadMass
+from graphdyn.identification.terms import Coulomb, PayloadMass, RotorInertia, Viscous
 
 EXACT = Scenario(
     position_noise=0.0, torque_noise=0.0, force_noise=0.0, sampling_rate=500.0, cutoff=None, duration=4.0, min_speed=0.0
@@ -105,6 +105,15 @@ def test_a_joint_that_may_not_move_leaves_the_others_their_motion(tmp_path):
     none = replace(still, lower=(0.5, 0.5), upper=(0.5 + 1e-10, 0.5 + 1e-10))
     with pytest.raises(InvalidInput, match="no random motion found: robot 'small' cannot be held with the efforts"):
         reference(none, 0, "random", 0, 4.0)
+
+
+def test_a_drive_of_one_joint_is_a_term_of_all(tmp_path):
+    """Friction and a rotor that one joint has, and none that no joint has."""
+    (tmp_path / "small.urdf").write_text(ARM, encoding="utf-8")
+    robot = '[robot]\nname = "small.urdf"\nviscous = [0, 0.5]\nrotor_inertia = [0.2, 0]\n'
+    plant = plant_of(study_of(tmp_path, small.STUDY, robot).robot)
+    assert [type(term) for term in plant.drives] == [Viscous, RotorInertia]
+    assert plant.truth(plant.known_exactly)[-4:].tolist() == [0.0, 0.5, 0.2, 0.0]
 
 
 def test_a_recording_without_noise_is_the_robot(study, raw):

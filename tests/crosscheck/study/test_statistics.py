@@ -379,6 +379,16 @@ def test_read(tmp_path, study):
         assert np.array_equal(one.base, other.base, equal_nan=True)
 
 
+def test_numbers_that_are_missing_in_a_list_are_not_zero():
+    results, scenarios, times = study_tables(2, motions=("Fourier",))
+    for name in ("base", "sigma"):
+        results[0][name] = [*results[0][name][:2], None, *results[0][name][3:]]
+    (first, *_) = outcomes(results, scenarios, times).scenarios
+    for found, name in ((first.base[0, 0], "base"), (first.sigma[0, 0], "sigma")):
+        assert np.flatnonzero(np.isnan(found)).tolist() == [2]
+        assert np.delete(found, 2).tolist() == [x for x in results[0][name] if x is not None]
+
+
 def test_an_error_that_is_no_number_is_a_failure():
     results, scenarios, times = study_tables(2, motions=("Fourier",))
     results[0]["torque_error"] = np.nan

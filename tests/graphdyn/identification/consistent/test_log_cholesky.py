@@ -117,6 +117,13 @@ class TestFit:
                 assert bound >= cost.value(other) - lowest - 1e-9 * lowest
         assert fitting.suboptimality(cost, u, *none, margin=1e-4) < 1e-2
 
+    @pytest.mark.parametrize(("cost", "bound"), [(0.01, 1.0), (1.0, 1.0), (50.0, 50.0)])
+    def test_a_start_is_accepted_by_its_bound(self, cost, bound):
+        """Relative to the cost, and absolute where the cost is below one."""
+        for share, accepted in ((0.99, True), (1.01, False)):
+            excess = share * bound * fitting.MAX_FIT_COST_EXCESS
+            assert fitting.LocalMinimum(np.zeros(3), cost, excess, "", 1).accepted is accepted
+
     @pytest.mark.parametrize(("starts", "strength"), [(0, 1.0), (1, 0.0), (1, np.nan)])
     def test_bad_settings(self, poor, starts, strength):
         with pytest.raises(InvalidInput, match=r"starts with strength .*; at least one, and a strength > 0 needed"):

@@ -11,6 +11,7 @@ from graphdyn import InvalidInput
 from graphdyn.identification import (
     Estimate,
     OrdinaryLeastSquares,
+    Plausibility,
     Problem,
     Samples,
     TorqueModel,
@@ -193,6 +194,10 @@ class TestResiduals:
 
 
 class TestPlausibility:
+    def test_smallest_of_all_poses(self):
+        found = Plausibility(np.array([2.0, 0.0]), np.array([3.0, -1.0, 2.0]))
+        assert (found.smallest_mass_matrix_eigenvalue, found.consistent) == (-1.0, True)
+
     def test_mass_matrix(self):
         """That of the dynamics, plus the rotors on the diagonal, plus the coupling of the wrist."""
         model, x = torque_data.torque_model(), torque_data.true_parameters()

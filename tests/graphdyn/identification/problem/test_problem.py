@@ -1,5 +1,7 @@
 """Problems: how the data arrive, what counts, time blocks, what the recording determines."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from identified import torque_data
@@ -37,6 +39,15 @@ def samples():
 @pytest.fixture(scope="module")
 def whole(samples):
     return Problem(torque_data.torque_model(), samples)
+
+
+class EverySecond:
+    """The simplest filter of rows."""
+
+    factor, memory = 2, 0
+
+    def __call__(self, columns):
+        return columns[::2]
 
 
 class Reopened:
@@ -106,6 +117,15 @@ class TestData:
         expected = Problem(torque_data.torque_model(), samples, min_speed=speed)
         gram = Problem(torque_data.torque_model(), samples, compression="gram", min_speed=speed)
         assert same_problem(gram, expected)
+
+    @pytest.mark.parametrize("speed", [0.0, 0.2])
+    def test_gram_of_filtered_equations(self, samples, speed):
+        """Which are summed up as they are, without those of slow rows."""
+        halved = replace(samples, row_filter=EverySecond())
+        model = torque_data.torque_model()
+        found, expected = (Problem(model, halved, compression=method, min_speed=speed) for method in ("gram", "qr"))
+        assert same_problem(found, expected)
+        assert found.equations.counts.tolist() == (np.abs(samples.v[::2]) >= speed).sum(axis=0).tolist()
 
     def test_gram_of_other_regressors(self, samples):
         """A term that is not the regressor of graphdyn, and a base that moves, which the kernel does not know."""

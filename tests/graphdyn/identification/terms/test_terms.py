@@ -446,7 +446,7 @@ def test_a_term_does_not_see_the_torque(read, samples):
 
 
 class TestRefusals:
-    @pytest.mark.parametrize("width", [0.0, -1.0, np.nan, [1.0, 2.0]])
+    @pytest.mark.parametrize("width", [0.0, -1.0, np.nan, np.inf, [1.0, 2.0], [1.0] * 5 + [np.inf]])
     def test_widths(self, width, samples):
         with pytest.raises(InvalidInput, match=r"width is .*; give one positive number, or 6"):
             Coulomb(width=width).rows(MODEL, samples)
