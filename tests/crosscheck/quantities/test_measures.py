@@ -1,13 +1,23 @@
 """What errors are relative to: for every quantity the scale that its row states in words, from the terms themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from planting import mixed_tree
 
 from crosscheck.quantities import QUANTITIES
+from crosscheck.quantities.measures import acceleration_bound, largest_wrench
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, term_sizes
-from graphdyn import Placement, forward_dynamics, inverse_dynamics, mass_matrix, maximal_state
+from graphdyn import (
+    Placement,
+    forward_dynamics,
+    inverse_dynamics,
+    inverse_dynamics_derivatives,
+    mass_matrix,
+    maximal_state,
+)
 from graphdyn.equations import link_origins
 
 ERROR = 1e-9
@@ -35,17 +45,28 @@ class Terms:
         self.offset = max(np.abs(body.center_of_mass).max() for body in model.bodies)
         self.gravity = np.linalg.norm(model.gravity)
         self.solved = forward_dynamics(model, q, v, tau).a
+        found = maximal_state(model, q, v, self.solved)
+        self.solved_sizes = term_sizes(model, v, self.solved, link_origins(found), found.velocity, found.acceleration)
 
     def wrench(self, v=1.0, a=0.0):
         """Largest entry of the joint wrenches at these parts of the velocities and accelerations."""
         s = self.states
         return np.abs(inverse_dynamics(self.model, s.q, v * s.v, a * s.a).joint_wrenches).max(axis=(1, 2))
 
-    @property
-    def solution(self):
+    def solution(self, a, tau):
+        """Of accelerations, or their derivatives, through these torques, or their derivatives."""
         s = self.states
         wrenches = inverse_dynamics(self.model, s.q, s.v, self.solved).joint_wrenches
-        return acceleration_scale(self.matrix, self.solved, s.tau, wrenches)
+        return acceleration_scale(self.matrix, a, tau, wrenches)
+
+    @property
+    def solved_scale(self):
+        return self.solution(self.solved, self.states.tau)
+
+    def rate_scale(self, name):
+        s = self.states
+        rates = getattr(inverse_dynamics_derivatives(self.model, s.q, s.v, s.a), name)
+        return self.solution(0 * rates, rates)
 
 
 def of_reactions(t, by):
@@ -64,14 +85,14 @@ def both(size):
 
 SCALES = {
     "inverse_dynamics": both(lambda t: np.maximum(t.wrench(1, 1), t.sizes.spin)),
-    "forward_dynamics": both(lambda t: t.solution),
+    "forward_dynamics": both(lambda t: t.solved_scale),
     "bias_torque": both(lambda t: t.wrench()),
     "gravity_torque": both(lambda t: t.wrench(0)),
     "static_torque": both(lambda t: t.wrench(0)),
     "power": both(lambda t: np.maximum(t.wrench(1, 1), t.sizes.spin) * t.speed),
     "joint_wrenches": lambda t: (t.sizes.force, t.sizes.moment),
     "multipliers": both(lambda t: t.wrench(1, 1)),
-    "forward_body_accelerations": both(lambda t: t.solution * 3 * np.maximum(1, t.sizes.lever)),
+    "forward_body_accelerations": both(lambda t: t.solved_scale * 3 * np.maximum(1, t.sizes.lever)),
     "link_placement": lambda t: (np.ones(2), np.maximum(t.position, t.offset)),
     "body_velocities": lambda t: (t.sizes.omega * t.sizes.lever + t.sizes.slide_rate, None),
     "body_accelerations": lambda t: (t.sizes.acceleration, t.sizes.turn),
@@ -96,6 +117,10 @@ SCALES = {
     "dtau_da": both(lambda t: np.full(2, t.tensor)),
     **{f"dmultipliers_d{by}": both(lambda t, by=by: of_reactions(t, by)[1]) for by in "qva"},
     **{f"dwrenches_d{by}": lambda t, by=by: of_reactions(t, by) for by in "qva"},
+    "da_dq": both(lambda t: t.rate_scale("dtau_dq")),
+    "da_dv": both(lambda t: t.rate_scale("dtau_dv")),
+    "forward_joint_wrenches": lambda t: (t.solved_sizes.force, t.solved_sizes.moment),
+    "forward_multipliers": both(lambda t: t.solved_sizes.moment),
     "d2tau_dqdq": both(lambda t: np.maximum(t.wrench(1, 1), t.sizes.spin)),
     "d2tau_dqdv": both(lambda t: t.entry * t.speed),
     "d2tau_dqda": both(lambda t: t.entry),
@@ -127,3 +152,20 @@ def test_the_scale_is_the_one_that_is_told(terms, name):
         wrong.reshape(2, -1)[:, place] = ERROR
         found = row.errors(wrong, zero, states, chosen)
         assert found == pytest.approx(ERROR / expected if expected is not None else [np.inf] * 2, rel=1e-9, abs=0)
+
+
+def test_loads_are_among_the_summed_terms(terms):
+    """At the given accelerations and at those that belong to the torques, which the loads change."""
+    t, loads = terms, np.random.default_rng(1).normal(size=(2, 3, 6)) * 200
+    states = replace(t.states, loads=loads)
+    a = forward_dynamics(t.model, states.q, states.v, states.tau, loads).a
+    found = maximal_state(t.model, states.q, states.v, a)
+    solved = term_sizes(t.model, states.v, a, link_origins(found), found.velocity, found.acceleration)
+    for sizes, expected in ((states.sizes, t.sizes.loaded(loads)), (states.solved_sizes, solved.loaded(loads))):
+        for name, size in vars(expected).items():
+            assert getattr(sizes, name) == pytest.approx(size, rel=1e-9), name
+    wrenches = inverse_dynamics(t.model, states.q, states.v, states.a, loads).joint_wrenches
+    assert largest_wrench(states) == pytest.approx(np.abs(wrenches).max(axis=(1, 2)))
+    solution = inverse_dynamics(t.model, states.q, states.v, a, loads).joint_wrenches
+    largest = np.maximum(np.abs(solution).max(axis=(1, 2)), np.abs(loads).max(axis=(1, 2)))
+    assert acceleration_bound(states) == pytest.approx(acceleration_scale(t.matrix, a, states.tau, largest), rel=1e-6)

@@ -39,6 +39,10 @@ def written(folder, text, name="r.csv"):
             "t;q1;tau1\n0.5;1.677;-975\n1.5;2.848;1.677\n",
             r"line 3, column 'tau1': '1.677' is a decimal, or the point sep",
         ),
+        (
+            "t;q1;tau1\n0.5;0.1;1.677\n1.5;0.2;\n2.5;0.3;-975\n",  # an empty cell tells nothing
+            r"line 2, column 'tau1': '1.677' is a decimal, or the point sep",
+        ),
         ("t;q1;tau1\n0;1;1,677\n1;2;2,975\n", r"line 2, column 'tau1': '1,677' is a decimal, or the comma separates"),
         (
             "t,q1,tau1\n0.5,1,1\n1.5,2,2.125\n",
