@@ -7,6 +7,7 @@ import pytest
 from identified.identified_arm import CUTOFF, NOISE_FLOOR, compared, identified, identified_from, virtual
 
 from crosscheck.identifying import ByRows, ByTime, Folds, FromWrenches, LastPart, OtherRecordings, Preparation
+from crosscheck.identifying.preparing.holding_out import Division, Fold
 from crosscheck.identifying.preparing.trials import pooled_sizes
 from crosscheck.identifying.results.identified_model import HeldOutPrediction
 from crosscheck.recordings import Recording, concatenated
@@ -97,6 +98,7 @@ class TestHoldingOut:
 
         result = identified([Moody()], held_out=Folds(2)).comparison.results[0]
         assert result.failure == "in 1 of 2 folds: not today"
+        assert result.estimate is None
 
     def test_squares_of_consecutive_pieces(self):
         """Of three chunks of rows or more; N rows in seven pieces, and those of them that move."""
@@ -180,6 +182,15 @@ class TestPreparation:
     def test_a_record_without_torque(self):
         with pytest.raises(InvalidInput, match="has no tau; record it, or map its columns"):
             identified_from(replace(virtual().fitted, tau=None), ["wls"])
+
+
+def test_recordings_of_their_own_are_named():
+    """Those by which results are chosen, then those that have no influence; no folds of what is fitted."""
+    found = compared()
+    fit = found.division.fit
+    trials = [Fold("fold 1", fit, fit), Fold("b.csv", fit, fit, own_recording=True)]
+    division = Division(fit, trials, "", (Fold("a.csv", fit, fit, own_recording=True),))
+    assert replace(found, division=division).predicted_recordings == ("b.csv", "a.csv")
 
 
 def test_rows_that_are_fitted_are_not_predicted():

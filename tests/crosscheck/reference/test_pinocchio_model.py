@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 from long_check import LONG
-from planting import SAMPLES, compared, mixed_tree
+from planting import SAMPLES, compared, flagged, mixed_tree
+from urdf_text import joint, link, robot_text
 
 import crosscheck
 import urdf
@@ -40,6 +41,21 @@ class TestOrderAndAngles:
         there = pinocchio.configuration(np.array([0.0, 0.2, 0.3]))
         assert there.tolist() == [1.0, 0.0, 0.3, 0.2]  # (cos, sin) of the shoulder, a_slide, y_elbow
         assert_same_torques(pinocchio, model)
+
+    def test_an_order_that_is_no_exchange(self, tmp_path):
+        """Three siblings that Pinocchio turns round: each of its answers has to be brought back, and none twice."""
+        links = [link(name, 1.0 + k, xyz="0.1 0.2 0.3", tensor="0.2 0 0 0.3 0 0.2") for k, name in enumerate("cab")]
+        joints = [
+            joint(f"{name}_joint", "base", name, "revolute", f'<origin xyz="0 {k} 0"/><axis xyz="{axis}"/>'
+                  '<limit lower="-3" upper="3" effort="9" velocity="9"/>')
+            for k, (name, axis) in enumerate(zip("cab", ("1 0 0", "0.6 0.8 0", "0 1 0"), strict=True))
+        ]  # fmt: skip
+        path = tmp_path / "siblings.urdf"
+        path.write_text(robot_text("siblings", link("base", None), *links, *joints), encoding="utf-8")
+        pinocchio = PinocchioModel.from_urdf(path, urdf.load(path))
+        assert pinocchio.columns.tolist() == [2, 0, 1]
+        assert pinocchio.torques(pinocchio.there(np.array([7.0, 8.0, 9.0]))).tolist() == [7.0, 8.0, 9.0]
+        assert flagged(crosscheck.compare(path, SAMPLES)) == set()
 
     def test_order_of_the_regressor(self, small_arm):
         """W π = τ with our parameters in our order, joint by joint."""

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 from identified import consistent_data
 
 from graphdyn import InvalidInput
@@ -115,6 +116,21 @@ class TestCost:
             cost = Cost(coordinates, metric, 3.0)
             assert cost.value(coordinates.origin) == pytest.approx(0, abs=EXACT)
             assert np.abs(cost.gradient(coordinates.origin)).max() < EXACT
+
+    def test_the_nearest_best_fit(self, coordinates):
+        """By the optimality conditions: of all best fits whose held entries are zero, u - found has no part along."""
+        rng = np.random.default_rng(3)
+        found, _ = consistent_data.coordinates(consistent_data.poor_problem())
+        u, held = found.origin + rng.normal(size=len(found.origin)), np.zeros(len(found.origin), dtype=bool)
+        held[[72, 73]] = True  # rotors that fold into the bodies
+        free = found.null @ scipy.linalg.null_space(found.null[held], rcond=1e-9)
+        for which, along in ((held, free), (np.zeros_like(held), found.null)):
+            nearest = found.nearest_best_fit(u, which)
+            assert found.excess(nearest) <= 1e-12 * found.excess(u)
+            assert np.abs(along.T @ (u - nearest)).max() <= 1e-9 * np.linalg.norm(u - nearest)
+        inverse = np.linalg.pinv(found.null[held], rcond=1e-9)
+        reached = found.fitting[held] - found.null[held] @ inverse @ found.fitting[held]
+        assert found.nearest_best_fit(u, held)[held] == pytest.approx(reached, abs=1e-9)
 
     @pytest.mark.parametrize("metric", ["entropic", "pullback"])
     def test_slopes_are_differences(self, coordinates, rng, metric):

@@ -244,8 +244,9 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match="N ≥ 1"):
             identify(KR500, loose)
 
-    def test_not_finite(self, loose, identify):
-        loose.joint_forces[3, 1, 2] = np.nan
+    @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+    def test_not_finite(self, loose, identify, value):
+        loose.joint_forces[3, 1, 2] = value
         with pytest.raises(InvalidInput) as caught:
             identify(KR500, loose)
         assert "joint_forces contains NaN or infinity at sample 3, body 'B2'; leave the sample out" in str(caught.value)
