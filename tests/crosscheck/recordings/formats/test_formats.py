@@ -1,6 +1,7 @@
 """Recordings in the formats that users bring: the same numbers from each, and what cannot be read is refused."""
 
 import sys
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -19,6 +20,7 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
+from crosscheck.recordings.formats.bag_files import write_mcap
 
 N = 40
 T = np.arange(N) * 0.01
@@ -179,6 +181,18 @@ def test_archives_without_arrays_are_refused(tmp_path):
     path.write_bytes(b"PK nothing")
     with pytest.raises(BadRecordingFile, match=r"r.npz: not a readable .npz file \(.*\); save it with numpy.savez"):
         load_recording(path)
+
+
+def test_stamps_of_bags_are_the_nearest_nanoseconds(tmp_path):
+    """Of times in seconds, of which 0.57 is a little less than 570,000,000 ns as a double."""
+    times, values = np.arange(200) / 100, np.arange(400.0).reshape(200, 2)
+    written = SimpleNamespace(joint_names=("a", "b"), time=times, q=values, v=2 * values, tau=3 * values)
+    path = tmp_path / "r.mcap"
+    path.write_bytes(write_mcap(written, path, {}))
+    recording = load_recording(path)
+    assert np.round(recording.t * 1e9).astype(int).tolist() == [10_000_000 * k for k in range(200)]
+    for name, factor in (("q", 1), ("v", 2), ("tau", 3)):
+        assert np.array_equal(recording.channel(name), factor * values)
 
 
 def test_matlab(tmp_path):
