@@ -5,9 +5,11 @@ import pytest
 from identified import torque_data
 
 import urdf
-from crosscheck.comparing.baseline import PinocchioBodies
+from crosscheck.comparing.baseline import PinocchioBodies, _terms
+from crosscheck.quantities.scales import term_sizes
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from graphdyn import BaseMotion, InvalidInput
+from graphdyn import BaseMotion, InvalidInput, maximal_state
+from graphdyn.equations import link_origins
 from graphdyn.identification import (
     EssentialParameters,
     GeneralizedLeastSquares,
@@ -55,6 +57,20 @@ def test_same_answer(estimator, problems):
     assert here.base.rank == there.base.rank == torque_data.RANK
     assert np.abs((x - y) * scale).max() <= SAME * np.abs(x * scale).max()
     assert np.abs(x * scale).max() > 0
+
+
+def test_lengths_of_the_terms():
+    """Each of the n rows of a state has a term of the size of its column, and a torque of the size of its wrench."""
+    robot, rng = torque_data.robot(), np.random.default_rng(0)
+    q, v = robot.random_state(rng, 7)
+    a = rng.normal(size=q.shape)
+    columns, torque = _terms(robot, q, v, a)
+    state = maximal_state(robot, q, v, a)
+    size = term_sizes(robot, v, a, link_origins(state), state.velocity, state.acceleration)
+    rows = [np.repeat(part, robot.n_bodies) for part in (*size.regressor_columns, np.maximum(size.force, size.moment))]
+    mass, first_moment, tensor, wrench = np.linalg.norm(rows, axis=1)
+    assert columns.reshape(-1, 10) == pytest.approx(np.tile([mass, *[first_moment] * 3, *[tensor] * 6], (6, 1)))
+    assert torque == pytest.approx(wrench)
 
 
 def test_another_robot():

@@ -184,13 +184,14 @@ def test_archives_without_arrays_are_refused(tmp_path):
 
 
 def test_stamps_of_bags_are_the_nearest_nanoseconds(tmp_path):
-    """Of times in seconds, of which 0.57 is a little less than 570,000,000 ns as a double."""
-    times, values = np.arange(200) / 100, np.arange(400.0).reshape(200, 2)
-    written = SimpleNamespace(joint_names=("a", "b"), time=times, q=values, v=2 * values, tau=3 * values)
+    """Of times in seconds, of which some are a little less than a whole number of nanoseconds as doubles."""
+    times, values = np.arange(2000) / 1000, np.arange(4000.0).reshape(2000, 2)
+    assert np.any(times * 1e9 < 1_000_000 * np.arange(2000))
+    written = SimpleNamespace(joint_names=("left", "right"), time=times, q=values, v=2 * values, tau=3 * values)
     path = tmp_path / "r.mcap"
     path.write_bytes(write_mcap(written, path, {}))
     recording = load_recording(path)
-    assert np.round(recording.t * 1e9).astype(int).tolist() == [10_000_000 * k for k in range(200)]
+    assert np.round(recording.t * 1e9).astype(int).tolist() == [1_000_000 * k for k in range(2000)]
     for name, factor in (("q", 1), ("v", 2), ("tau", 3)):
         assert np.array_equal(recording.channel(name), factor * values)
 
