@@ -281,7 +281,8 @@ def test_random_grazing_limits_and_events(settings, dozen):
 )
 def test_random_motions_that_graze_a_height(kind, method):
     """Against splines of fine steps; tests/tools/missed_crossings.py asks for ten thousand."""
-    asked, wrong = problems(kind, method, 1, heights=2)
+    tried = (problems(kind, method, seed, heights=2) for seed in (1, 2))
+    asked, wrong = next(found for found in tried if found[0])  # all of a seed may be nearer than a method is exact
     assert asked > 0
     assert not wrong
 
