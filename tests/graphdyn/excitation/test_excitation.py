@@ -461,6 +461,28 @@ def test_random_positions_without_a_limit_are_within_a_turn(lower, upper, span):
     assert span[1] - 0.7 < np.max(drawn) < span[1] + 0.01
 
 
+def test_random_motions_before_they_are_scaled_together_use_a_limit_of_each_joint():
+    """That of the joint itself, also behind one that others drive: the nearest of its range and its rates."""
+    model = mixed_tree()
+    first, *_, last = model.joint_names
+    model = replace(model, couplings=(Coupling(first, {last: 0.1}),))
+    given = {"velocity": [0.1, 2.0, 3.0], "acceleration": [0.2, 4.0, 5.0], "jerk": [0.3, 7.0, 8.0]}
+    limits = MotionLimits.of_model(model, lower=[-9.0, -1.0, -2.0], upper=[9.0, 0.5, 3.0], **given, torque=200.0)
+    basis, times = FourierBasis(5.0, 3), np.linspace(0.0, 5.0, 240)
+    phi = [basis.rows(times, order) for order in range(4)]
+    for seed in range(5):
+        moving, middle = random_motions._within_own_limits(model, limits, basis, phi, np.random.default_rng(seed))
+        for row, joint in enumerate((1, 2)):
+            q = phi[0] @ moving[row] + middle[row]
+            rates = [
+                np.abs(rows @ moving[row]).max() / most[joint]
+                for rows, most in zip(phi[1:], given.values(), strict=True)
+            ]
+            assert max(np.ptp(q) / (limits.upper - limits.lower)[joint], *rates) == pytest.approx(1.0)
+            assert q.min() >= limits.lower[joint] - ROUNDING
+            assert q.max() <= limits.upper[joint] + ROUNDING
+
+
 def test_random_motions_use_the_whole_range():
     """From end to end of ranges so narrow that no other limit matters; in the middle between them."""
     problem = problem_of(lower=[-0.03, 0.5, -0.2], upper=[0.01, 0.52, -0.19], jerk=np.inf)

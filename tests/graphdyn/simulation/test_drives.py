@@ -197,6 +197,9 @@ def test_torque_limits(settings):
     assert np.all(motion.tau == 3.0)
     efforts = slider(limits=JointLimits(effort=4.0))
     assert np.all(simulate(efforts, [0.0], [0.0], 1.0, torque=[-50.0], torque_limits="model", **settings).tau == -4.0)
+    for nothing in (None, 0.0):
+        free = slider(limits=JointLimits(effort=nothing))
+        assert np.all(simulate(free, [0.0], [0.0], 0.2, torque=[-50.0], torque_limits="model", **settings).tau == -50.0)
 
 
 def test_events_are_recorded_and_stop(settings):

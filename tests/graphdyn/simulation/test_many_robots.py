@@ -282,3 +282,13 @@ def test_refused(more, message):
     with pytest.raises(InvalidInput) as caught:
         rollout(slider(), np.zeros((3, 1)), np.zeros(1), given.pop("controls", None), **given)
     assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize("period", [None, 0.02, 0.05])
+def test_torques_last_for_all_of_their_periods(period):
+    """2 kg under 2 N, then -4 N, then 6 N: the velocity is the sum of what each has given."""
+    held = period or 0.01
+    found = rollout(slider(mass=2.0), [0.0], [0.0], [[2.0], [-4.0], [6.0]], step=0.01, period=period)
+    assert found.time == pytest.approx(np.arange(round(3 * held / 0.01) + 1) * 0.01)
+    wanted = [np.interp(t, held * np.arange(4), held * np.array([0.0, 1.0, -1.0, 2.0])) for t in found.time]
+    assert found.v[0, :, 0] == pytest.approx(wanted, abs=1e-14)

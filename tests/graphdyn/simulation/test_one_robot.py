@@ -252,6 +252,28 @@ def test_numbers_that_overflow():
         source.tau_at(0.5, np.array([np.inf]), np.zeros(1))
 
 
+@pytest.mark.parametrize("name", ["q", "v"])
+@pytest.mark.parametrize("number", [np.inf, np.nan])
+def test_the_first_row_that_is_not_finite_is_told(name, number):
+    times, rows = np.array([0.5, 0.75, 1.0]), {each: np.zeros((3, 2)) for each in "qv"}
+    fixed._refuse_infinite(times, rows)
+    rows[name][1:, 1] = number
+    with pytest.raises(IntegrationFailed, match=r"at 0\.75 s the numbers are no longer finite; take smaller steps"):
+        fixed._refuse_infinite(times, rows)
+
+
+@pytest.mark.parametrize("settings", [{}, FIXED], ids=["dop853", "rk4"])
+def test_external_wrenches_of_time(settings):
+    """2 kg under 6 t newtons: x = t³ / 2."""
+
+    def pulled(t, q, v):
+        return [[6 * t, 0, 0, 0, 0, 0]]
+
+    motion = simulate(slider(mass=2.0), [0.0], [0.0], 1.0, external_wrenches=pulled, **settings)
+    assert motion.q[:, 0] == pytest.approx(motion.time**3 / 2, abs=1e-9)
+    assert motion.a[:, 0] == pytest.approx(3 * motion.time, abs=1e-9)
+
+
 def test_compiled_steps_that_overflow():
     with pytest.raises(IntegrationFailed, match=r"at 0\.\d s the numbers are no longer finite; take smaller steps"):
         simulate(slider(), [0.0], [1.0], 1.0, torque=PDControl(0.0, -1e200, [0.0]), **FIXED)
