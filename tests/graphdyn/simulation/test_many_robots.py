@@ -7,8 +7,10 @@ import pytest
 from random_trees import NAMED, random_state, random_wrenches
 from robots.moving_robots import slider
 
+import graphdyn
 from graphdyn import (
     ComputedTorqueControl,
+    Coupling,
     Friction,
     InvalidInput,
     Joint,
@@ -20,7 +22,10 @@ from graphdyn import (
     rollout,
     simulate,
 )
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.simulated import Inputs, record_accelerations
 from graphdyn.compiler.stepping import code as stepping_code
+from graphdyn.model.spatial import apply
 from graphdyn.motion_laws import ConstantAcceleration, FourierSeries, Rail, Turntable
 from graphdyn.simulation import many_robots
 from graphdyn.simulation.integration import compiled, fixed
@@ -292,3 +297,22 @@ def test_torques_last_for_all_of_their_periods(period):
     assert found.time == pytest.approx(np.arange(round(3 * held / 0.01) + 1) * 0.01)
     wanted = [np.interp(t, held * np.arange(4), held * np.array([0.0, 1.0, -1.0, 2.0])) for t in found.time]
     assert found.v[0, :, 0] == pytest.approx(wanted, abs=1e-14)
+
+
+@pytest.mark.parametrize("couplings", [(), (Coupling("joint4", {"joint1": -0.5}),)], ids=["free", "coupled"])
+def test_what_moves_and_holds_each_joint(couplings):
+    """(M + R) a + h, which is τ where a joint is free, and holds it at a = 0 where it is not."""
+    model = replace(NAMED["mixed_chain"], couplings=couplings)
+    n, rng = model.nv, np.random.default_rng(0)
+    q, v, tau, rotor = rng.normal(size=(4, 3, n))
+    free = np.array([[1.0] * n, [1.0, 0.0, 1.0, 0.0][:n], [0.0] * n])
+    rotor, v = np.abs(rotor), v * free
+    columns = {"q": q, "v": v, "tau": tau, "rotor": rotor, "free": free}
+    found = {"a": np.empty((3, n)), "required": np.empty((3, n))}
+    program = record_accelerations(model, Inputs(rotor=True, free=True))
+    Interpreter(program).bind(columns, found)(0, 3)
+    mass = graphdyn.mass_matrix(model, q, method="projected") + rotor[:, None] * np.eye(n)
+    needed = apply(mass, found["a"]) + graphdyn.bias_torque(model, q, v, method="projected")
+    assert found["required"] == pytest.approx(needed, rel=1e-11, abs=1e-10)
+    assert found["required"][free == 1] == pytest.approx(tau[free == 1], rel=1e-11, abs=1e-10)
+    assert not found["a"][free == 0].any()
