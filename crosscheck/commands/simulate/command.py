@@ -118,7 +118,8 @@ def run(options: SimulateOptions) -> None:
     }
     motion = _simulated(model, q, v, options.duration, how, robot)
     if out is not None:
-        _write(motion, out, {"robot": robot, "locked": reading.locked, "torque": torque, "position": q, "velocity": v})
+        settings = {"robot": robot, "locked": reading.locked, "chain": reading.chain}
+        _write(motion, out, {**settings, "torque": torque, "position": q, "velocity": v})
     shown = SimulatedRun(motion, robot, reading, torque, options.method, step, out.name if out else None)
     deliver(simulate_report(shown), options, lambda: [simulated(robot, motion, reading)])
 

@@ -100,12 +100,17 @@ def test_bag_for_ros(program, small_arm, tmp_path):
 
 def test_settings_in_parquet(program, small_arm, tmp_path):
     out = tmp_path / "run.parquet"
-    program("simulate", small_arm, "--duration", 0.01, "--torque", "hold", "--method", "rk4", "--out", out)
+    chain = (urdf.load(small_arm).base_name, urdf.load(small_arm).body_names[-1])
+    done = program(
+        *("simulate", small_arm, "--duration", 0.01, "--torque", "hold", "--method", "rk4", "--out", out),
+        *("--chain", *chain),
+    )
+    assert done.code == AGREED
     metadata = parquet.read_schema(out).metadata
     told = json.loads(metadata[b"simulation"])
-    assert told["torque"] == "hold"
+    assert (told["torque"], told["chain"], told["locked"]) == ("hold", list(chain), {})
     assert told["command"][:2] == ["graphdyn", "simulate"]
-    assert urdf.load(metadata[b"urdf"]).joint_names == urdf.load(small_arm).joint_names
+    assert urdf.load(metadata[b"urdf"]).joint_names == urdf.load(small_arm, chain=chain).joint_names
 
 
 def test_hold(program, small_arm, tmp_path):
