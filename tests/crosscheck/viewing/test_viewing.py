@@ -10,12 +10,15 @@ import re
 import socket
 import threading
 from base64 import b64decode, b64encode
-from itertools import islice
+from itertools import islice, product
 
 import numpy as np
 import pytest
+from robots.mesh_files import one_link, visual
+from scipy.spatial.transform import Rotation
 
 import graphdyn
+import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.comparing import compare as comparing
 from crosscheck.quantities.states import cases
@@ -23,7 +26,7 @@ from crosscheck.recordings import Recording
 from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import BodyShape, Figure, ShownRobot, inertia_ellipsoid, standing_position
 from crosscheck.viewing.motions import MAX_INSTANTS, closed_instant, planned_motion, recorded_motion, shown_rows
-from crosscheck.viewing.robots import stand_ins
+from crosscheck.viewing.robots import shown_robot, stand_ins
 from crosscheck.viewing.scene import NumberStore, scene, usual_loads
 from crosscheck.viewing.server import MAX_QUESTION_BYTES, SIMULATION_STEP, PageServer
 from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
@@ -82,6 +85,24 @@ class TestFigures:
         radius = np.linalg.norm(shapes[0].vertices[:, :2], axis=1).max()
         assert 0.98 < volume / (np.pi * radius**2 * 0.8) < 1.0
         assert abs(2.0 * radius**2 / 2 - 0.001) < ROUNDING  # m r² / 2 = J_zz
+
+    def test_shapes_are_placed_in_their_link(self):
+        """A box, moved and turned about all axes as SciPy turns it; what is not shown is told."""
+        xyz, rpy = np.array([0.1, -0.2, 0.3]), [0.3, -0.5, 0.9]
+        place = f'<origin xyz="{" ".join(map(str, xyz))}" rpy="{" ".join(map(str, rpy))}"/>'
+        drawn = visual('<box size="0.4 0.1 0.2"/>', place) + visual('<mesh filename="gone.stl"/>')
+        text = one_link(drawn)
+        found = shown_robot(text, urdf.load(text), urdf.Reading(), 1000)
+        (shape,) = found.shapes
+        corners = 0.5 * np.array([0.4, 0.1, 0.2]) * np.array(list(product((-1, 1), repeat=3)))
+        expected = Rotation.from_euler("xyz", rpy).apply(corners) + xyz
+        assert shape.body == 1
+        apart = np.linalg.norm(shape.vertices[:, None] - expected, axis=-1)
+        assert apart.min(axis=1).max() < 1e-9
+        assert apart.min(axis=0).max() < 1e-9
+        (note,) = found.notes
+        assert note.startswith("arm: ")
+        assert "gone.stl is not shown: " in note
 
     def test_shapes_as_they_are_sent(self):
         """Vertices within half a step of 65535 of the box, on each axis; colors to a thousandth."""

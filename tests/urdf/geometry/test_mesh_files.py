@@ -209,6 +209,11 @@ def damaged():
         ),
         "a corner cut off": (uncounted.replace("</p>", " 1</p>"), ".dae", "<p> of <triangles> ends within a corner"),
         "a corner too many": (uncounted.replace("</p>", " 1 0</p>"), ".dae", "<triangles> with a corner too many"),
+        "the first vertex too many": (
+            uncounted.replace("</p>", " 1 0 1 0 8 0</p>"),
+            ".dae",
+            "a vertex that is not there",
+        ),
         "a vertex too many": (uncounted.replace("</p>", " 1 0 1 0 99 0</p>"), ".dae", "a vertex that is not there"),
         "no scene": (re.sub("<scene>.*</scene>", "", good), ".dae", "the file has no <scene>; export it with one"),
         "a skin": (
