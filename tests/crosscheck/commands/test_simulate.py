@@ -98,6 +98,7 @@ def test_bag_for_ros(program, small_arm, tmp_path):
     assert "--duration" in content
 
 
+@pytest.mark.filterwarnings("ignore::urdf.ChainWarning")
 def test_settings_in_parquet(program, small_arm, tmp_path):
     out = tmp_path / "run.parquet"
     chain = (urdf.load(small_arm).base_name, urdf.load(small_arm).body_names[-1])
