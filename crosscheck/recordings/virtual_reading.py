@@ -31,6 +31,7 @@ from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.errors import counted
 from graphdyn.experiments import CHANNELS
 from graphdyn.layout import Array
+from urdf.errors import one_line
 
 _BODY_SYMBOLS = {symbol for _, symbols in BODY_CHANNEL_COLUMNS.values() for symbol in symbols}
 
@@ -47,8 +48,8 @@ def elements_of(path: Path, headers: Iterable[str]) -> Elements:
             bodies[name] = None
     if not joints or len(joints) != len(bodies):
         raise BadRecordingFile(
-            f"{path}, header: {counted(len(joints), 'joint')} ({', '.join(joints)}), "
-            f"{counted(len(bodies), 'body', 'bodies')} ({', '.join(bodies)}); "
+            f"{path}, header: {counted(len(joints), 'joint')} ({one_line(', '.join(joints))}), "
+            f"{counted(len(bodies), 'body', 'bodies')} ({one_line(', '.join(bodies))}); "
             "each joint needs its columns '<joint>.q [rad]' … and its body the columns '<body>.r_x [m]' …"
         )
     return Elements(tuple(joints), tuple(joints.values()), tuple(bodies))
@@ -69,7 +70,7 @@ def check_headers(path: Path, headers: list[str], expected: Iterable[VirtualColu
             needed = f"[{units[label]}]" if units[label] else "none"
             raise BadRecordingFile(f"{where}: the unit must be {needed}; convert the numbers and rename the column")
         seen.add(label)
-    missing = [f"{label} [{unit}]" if unit else label for label, unit in units.items() if label not in seen]
+    missing = [_header(label, unit) for label, unit in units.items() if label not in seen]
     if missing:
         names = f"column {missing[0]!r}" + (f" and {len(missing) - 1} more" if len(missing) > 1 else "")
         raise BadRecordingFile(f"{path}, header: without {names}; record every channel of every joint and body")
@@ -81,6 +82,10 @@ def _split(header: str) -> tuple[str, str]:
     return (found[1], found[2]) if found else (header, "")
 
 
+def _header(label: str, unit: str) -> str:
+    return f"{label} [{unit}]" if unit else label
+
+
 def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
     """Read a recording from a CSV or Parquet file with the columns that save_virtual_recording writes.
 
@@ -90,7 +95,7 @@ def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
     path = Path(path)
     suffix = recording_suffix(path)
     table = _read_csv(path) if suffix == ".csv" else parquet_table(path)
-    headers = [name.strip() for name in table.column_names]
+    headers = [_header(*_split(name.strip())) for name in table.column_names]
     elements = elements_of(path, headers)
     expected = columns(elements)
     check_headers(path, headers, expected)

@@ -50,6 +50,22 @@ def test_line_ends_of_other_systems(recording, tmp_path, end):
     assert_same(load_virtual_recording(path), recording)
 
 
+def test_units_without_a_blank_before_them(recording, tmp_path):
+    path = tmp_path / "r.csv"
+    save_virtual_recording(recording, path)
+    path.write_bytes(path.read_bytes().replace(b" [rad", b"[rad").replace(b" [m]", b"  [m] "))
+    assert_same(load_virtual_recording(path), recording)
+
+
+def test_a_name_of_two_lines_is_told_in_one(recording, tmp_path):
+    path = tmp_path / "r.csv"
+    save_virtual_recording(recording, path)
+    head = path.read_bytes().replace(recording.body_names[0].encode(), b"a\nb", 1)
+    path.write_bytes(head)
+    with pytest.raises(BadRecordingFile, match=r"4 bodies \(a\\nb, "):
+        load_virtual_recording(path)
+
+
 def test_a_header_too_long_for_a_cell(tmp_path):
     (tmp_path / "r.csv").write_bytes(b"x" * 200_000 + b"\n1\n")
     with pytest.raises(BadRecordingFile, match=r"r\.csv, line 1: field larger than field limit"):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import re
 import shutil
 from collections.abc import Callable, Iterable
 from functools import cache
@@ -40,7 +41,7 @@ def exact_fault(second: Callable[[Path], dict[str, list[Any]]]) -> Callable[[Pat
     """Every number is that of its column, to the last bit."""
 
     def fault(path: Path, found: VirtualRecording) -> str | None:
-        table = {name.strip(): cells for name, cells in second(path).items()}
+        table = {re.sub(r"\s*\[", " [", name.strip()): cells for name, cells in second(path).items()}
 
         def one(header: str, values: Array) -> str | None:
             there = np.array(table.pop(header), dtype=float)

@@ -362,7 +362,7 @@ def answers_fault(second: Callable[[Path], Iterable[tuple[Any, Any]]]) -> Callab
 
 
 def csv_answers(path: Path) -> Iterable[tuple[Any, Any]]:
-    first_line, *lines = re.split("\r\n|\n|\r", path.read_bytes().decode("utf-8-sig"))
+    first_line, *lines = re.split("\r\n|\n|\r", path.read_bytes().decode("utf-8-sig", "replace"))
     for line in [first_line, *lines] if re.match(r"\s*[-+.\d]", first_line) else lines:
         cells = [cell for cell in re.split(r"[\s,;]+", line.strip()) if cell]
         if cells:
