@@ -10,7 +10,8 @@ from urdf_text import joint, link, robot_text
 
 import crosscheck
 from crosscheck.commands import app
-from crosscheck.reference.subject import content_sha256
+from crosscheck.reference.subject import content_sha256, subject
+from urdf import Reading, Xacro
 
 pytestmark = pytest.mark.skipif(importlib.util.find_spec("xacro") is None, reason="the extra xacro is not installed")
 
@@ -44,6 +45,18 @@ def test_the_hash_is_that_of_the_expansion(arm):
     assert content_sha256(arm) == before
     arm.with_name("base.xacro").write_text(BASE.replace('"base"', '"base" id="x"'), encoding="utf-8")
     assert content_sha256(arm) != before
+
+
+def test_the_hash_of_a_subject_is_that_of_its_own_arguments(arm):
+    """As urdf writes the expansion with them."""
+    arm.write_text(
+        ARM.replace("<link", '<xacro:arg name="m" default="2"/><link', 1).replace("2.0", "$(arg m)"), encoding="utf-8"
+    )
+    plain, heavy = (subject(arm, Reading(xacro=chosen)) for chosen in (None, Xacro({"m": "5"})))
+    assert [found.model.bodies[-1].mass for found in (plain, heavy)] == [2.0, 5.0]
+    assert plain.file_sha256 == content_sha256(arm)
+    assert heavy.file_sha256 == content_sha256(arm, Xacro({"m": "5"}))
+    assert heavy.file_sha256 != plain.file_sha256
 
 
 def test_commands(arm, tmp_path):

@@ -10,6 +10,7 @@ from crosscheck.quantities import QUANTITIES
 from crosscheck.quantities.measures import acceleration_bound, largest_wrench
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import acceleration_scale, term_sizes
+from crosscheck.quantities.system import solution
 from graphdyn import (
     Placement,
     forward_dynamics,
@@ -169,3 +170,10 @@ def test_loads_are_among_the_summed_terms(terms):
     solution = inverse_dynamics(t.model, states.q, states.v, a, loads).joint_wrenches
     largest = np.maximum(np.abs(solution).max(axis=(1, 2)), np.abs(loads).max(axis=(1, 2)))
     assert acceleration_bound(states) == pytest.approx(acceleration_scale(t.matrix, a, states.tau, largest), rel=1e-6)
+
+
+def test_the_system_is_solved_at_the_torques_of_the_states(terms):
+    """Eq. (111) has the accelerations of the bodies that forward dynamics has."""
+    s = terms.states
+    expected = forward_dynamics(terms.model, s.q, s.v, s.tau).body_accelerations.reshape(2, -1)
+    assert solution(s).acceleration == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
