@@ -97,6 +97,16 @@ def test_a_time_at_the_end_of_the_table_may_be_rounded():
     assert law(np.array([0.1 * 6, 0.6, -1e-17]))[0].tolist() == [0, 0, 0]
 
 
+@pytest.mark.parametrize("first", [-1.0, 0.0, 1e3])
+def test_times_beside_a_table_are_refused_by_its_span(first):
+    """A table of one second, whenever it was: a ten-billionth of a second beyond is no rounding."""
+    law = TabulatedMotion(first + np.linspace(0.0, 1.0, 9), np.zeros(9))
+    law(first + np.array([0.0, 1.0]))
+    for outside in (first - 1e-10, first + 1 + 1e-10):
+        with pytest.raises(InvalidInput, match="is outside the table"):
+            law(np.array([outside]))
+
+
 def test_equal_laws_are_equal_and_their_directions_have_length_one():
     assert Polynomial([1, 2]) == Polynomial(np.array([1.0, 2.0]))
     assert Rail((0, 3, 4), Locked()) == Rail((0.0, 0.6, 0.8), Locked(0))

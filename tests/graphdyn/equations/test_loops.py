@@ -724,6 +724,7 @@ def test_refusals():
         ({"length": 1.0}, "only a distance has one"),
         ({"kind": "distance"}, "a distance needs its length"),
         ({"kind": "distance", "length": -1.0}, "length is -1.0 m; give a positive one"),
+        ({"kind": "distance", "length": 0.0}, "length is 0.0 m; give a positive one, or use a ball"),
     ],
 )
 def test_refused_chords(change, message):

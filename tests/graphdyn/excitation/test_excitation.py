@@ -10,7 +10,16 @@ from planting import mixed_tree
 from robots.mechanisms import four_bar
 from shown.approved import approve_result
 
-from graphdyn import Coupling, InvalidInput, JointLimits, frame_placement, joint_torque_regressor, joint_torques
+from graphdyn import (
+    Coupling,
+    Frame,
+    InvalidInput,
+    JointLimits,
+    Placement,
+    frame_placement,
+    joint_torque_regressor,
+    joint_torques,
+)
 from graphdyn.excitation import (
     ConditionNumber,
     ExcitationProblem,
@@ -35,6 +44,7 @@ from graphdyn.excitation import (
 from graphdyn.excitation import optimizing as optimizing
 from graphdyn.excitation.constraints import signals
 from graphdyn.excitation.information import Information
+from graphdyn.excitation.limits import Sphere, frame_origins, sphere_around
 from graphdyn.excitation.optimizing import _Search
 from graphdyn.excitation.trajectory import JointMotion, smooth_maximum, smooth_slope, usage
 from graphdyn.identification import OrdinaryLeastSquares, Problem, TorqueModel
@@ -331,6 +341,41 @@ def test_motion_from_a_table(found):
     cuts = [slice(0, 151), slice(150, None)]
     parts = sum(problem.total_information(TabulatedCourse(times[cut], q[cut])) for cut in cuts)
     assert np.abs(parts - whole).max() < 0.01 * np.abs(whole).max()  # both ends of a cut count, one of 500 samples
+
+
+def test_times_outside_a_motion_count_as_its_ends():
+    rng, times = np.random.default_rng(0), np.linspace(0.0, 2.0, 30)
+    motions = [
+        TabulatedCourse(times, rng.normal(size=(30, 3))),
+        Trajectory(SplineBasis(2.0, 5), rng.normal(size=(3, 6))),
+    ]
+    for motion in motions:
+        for outside, inside in zip(
+            motion.motion(np.array([-0.3, 2.4])), motion.motion(np.array([0.0, 2.0])), strict=True
+        ):
+            assert np.array_equal(outside, inside)
+
+
+def test_a_sphere_around_spheres_holds_them_and_touches_one():
+    rng = np.random.default_rng(0)
+    for count in (1, 2, 5):
+        spheres = [
+            Sphere(2, center, radius)
+            for center, radius in zip(rng.normal(size=(count, 3)), rng.uniform(0, 2, count), strict=True)
+        ]
+        found = sphere_around(spheres)
+        room = [found.radius - np.linalg.norm(one.center - found.center) - one.radius for one in spheres]
+        assert found.body == 2
+        assert min(room) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_origins_that_stay_on_their_side_of_planes_are_those_of_all_moving_frames():
+    """Of the links, and of tools and fused links, each place once; frames of the ground do not move."""
+    model = mixed_tree()
+    tool, flange = Placement(np.eye(3), [0.1, 0.2, 0.3]), Placement()
+    frames = (Frame("tool", 3, tool), Frame("same", 3, tool), Frame("flange", 2, flange), Frame("table", 0, tool))
+    found = [(one.body, *one.center.tolist(), one.radius) for one in frame_origins(replace(model, frames=frames))]
+    assert found == [(1, 0, 0, 0, 0), (2, 0, 0, 0, 0), (3, 0, 0, 0, 0), (3, 0.1, 0.2, 0.3, 0)]
 
 
 @pytest.mark.parametrize(

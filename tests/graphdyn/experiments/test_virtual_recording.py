@@ -79,6 +79,15 @@ def test_ties_go_to_the_even_digit():
     assert recording(**with_value("q", 3.5)).rounded(1).q[3, 1] == 4.0
 
 
+@pytest.mark.parametrize("rate", [10.0, 100.0, 1000.0])
+def test_the_last_row_is_sampled_where_the_rate_meets_it(rate):
+    """However the duration times the rate is rounded."""
+    for count in range(1, 60):
+        x = recording(count + 1, time=np.arange(count + 1) / rate)
+        assert np.array_equal(x.sampled(rate=rate).time, x.time)
+        assert len(x.sampled(rate=rate / 2).time) == count // 2 + 1
+
+
 def test_relative_noise_has_the_asked_size():
     x = recording(20_000, tau=np.zeros((20_000, 2)))
     x = dataclasses.replace(x, position=x.position + 3.0)  # of which the mean counts too

@@ -55,6 +55,18 @@ def randomly_coupled(seed):
     return replace(model, couplings=tuple(couplings))
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_driven_joints_are_where_their_couplings_say(seed):
+    """Joint by joint, as each coupling states it: behind others that are driven, with their offsets, too."""
+    model = ROBOT if seed == 0 else randomly_coupled(seed)
+    q = np.random.default_rng(seed).normal(size=model.nv)
+    where = dict(zip(model.joint_names, model.joint_positions(q).tolist(), strict=True))
+    for coupling in model.couplings:
+        wanted = coupling.offset + sum(ratio * where[name] for name, ratio in coupling.ratios.items())
+        assert where[coupling.joint] == pytest.approx(wanted, abs=1e-12)
+    assert [where[name] for name in model.independent_joints] == q.tolist()
+
+
 def of_all_joints(model, q, v, a):
     k = model.degrees_of_freedom.matrix.T
     return model.joint_positions(q), v @ k, a @ k

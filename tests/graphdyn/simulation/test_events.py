@@ -1,5 +1,6 @@
 """Limits and events between steps: one rule for all methods, against parabolas and other motions in closed form."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import product
 
@@ -15,6 +16,7 @@ import graphdyn
 from graphdyn import Event, Friction, IntegrationFailed, InvalidInput, JointLimits, simulate
 from graphdyn.simulation.integration.crossings import Pieces, Watch, crossings
 from graphdyn.simulation.integration.events import event_watch
+from graphdyn.simulation.integration.pace import WINDOW, Pace
 from graphdyn.simulation.integration.sketches import RowSteps
 
 METHODS = {
@@ -343,3 +345,24 @@ def test_a_torque_that_jumps_with_the_state_ends_adaptive_steps(law, friction):
     with pytest.raises(IntegrationFailed, match=message) as caught:
         simulate(slider(mass=1.0), [0.3], [0.1], 10.0, torque=law, friction=friction)
     assert "give a controller with a period, or fixed steps" in str(caught.value)
+
+
+@pytest.mark.parametrize(("remaining", "is_held_up"), [(1000, False), (1840, False), (2010, True)])
+def test_steps_that_jump_again_and_again_end_where_much_remains(remaining, is_held_up):
+    """Smooth steps, and then as many that jump as are looked back at: more than 2000 of them would have to follow."""
+    width = 1e-4
+    duration = (3000 + WINDOW + remaining) * width
+    pace = Pace(duration, 1e-8, 1e-5)
+    pace.restart(np.zeros(1))
+    v = np.zeros(1)
+    for k in range(1, 3000 + 1):
+        v = v + width
+        pace.step(k * width, v)
+    with (
+        pytest.raises(IntegrationFailed, match="the acceleration jumps again and again")
+        if is_held_up
+        else nullcontext()
+    ):
+        for k in range(3001, 3000 + WINDOW + 1):
+            v = v + width * (-1) ** k
+            pace.step(k * width, v)
