@@ -85,6 +85,8 @@ class TestConstraintsWithinOneBody:
     def test_locked(self, written):
         path = written(GRIPPER)
         assert urdf.load(path, lock=["l", "r"]).n_bodies == 3
+        assert "unsupported-constraint" not in urdf.inspect(path, lock=["l", "r"]).codes
+        assert "unsupported-constraint" in urdf.inspect(path, lock=["l"]).codes
         with pytest.raises(urdf.UnsupportedConstraint):
             urdf.load(path, lock=["l"])
 
