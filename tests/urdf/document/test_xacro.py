@@ -229,6 +229,7 @@ REFUSED = {
     ),
     "an unknown name": ("${nosuch}", "name 'nosuch' is not defined when evaluating expression 'nosuch'"),
     "an unknown argument": ("$(arg nosuch)", "Undefined substitution argument nosuch"),
+    "an unknown command": ("$(argument x)", "xacro cannot expand it: Unknown substitution command [argument x]."),
     "a missing file": ('<xacro:include filename="none.xacro"/>', "No such file or directory"),
     "a long expression": (f"${{{'(' * 5000}{')' * 5000}}}", "too many nested parentheses"),
     "a large result": ("<a b=\"${'x' * 20_000_000}\"/>", "the file is larger than 10 MB"),

@@ -16,6 +16,7 @@ import importlib.util
 import io
 import json
 import os
+import re
 import resource
 import signal
 import sys
@@ -65,7 +66,8 @@ def explained(error: Exception, megabytes: int) -> dict[str, str]:
     for cause in causes:
         if isinstance(cause, Refused):
             return {"problem": str(cause), "remedy": cause.remedy}
-    said = " ".join(str(error).split())[:MAX_MESSAGE_CHARACTERS] or type(error).__name__
+    text = re.sub(r"<class '[\w.]+'>: ", "", str(error))  # as xacro names the kind of an error that it passes on
+    said = " ".join(text.split())[:MAX_MESSAGE_CHARACTERS] or type(error).__name__
     return {"problem": f"xacro cannot expand it: {said}", "remedy": "correct the file, or give what it needs"}
 
 
