@@ -19,6 +19,7 @@ from inspected.sample import (
     TOOL,
     changed,
 )
+from mutants.material import RICH
 from shared_data import REPOSITORY
 from urdf_text import joint, link, robot_text
 
@@ -255,6 +256,12 @@ class TestVerdict:
         report = inspected(CLEAN)
         assert (report.verdict, report.reasons) == ("refused", ("impossible",))
         assert report.findings[0].code == "invalid-robot"
+
+    def test_a_mass_matrix_that_overflows(self, inspected):
+        """Where a mimic joint puts its link out of reach of all numbers."""
+        report = inspected(RICH.replace('offset="0.01"', 'offset="1e308"'))
+        (finding,) = of_code(report, "mass-matrix-not-examined")
+        assert finding.message.startswith("the mass matrix is larger than any number over 5 random states")
 
     def test_more_bodies_than_are_examined(self, inspected):
         names = [f"l{k}" for k in range(202)]

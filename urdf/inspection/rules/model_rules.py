@@ -202,6 +202,9 @@ def _mass_matrix(model: RobotModel, closed: list[Array] | None) -> Iterator[Find
 
 def _judged(model: RobotModel, matrices: Array, where: str) -> Iterator[Finding]:
     n = matrices.shape[-1]
+    if not np.isfinite(matrices).all():
+        yield of_file("mass-matrix-not-examined", f"the mass matrix is larger than any number {where}")
+        return
     ranks, negative = _ranks(matrices)
     if negative.any():
         problem = f"the mass matrix has negative eigenvalues {where}: some motion has a negative kinetic energy"
