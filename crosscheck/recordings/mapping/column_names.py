@@ -8,7 +8,7 @@ are ambiguous and refused.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from crosscheck.recordings.errors import AmbiguousColumns, BadMapping
@@ -180,11 +180,12 @@ Family = dict[str, Named]
 def candidates(table: RecordedTable, joints: Sequence[str] | None) -> dict[str, dict[str, Family]]:
     """Families of columns by quantity. Raises AmbiguousColumns for two columns of the same joint."""
     found: dict[str, dict[str, Family]] = {name: {} for name in QUANTITY_WORDS}
+    places = {name: len(table.names) - k for k, name in enumerate(reversed(table.names), start=1)}
     for number, name in enumerate(table.names, start=1):
         said = meaning(name, joints)
         if said is None:
             continue
-        joint = _joint_name(table, name, said)
+        joint = _joint_name(table, places, name, said)
         family = found[said.quantity].setdefault(said.family, {})
         if joint in family:
             other = family[joint]
@@ -208,13 +209,16 @@ def only(table: RecordedTable, found: dict[str, dict[str, Family]]) -> dict[str,
     return {name: next(iter(families.values())) for name, families in found.items() if families}
 
 
-def _joint_name(table: RecordedTable, name: str, said: Meaning) -> str:
-    """The joint of a column; for position[0] the text in the column name[0], if there is one."""
+def _joint_name(table: RecordedTable, places: Mapping[str, int], name: str, said: Meaning) -> str:
+    """The joint of a column; for position[0] the text in the column name[0], if there is one.
+
+    places: of the columns by their names, the first of each
+    """
     element = NUMBERED_COLUMN.fullmatch(name)
     beside = f"{element[1]}name{element[3]}" if element else ""
-    if not said.joint.isdigit() or beside not in table.names:
+    if not said.joint.isdigit() or beside not in places:
         return said.joint
-    texts = table.texts.get(table.names.index(beside), {})
+    texts = table.texts.get(places[beside], {})
     joints = {text for text in texts.values() if text}  # broken lines have none
     if len(joints) > 1:
         raise AmbiguousColumns(
