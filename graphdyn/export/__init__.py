@@ -1,0 +1,1 @@
+"""Recorded programs as code for others to take along, which computes without graphdyn."""
