@@ -26,6 +26,10 @@ CLOSED_TOLERANCE leaves open, 1e-4, where it is of second order."""
 SHAKES = 20
 """Random directions of such steps: those right between two branches lead back too."""
 
+HELD_SHARE = 1e-10
+"""A joint whose part in all closed motions is below this, of their length, stands still: far above rounding, and so low
+that nearly all joints near a dead point move."""
+
 MOVED_SHARE = 0.1
 """Part of such a step that is left of it where the loops are closed again and the motion is one."""
 
@@ -122,9 +126,11 @@ def open_loop(who: str, loops: Loops, gaps: Array, remedy: str) -> InconsistentS
     )
 
 
-def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wanted: Array, what: str) -> None:
+def refuse_moving_apart(
+    who: str, loops: Loops, jacobian: Array, rate: Array, wanted: Array, what: str, summed: Array | float = 0.0
+) -> None:
     """Raises InconsistentState where J rate (…, m) is not as wanted: loops would open. what: "velocity", …"""
-    relative = moving_apart(loops, jacobian, rate, wanted)
+    relative = moving_apart(loops, jacobian, rate, wanted, summed)
     if not relative.size or np.nanmax(relative) <= CLOSED_TOLERANCE:
         return
     index, chord, where = worst_row(loops, relative)
@@ -135,23 +141,40 @@ def refuse_moving_apart(who: str, loops: Loops, jacobian: Array, rate: Array, wa
     )
 
 
-def moving_apart(loops: Loops, jacobian: Array, rate: Array, wanted: Array) -> Array:
-    """How far J rate (…, m) is from wanted, relative to the largest of the terms that are summed."""
+def moving_apart(loops: Loops, jacobian: Array, rate: Array, wanted: Array, summed: Array | float = 0.0) -> Array:
+    """How far J rate (…, m) is from wanted, relative to the largest of the terms that are summed.
+
+    summed: size of those of which wanted is the sum (…)
+    """
     error = np.abs(apply(jacobian, rate) - wanted) / loops.row_units
     size = (apply(np.abs(jacobian), np.abs(rate)) + np.abs(wanted)) / loops.row_units
-    scale = size.max(axis=-1, keepdims=True, initial=0.0)
+    scale = np.maximum(size.max(axis=-1, initial=0.0), summed)[..., None]
     relative: Array = error / np.where(scale > 0, scale, 1.0)
     return relative
+
+
+def centripetal_size(loops: Loops, jacobian: Array, v: Array) -> Array:
+    """Size of the terms that γ sums (…), squares of velocities of all joints, in the units of the rows."""
+    return np.asarray(
+        np.abs(loops.in_units(jacobian)).max(axis=(-2, -1)) * np.square(v / loops.column_units).max(axis=-1)
+    )
 
 
 def completed_rate(
     loops: Loops, jacobian: Array, rate: Array, wanted: Array, held: NDArray[np.intp] | None = None
 ) -> Array:
-    """The rate (…, n) nearest to the given one with J rate = wanted (…, m), of joints that are not held."""
+    """The rate (…, n) nearest to the given one with J rate = wanted (…, m), of joints that are not held.
+
+    Joints that the loops hold take exactly what is wanted of them: none of the rounding of what they cannot do.
+    """
     moving = np.ones(rate.shape[-1])
     if held is not None:
         moving[held] = 0.0
-    return rate + loops.spaces(jacobian * moving).least_motion(wanted - apply(jacobian, rate))
+    spaces = loops.spaces(jacobian * moving)
+    motions = np.where(spaces.free[..., None, :], spaces.right, 0.0) / loops.column_units[:, None]
+    free = np.linalg.norm(motions, axis=-1) > HELD_SHARE
+    rate = np.where(free, rate, 0.0)
+    return rate + spaces.least_motion(wanted - apply(jacobian, rate))
 
 
 def worst_row(loops: Loops, errors: Array) -> tuple[tuple[int, ...], str, str]:

@@ -226,7 +226,9 @@ class Loops:
         alone, both = bias[: near.shape[1]], bias[near.shape[1] :]
         form = np.empty((near.shape[1], near.shape[1], idle.shape[1]))
         form[first, second] = form[second, first] = (both - alone[first] - alone[second]) @ idle
-        _, values, right = np.linalg.svd(form.transpose(2, 0, 1).reshape(-1, near.shape[1]), full_matrices=False)
+        _, values, right = np.linalg.svd(
+            form.transpose(2, 0, 1).reshape(idle.shape[1] * near.shape[1], near.shape[1]), full_matrices=False
+        )
         stopped = values > SECOND_ORDER_SHARE * np.abs(bias).max(initial=0.0)
         shaky: Array = self.column_units[:, None] * (near @ right[stopped].T)
         return shaky

@@ -64,5 +64,6 @@ def _closed(model: RobotModel, x: dict[str, Array], hold: Sequence[str]) -> tupl
     assembly.refuse_moving_apart(who, loops, jacobian, v, still, "velocity")
     wanted = loops.bias(loops.links(q, v))
     a = assembly.completed_rate(loops, jacobian, x["a"], wanted, held)
-    assembly.refuse_moving_apart(who, loops, jacobian, a, wanted, "acceleration")
+    summed = assembly.centripetal_size(loops, jacobian, v)
+    assembly.refuse_moving_apart(who, loops, jacobian, a, wanted, "acceleration", summed)
     return q, v, a

@@ -19,7 +19,13 @@ from graphdyn.equations.specification import Arguments, Specification
 from graphdyn.equations.system.unconstrained import passive_terms
 from graphdyn.errors import InconsistentState, InvalidInput, SingularMassMatrix, in_row
 from graphdyn.layout import Array, per_body, stacked
-from graphdyn.model.assembly import refuse_infinitesimal, refuse_moving_apart, refuse_open, worst_row
+from graphdyn.model.assembly import (
+    centripetal_size,
+    refuse_infinitesimal,
+    refuse_moving_apart,
+    refuse_open,
+    worst_row,
+)
 from graphdyn.model.loops import LOOP_RANK_TOLERANCE, LoopSpaces
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
@@ -55,7 +61,8 @@ def closed(
     if v is not None:
         refuse_moving_apart(who, loops, jacobian, v, np.zeros_like(bias), "velocity")
     if a is not None:
-        refuse_moving_apart(who, loops, jacobian, a, bias, "acceleration")
+        summed = 0.0 if v is None else centripetal_size(loops, jacobian, v)
+        refuse_moving_apart(who, loops, jacobian, a, bias, "acceleration", summed)
     held = Closed(jacobian, bias, loops.spaces(jacobian))
     if moving:
         _refuse_infinitesimal(model, q, held.spaces)
@@ -127,7 +134,7 @@ def refuse_parting(model: RobotModel, held: Closed, v: Array, a: Array) -> None:
     singular pose through which no motion has this velocity."""
     loops = model.loops
     left = np.abs(apply(held.jacobian, a) - held.bias) / loops.row_units
-    size = np.abs(loops.in_units(held.jacobian)).max(axis=(-2, -1)) * np.square(v / loops.column_units).max(axis=-1)
+    size = centripetal_size(loops, held.jacobian, v)
     apart = left / np.where(size > 0, size, 1.0)[..., None]
     if np.nanmax(apart, initial=0.0) > PARTING_SHARE:
         _, chord, where = worst_row(loops, apart)

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from robots.mechanisms import andrews, at, bricard, four_bar, n_four_bar, palletizer, rod
+from robots.mechanisms import andrews, at, bricard, four_bar, hinge, n_four_bar, palletizer, rod
 from scipy.linalg import null_space
 from scipy.spatial.transform import Rotation
 from shared_data import DATA, existing
@@ -277,18 +277,75 @@ def test_how_far_velocities_may_be_from_closed(method, size):
         graphdyn.forward_dynamics(model, q, v * [1, 1 + 5e-8, 1], 0 * q, method=method)
 
 
-def on_turntable(model):
-    """The mechanism on a body that turns about y."""
+def on_turntable(model, axis=(0, 1.0, 0)):
+    """The mechanism on a body that turns, about y."""
     return replace(
         model,
         bodies=(rod("table"), *model.bodies),
         joints=(
-            Joint("turn", "revolute", 0, Placement(), np.array([0, 1.0, 0])),
+            Joint("turn", "revolute", 0, Placement(), np.array(axis)),
             *(replace(j, inside=j.inside + 1) for j in model.joints),
         ),
         chords=tuple(replace(c, body_i=c.body_i + 1, body_j=c.body_j + 1) for c in model.chords),
         actuated=("turn",),
     )
+
+
+def triangle():
+    """Two rods of 1 m on a ground of 1 m, hinged to each other: with as many joints and two rows that count, nothing
+    moves."""
+    return RobotModel(
+        "triangle", (rod("left"), rod("right")), (hinge("a", 0, (0, 0, 0)), hinge("b", 0, (1, 0, 0))),
+        gravity=np.array([0, -9.81, 0]), chords=(Chord("tip", "hinge", 1, at(1), 2, at(1)),), actuated=("a",),
+    )  # fmt: skip
+
+
+@pytest.mark.usefixtures("interpreted")
+def test_a_linkage_that_cannot_move_is_analyzed_and_stands_still():
+    model = triangle()
+    q = model.closed_pose
+    np.testing.assert_allclose(np.abs(q), np.deg2rad([60, 120]), atol=1e-12)
+    found = graphdyn.analyze_loops(model, q)
+    assert (found.n_rows, found.rank, found.usual_rank, found.grubler_mobility) == (15, 12, 12, -3)
+    assert (found.mobility, found.infinitesimal_mobility, found.motions.shape) == (0, 0, (2, 0))
+    poses, velocities = model.random_state(np.random.default_rng(0), 20)
+    np.testing.assert_allclose(poses, np.broadcast_to(q, (20, 2)), atol=1e-7)
+    assert not velocities.any()
+    for method in METHODS:
+        assert np.abs(graphdyn.joint_accelerations(model, q, [0, 0], [3.0, -5.0], method=method)).max() < 1e-15
+        assert not graphdyn.inverse_dynamics(model, q, [0, 0], [0, 0], method=method).tau.any()
+
+
+@pytest.mark.usefixtures("interpreted")
+def test_a_triangle_on_a_turning_table_turns_as_one_body():
+    """The rods as points at their centers and at rest in their own frame; the table about z, gravity along x."""
+    model = replace(on_turntable(triangle(), [0, 0, 1.0]), gravity=np.array([9.81, 0, 0]))
+    q = graphdyn.assemble(model, [0.4, 1.0, 2.0], hold=["turn"])
+    q, v, a = graphdyn.assemble(model, q, [3.0, 1.0, -2.0], [5.0, 2.0, 7.0], hold=["turn"])
+    np.testing.assert_allclose((v, a), [[3.0, 0, 0], [5.0, 0, 0]], atol=1e-13)
+    centers = np.array([[0.5, 0.0], [0.25, 0.75**0.5 / 2], [0.75, 0.75**0.5 / 2]])  # of table and rods, of 1 kg each
+    inertia = (centers**2).sum() + 3 / 12
+    across = (np.sin(0.4) * centers[:, 0] + np.cos(0.4) * centers[:, 1]).sum()  # of the centers in world axes
+    for method in METHODS:
+        found = graphdyn.inverse_dynamics(model, q, v, a, method=method)
+        np.testing.assert_allclose(found.tau, [inertia * 5 + 9.81 * across, 0, 0], rtol=1e-12, atol=1e-12)
+        np.testing.assert_allclose(graphdyn.forward_dynamics(model, q, v, found.tau, method=method).a, a, atol=1e-11)
+
+
+@pytest.mark.usefixtures("interpreted")
+def test_a_linkage_at_rest_on_a_turning_table_has_the_torque_of_the_tree():
+    """About any axis: the centripetal terms of a linkage that does not move cancel up to rounding."""
+    for seed, method in zip(range(6), 2 * METHODS, strict=True):
+        axis = np.random.default_rng(seed).normal(size=3)
+        model = replace(on_turntable(four_bar(), axis), actuated=("turn", "a"))
+        q, _ = model.random_state(np.random.default_rng(seed))
+        v, a = np.array([[3.0, 0, 0, 0], [2.0, 0, 0, 0]])
+        wanted = graphdyn.inverse_dynamics(replace(model, chords=(), actuated=None), q, v, a).tau[0]
+        found = graphdyn.inverse_dynamics(model, q, v, a, method=method).tau
+        np.testing.assert_allclose(found[0], wanted, rtol=1e-11)
+        np.testing.assert_allclose(graphdyn.assemble(model, q, v, a)[1:], (v, a), atol=1e-12)
+        with pytest.raises(InconsistentState, match="the acceleration opens the loop of chord 'closing'"):
+            graphdyn.inverse_dynamics(model, q, v, np.add(a, [0, 1e-5, 0, 0]), method=method)
 
 
 @pytest.mark.parametrize(
