@@ -9,6 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
 from crosscheck.bench import curves
 from crosscheck.bench.cold import in_fresh_process
 from crosscheck.bench.contender import MeasuredWork, measure
@@ -17,8 +19,9 @@ from crosscheck.bench.forms.peers import CASADI_NAME as CASADI
 from crosscheck.bench.forms.peers import Peers
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
 from crosscheck.bench.identification import Identifications, identifications
+from crosscheck.bench.machine.disturbance import Load, load
 from crosscheck.bench.machine.floor import Floor, Machine, floor, limit, machine
-from crosscheck.bench.machine.timing import Load, Times, load
+from crosscheck.bench.machine.timing import Times
 from crosscheck.bench.states import random_states
 from crosscheck.bench.works import WORK_DESCRIPTIONS, work, works_of
 from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION as PINOCCHIO
@@ -68,9 +71,9 @@ class Benchmark:
     peers: what took part: version, instruction set of the build as far as it is known, and how it was used, by library
     left_out: why a library took no part, by name
     works: what was done, by several contenders
-    imports: seconds of an import in a fresh process, by module
-    first_calls: seconds of the first call of a verb in a fresh process, which records and compiles, by verb; the first
-        one loads the compiler too
+    imports: processor time of an import in a fresh process, by module
+    first_calls: processor time of the first call of a verb in a fresh process, which records and compiles, by verb; the
+        first one loads the compiler too
     identification: from a recording in memory to the inertial parameters, in fresh processes
     curves: times against the size of a batch, the number of bodies or of threads
     """
@@ -99,6 +102,12 @@ class Benchmark:
     def agrees(self) -> bool:
         """Whether our answers agree with Pinocchio's within the bounds."""
         return all(measured.agrees for measured in self.works)
+
+    @property
+    def copy_slowdown(self) -> Mapping[str, float]:
+        """How many times as long a copy within the caches took as the fastest in the benchmark, by work (median)."""
+        fastest = min((measured.copy.fastest for measured in self.works), default=np.nan)
+        return {measured.name: measured.copy.median / fastest for measured in self.works}
 
 
 N_PROGRESS_STEPS = len(WORK_DESCRIPTIONS) + len(

@@ -14,7 +14,7 @@ import numpy as np
 
 import graphdyn
 from crosscheck.bench.contender import Contender
-from crosscheck.bench.forms.graphdyn_forms import our_name
+from crosscheck.bench.forms.graphdyn_forms import DEFAULT_NAME, NEW_ARRAYS_NOTE
 from crosscheck.bench.forms.pinocchio_forms import PINOCCHIO_PARALLEL
 from crosscheck.bench.states import States
 from graphdyn.compiler import aligned
@@ -55,7 +55,7 @@ CALL_WORKS = {
 
 
 def contenders(states: States, work: CallWork) -> list[Contender]:
-    """graphdyn as it is called without out=, and Pinocchio's loop over threads with one."""
+    """graphdyn as it is called without further arguments but one thread, and Pinocchio's loop over threads with one."""
     inputs, errors = states.dynamics(work.forward)
     name = "a" if work.forward else "tau"
     bare, out = states.bare, aligned(states.q.shape)
@@ -67,10 +67,10 @@ def contenders(states: States, work: CallWork) -> list[Contender]:
         q, v, x = (array[rows] for array in inputs)
         if work.whole:
             whole = graphdyn.forward_dynamics if work.forward else graphdyn.inverse_dynamics
-            answer: Array = getattr(whole(states.model, q, v, x, method="recursive", threads=1), name)
+            answer: Array = getattr(whole(states.model, q, v, x, threads=1), name)
             return answer
         verb = graphdyn.joint_accelerations if work.forward else graphdyn.joint_torques
-        return verb(states.model, q, v, x, method="recursive", threads=1)
+        return verb(states.model, q, v, x, threads=1)
 
     def theirs(rows: slice) -> Array:
         native(1, models, *(x[rows].T for x in inputs), out[rows].T)
@@ -88,7 +88,7 @@ def contenders(states: States, work: CallWork) -> list[Contender]:
         )
 
     return [
-        contender(our_name(), ours, "arguments checked, results in new arrays"),
+        contender(DEFAULT_NAME, ours, NEW_ARRAYS_NOTE),
         contender(PINOCCHIO_PARALLEL, theirs, "results written to given memory, pool of models made before"),
     ]
 

@@ -50,7 +50,7 @@ def in_fresh_process(task: str, folder: Path, threads: int = 1) -> dict[str, Any
 
 
 def first_calls(folder: Path) -> dict[str, Any]:
-    """Seconds of imports, and of the first call of each function on one sample."""
+    """Processor time of imports, and of the first call of each function on one sample [s]."""
     imports = {name: _seconds(lambda name=name: __import__(name)) for name in ("numpy", "graphdyn")}  # type: ignore[misc]
     import numpy as np
 
@@ -108,17 +108,18 @@ TASKS: dict[str, Callable[[Path], dict[str, Any]]] = {
 
 
 def _identified(folder: Path, work: Callable[..., Array]) -> dict[str, Any]:
-    """Time, memory and parameters of work. Libraries, robot and recording are loaded before the clock starts."""
+    """Times by both clocks, memory and parameters of work; libraries, robot and recording are loaded before."""
     import numpy as np
 
     model = _model(folder)
     arrays = [np.load(folder / f"{name}.npy") for name in ("q", "v", "a", "tau")]
     before = _memory("VmRSS")
-    start = time.perf_counter()
+    wall, processor = time.perf_counter(), time.process_time()
     x = work(model, *arrays)
-    seconds, peak = time.perf_counter() - start, _memory("VmHWM")
+    taken = {"processor": time.process_time() - processor, "wall": time.perf_counter() - wall}
+    peak = _memory("VmHWM")
     extra = None if before is None or peak is None else max(0, peak - before)
-    return {"seconds": seconds, "extra_bytes": extra, "parameters": x.tolist()}
+    return {"seconds": taken, "extra_bytes": extra, "parameters": x.tolist()}
 
 
 def hold_to_cores(count: int) -> None:
@@ -143,9 +144,9 @@ def _model(folder: Path) -> RobotModel:
 
 
 def _seconds(work: Callable[[], object]) -> float:
-    start = time.perf_counter()
+    start = time.process_time()
     work()
-    return time.perf_counter() - start
+    return time.process_time() - start
 
 
 if __name__ == "__main__":

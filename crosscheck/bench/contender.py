@@ -9,10 +9,12 @@ from functools import partial
 
 import numpy as np
 
+from crosscheck.bench.machine.clocks import Clock, clock_of
+from crosscheck.bench.machine.disturbance import Disturbance
 from crosscheck.bench.machine.timing import (
     MIN_STEADY_TIME,
-    CoreShare,
     Ratio,
+    TimedRun,
     Times,
     fitting_count,
     in_turns,
@@ -29,8 +31,8 @@ AMORTIZED_SAMPLES = 10_000
 """Number of samples per call from which the overhead of the call is negligible."""
 
 MIN_CORE_SHARE = 0.95
-"""Part of their time for which runs on one thread need a core, so that ratios are to be trusted. MeasuredWork: 0.99 and
-more on a quiet machine, 0.5 where two other programs keep both of two cores busy."""
+"""Part of their time for which runs on one thread need a core, so that wall times, those of several threads, are to be
+trusted. 0.99 and more on a quiet machine, 0.5 where two other programs keep both of two cores busy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +80,7 @@ class TimedContender:
     """A contender with its times.
 
     name, threads: of the implementation, and the number of threads it may use
+    clock: what its times are: processor time of one thread, wall time of several
     ours: whether it is a form of graphdyn whose ratios are asked for
     samples: of each run
     error: largest relative error against Pinocchio; None where nothing was judged
@@ -87,6 +90,7 @@ class TimedContender:
 
     name: str
     threads: int
+    clock: Clock
     ours: bool
     samples: int
     times: Times
@@ -100,19 +104,21 @@ class SpeedRatio:
     """The ratio of two entries with the same number of threads.
 
     ours, theirs: names of our form and of the other; threads: that may be used
-    undisturbed: whether the runs had the cores
+    clock: processor time of one thread, wall time of several
+    undisturbed: whether the runs had the cores, where it is a ratio of wall times
     """
 
     ours: str
     theirs: str
     threads: int
+    clock: Clock
     ratio: Ratio
     undisturbed: bool = True
 
     @property
     def trusted(self) -> bool:
-        """Whether the machine was quiet: the runs had a core, and the quartiles are close together."""
-        return self.undisturbed and self.ratio.steady
+        """Whether the quartiles are close together and, where wall times are compared, the runs had the cores."""
+        return self.ratio.steady and (self.undisturbed or self.clock == "processor")
 
 
 @dataclass(frozen=True)
@@ -123,6 +129,7 @@ class MeasuredWork:
     scale: what errors are relative to; bound: largest relative error that counts as agreement
     entries: everyone who took part
     core_share: part of the time of runs on one thread for which they had a core; below 0.95, others disturbed them
+    copy: times of a copy of 4 MB within the caches, after every repeat; longer where other programs use the caches
     limit: times of a loop that does as much and never waits, on one thread; None where there is none
     """
 
@@ -131,7 +138,8 @@ class MeasuredWork:
     scale: str
     bound: float
     entries: tuple[TimedContender, ...]
-    core_share: float = 1.0
+    core_share: float
+    copy: Times
     limit: Times | None = None
 
     @property
@@ -142,7 +150,9 @@ class MeasuredWork:
     def comparisons(self) -> tuple[SpeedRatio, ...]:
         """Our form against every other entry with the same number of threads."""
         return tuple(
-            SpeedRatio(ours.name, theirs.name, ours.threads, ratio(ours.times, theirs.times), self.undisturbed)
+            SpeedRatio(
+                ours.name, theirs.name, ours.threads, ours.clock, ratio(ours.times, theirs.times), self.undisturbed
+            )
             for ours in self.entries
             if ours.ours
             for theirs in self.entries
@@ -163,32 +173,43 @@ class MeasuredWork:
 
 
 def measure(
-    work: Work, samples: int, duration: float, repeats: int, limit: Callable[[int], object] | None = None
+    work: Work,
+    samples: int,
+    duration: float,
+    repeats: int,
+    limit: Callable[[int], object] | None = None,
+    clock: Callable[[int], Clock] = clock_of,
 ) -> MeasuredWork:
     """Measure all contenders of a work in turns.
 
     duration: of one run of slow ones, which get fewer samples [s]
     limit: a loop for so many samples that takes turns with them, directly after the first
+    clock: which time counts, by number of threads
     """
     counts = []
     for contender in work.contenders:
         with linear_algebra_threads(contender.threads):
             most = min(samples, contender.most)
-            counts.append(fitting_count(contender.run, min(contender.least, most), most, duration))
+            least = min(contender.least, most)
+            counts.append(fitting_count(contender.run, least, most, duration, clock(contender.threads)))
     errors = [_largest_error(contender, count) for contender, count in zip(work.contenders, counts, strict=True)]
-    runs: list[Callable[[], object]] = [partial(c.run, count) for c, count in zip(work.contenders, counts, strict=True)]
-    threads = [contender.threads for contender in work.contenders]
+    runs = [
+        TimedRun(partial(c.run, count), c.threads, clock(c.threads))
+        for c, count in zip(work.contenders, counts, strict=True)
+    ]
     if limit is not None:
-        runs.insert(1, partial(limit, samples))
-        threads.insert(1, 1)
-    share = CoreShare()
-    rows = in_turns(runs, threads, repeats, MIN_STEADY_TIME, share)
+        runs.insert(1, TimedRun(partial(limit, samples), 1, clock(1)))
+    disturbance = Disturbance()
+    rows = in_turns(runs, repeats, MIN_STEADY_TIME, disturbance)
     limited = None if limit is None else _per_sample(rows.pop(1), samples)
     entries = tuple(
-        TimedContender(c.name, c.threads, c.ours, count, _per_sample(row, count), error, judged, c.included)
+        TimedContender(
+            c.name, c.threads, clock(c.threads), c.ours, count, _per_sample(row, count), error, judged, c.included
+        )
         for c, count, row, (error, judged) in zip(work.contenders, counts, rows, errors, strict=True)
     )
-    return MeasuredWork(work.name, work.title, work.scale, work.bound, entries, share.share, limited)
+    share, copy = disturbance.core_share, Times(tuple(disturbance.copies))
+    return MeasuredWork(work.name, work.title, work.scale, work.bound, entries, share, copy, limited)
 
 
 def _per_sample(seconds: Sequence[float], samples: int) -> Times:

@@ -5,7 +5,6 @@ Time per sample against the size of a batch, the number of bodies and the number
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,8 +14,9 @@ import numpy as np
 import graphdyn
 from crosscheck.bench.contender import Contender, Work, measure
 from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms
+from crosscheck.bench.machine.clocks import clock_of, elapsed
 from crosscheck.bench.machine.floor import REQUESTS
-from crosscheck.bench.machine.timing import Times, in_turns
+from crosscheck.bench.machine.timing import TimedRun, Times, in_turns
 from crosscheck.bench.states import States, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, PINOCCHIO_FORMS
 from graphdyn import Body, Joint, Placement, RobotModel
@@ -48,7 +48,6 @@ def chain(n_bodies: int) -> RobotModel:
 CHAIN_SAMPLES = 2000
 """Largest number of samples per run of a chain."""
 
-DEFAULT_CURVE = "graphdyn by default"
 FIRST_CALL_CURVE = "graphdyn first call"
 
 
@@ -104,8 +103,9 @@ def batch_sizes(
     for size in sizes:
         done(f"{size} samples")
         chosen = [k for k, row in enumerate(rows) if not row or _call(row[-1]) <= duration / 2]
-        runs = [partial(contenders[k].run, size) for k in chosen]
-        for k, seconds in zip(chosen, in_turns(runs, [contenders[k].threads for k in chosen], repeats), strict=True):
+        going = [contenders[k] for k in chosen]
+        runs = [TimedRun(partial(c.run, size), c.threads, clock_of(c.threads)) for c in going]
+        for k, seconds in zip(chosen, in_turns(runs, repeats), strict=True):
             rows[k].append((size, Times(tuple(second / size for second in seconds))))
     lines = tuple(_line(c.name, c.threads, row) for c, row in zip(contenders, rows, strict=True))
     title = f"{work.replace('_', ' ')}: size of the batch"
@@ -151,18 +151,20 @@ def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
 
 
 def thread_counts(states: States, threads: Sequence[int], duration: float, repeats: int) -> ScalingCurve:
-    """Forward dynamics with 1, 2, … threads."""
+    """Forward dynamics with 1, 2, … threads, in wall time."""
     contenders = tuple(
         replace(c, errors=None)
         for c in _forms(states, "forward_dynamics", threads)
         if c.name in (graphdyn_forms.our_name(), pinocchio_forms.PINOCCHIO_PARALLEL)
     )
-    entries = measure(Work("", "", "", 0.0, contenders), len(states), duration, repeats).entries
+    work = Work("", "", "", 0.0, contenders)
+    entries = measure(work, len(states), duration, repeats, clock=lambda _: "wall").entries
     lines = tuple(
         _line(name, 0, [(entry.threads, entry.times) for entry in entries if entry.name == name])
         for name in dict.fromkeys(entry.name for entry in entries)
     )
-    return ScalingCurve("threads", "forward dynamics: number of threads", "threads", "sample", lines)
+    notes = ("all in wall time",)
+    return ScalingCurve("threads", "forward dynamics: number of threads", "threads", "sample", lines, notes)
 
 
 def _forms(states: States, work: str, threads: Sequence[int]) -> list[Contender]:
@@ -173,12 +175,10 @@ def _by_default(states: States) -> Contender:
     def run(count: int) -> Array:
         return graphdyn.joint_torques(states.model, states.q[:count], states.v[:count], states.a[:count])
 
-    return Contender(DEFAULT_CURVE, cores(), run, None, graphdyn_forms.NEW_ARRAYS_NOTE)
+    return Contender(graphdyn_forms.DEFAULT_NAME, cores(), run, None, graphdyn_forms.NEW_ARRAYS_NOTE)
 
 
 def _first_call(n_bodies: int) -> float:
-    """Time of the first call for a new chain [s]."""
+    """Processor time of the first call for a new chain [s]."""
     model, x = chain(n_bodies), np.zeros((1, n_bodies))
-    start = time.perf_counter()
-    graphdyn.forward_dynamics(model, x, x, x, method="recursive")
-    return time.perf_counter() - start
+    return elapsed(lambda: graphdyn.forward_dynamics(model, x, x, x, method="recursive")).processor

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.bench.cold import in_fresh_process
+from crosscheck.bench.machine.clocks import Clock, clock_of
 from crosscheck.bench.machine.timing import Ratio, Times, ratio
 from crosscheck.bench.states import States, random_states
 from graphdyn import RobotModel, joint_torque_regressor
@@ -31,6 +32,7 @@ class IdentificationRun:
     """One measured implementation of the identification.
 
     name: which implementation; threads: cores it is held to
+    clock: what its times are: processor time on one core, wall time on several
     samples: that were worked on; if fewer than the recording has, the time of the whole is extrapolated in proportion
     times: per sample, so that runs with different numbers can be compared
     extra_bytes: peak memory besides the recording, None where the system has no figure [bytes]
@@ -39,6 +41,7 @@ class IdentificationRun:
 
     name: str
     threads: int
+    clock: Clock
     samples: int
     times: Times
     extra_bytes: int | None
@@ -121,9 +124,10 @@ def _write(folder: Path, states: States, samples: int) -> None:
 
 def _entry(name: str, threads: int, samples: int, records: list[dict[str, Any]], test: States) -> IdentificationRun:
     extra = [record["extra_bytes"] for record in records if record["extra_bytes"] is not None]
-    times = Times(tuple(record["seconds"] / samples for record in records))
+    clock = clock_of(threads)
+    times = Times(tuple(record["seconds"][clock] / samples for record in records))
     error = _prediction_error(np.array(records[-1]["parameters"]), test)
-    return IdentificationRun(name, threads, samples, times, max(extra, default=None), error)
+    return IdentificationRun(name, threads, clock, samples, times, max(extra, default=None), error)
 
 
 def _prediction_error(parameters: Array, test: States) -> float:

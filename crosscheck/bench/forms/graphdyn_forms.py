@@ -32,6 +32,9 @@ COMPILED_NAME, RECURSIVE_NAME, PROJECTED_NAME, DENSE_NAME = (
     "dense NumPy",
 )
 
+DEFAULT_NAME = "graphdyn by default"
+"""The documented call, which chooses its method itself."""
+
 MAX_REGRESSOR_SAMPLES = 100_000
 """Largest number of samples of a regressor that is written out: 300 MB for a six-axis arm."""
 

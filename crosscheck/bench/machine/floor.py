@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import ctypes
 import re
-import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+from crosscheck.bench.machine.clocks import clock_of, elapsed
 from crosscheck.bench.states import JACOBIAN_REFERENCE
 from crosscheck.quantities import QUANTITIES
 from crosscheck.reference.subject import tip
@@ -220,13 +220,10 @@ def _machine_code(lanes: int) -> MachineCode:
 
 
 def _best(work: Callable[[int, int], Any], threads: int) -> float:
+    """Seconds of the fastest of several runs."""
     ranges: Sequence[tuple[int, int]] = [(k, k + 1) for k in range(threads)]
-    seconds = []
-    for _ in range(N_MEASUREMENTS + 1):
-        start = time.perf_counter()
-        in_threads(work, ranges, threads)
-        seconds.append(time.perf_counter() - start)
-    return min(seconds[1:])
+    _, *others = (elapsed(lambda: in_threads(work, ranges, threads)) for _ in range(N_MEASUREMENTS + 1))
+    return min(run.by(clock_of(threads)) for run in others)
 
 
 def _code(lanes: int) -> str:

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import os
-import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -13,33 +10,8 @@ from typing import Any
 
 import numpy as np
 
-MAX_LOAD = 0.5
-"""Programs per core of the machine, over the last minute, beyond which a benchmark is disturbed."""
-
-
-@dataclass(frozen=True)
-class Load:
-    """How busy the machine is, over the last minute.
-
-    programs: mean number of programs that had a core or waited for one; None where the system has no figure
-    cores: of the whole machine, of which this program may be allowed fewer
-    """
-
-    programs: float | None
-    cores: int
-
-    @property
-    def busy(self) -> bool:
-        return self.programs is not None and self.programs > MAX_LOAD * self.cores
-
-
-def load() -> Load:
-    try:
-        programs = os.getloadavg()[0]
-    except (AttributeError, OSError):  # Windows has none
-        programs = None
-    return Load(programs, os.cpu_count() or 1)
-
+from crosscheck.bench.machine.clocks import STEPS_PER_RUN, Clock, clock_step, elapsed
+from crosscheck.bench.machine.disturbance import Disturbance
 
 FIRST_RUN_SAMPLES = 16
 """Number of samples of the first run, from which the number for a given duration is estimated."""
@@ -50,7 +22,6 @@ MIN_RUN_TIME = 2e-3
 MIN_STEADY_TIME = 5e-2
 """The same where throughput is measured [s]. A processor takes some ten milliseconds to reach full speed with wide
 vectors; in the evaluation of millions of samples this does not matter."""
-
 
 MAX_QUARTILE_RATIO = 1.5
 """Upper over lower quartile of a ratio from which it is not to be trusted; on a quiet machine they are within 1.1."""
@@ -106,59 +77,54 @@ def ratio(ours: Times, theirs: Times) -> Ratio:
     return Ratio(float(np.median(quotients)), theirs.fastest / ours.fastest, _quartiles(quotients))
 
 
-@dataclass
-class CoreShare:
-    """What part of the time of runs on one thread they had a core: less than all where others were at work too."""
-
-    elapsed: float = 0.0
-    used: float = 0.0
-
-    def add(self, elapsed: float, used: float) -> None:
-        self.elapsed += elapsed
-        self.used += used
-
-    @property
-    def share(self) -> float:
-        """Share between 0 and 1; 1 before anything was measured."""
-        return min(1.0, self.used / self.elapsed) if self.elapsed else 1.0
-
-
-def fitting_count(run: Callable[[int], object], least: int, most: int, duration: float) -> int:
+def fitting_count(run: Callable[[int], object], least: int, most: int, duration: float, clock: Clock) -> int:
     """The number of samples, between least and most, that run takes about the duration for [s]."""
     count = max(least, min(FIRST_RUN_SAMPLES, most))
     while True:
-        seconds = min(_seconds(partial(run, count)) for _ in range(2))  # the first run is slower
+        seconds = min(_seconds(partial(run, count), clock) for _ in range(2))  # the first run is slower
         if count == most or seconds > duration / 4:
             return max(least, min(most, int(count * duration / seconds)))
         count = min(4 * count, most)
 
 
+@dataclass(frozen=True)
+class TimedRun:
+    """What takes turns with others.
+
+    threads: number that it may use in linear algebra libraries; clock: which time of it counts
+    """
+
+    call: Callable[[], object]
+    threads: int
+    clock: Clock
+
+
 def in_turns(
-    runs: Sequence[Callable[[], object]],
-    threads: Sequence[int],
-    repeats: int,
-    shortest: float = MIN_RUN_TIME,
-    share: CoreShare | None = None,
+    runs: Sequence[TimedRun], repeats: int, shortest: float = MIN_RUN_TIME, disturbance: Disturbance | None = None
 ) -> list[list[float]]:
     """Seconds per call of each run, for every repeat.
 
-    threads: number that each may use in linear algebra libraries; share: counts the runs on one thread
+    Runs of several threads come last in a repeat, because threads of some libraries wait busily for a moment after
+    their work, and this would count as processor time of the next run.
+
+    shortest: time below which a run is several calls in a row [s]; disturbance: is told of every repeat
     """
-    share = share or CoreShare()
     rows: list[list[float]] = [[] for _ in runs]
     in_a_row = []
-    for run, count in zip(runs, threads, strict=True):
-        with linear_algebra_threads(count):
-            run()
-            in_a_row.append(max(1, round(shortest / _seconds(run))))
+    for run in runs:
+        with linear_algebra_threads(run.threads):
+            run.call()
+            least = max(shortest, STEPS_PER_RUN * clock_step()) if run.clock == "processor" else shortest
+            in_a_row.append(max(1, round(least / _seconds(run.call, run.clock))))
     for _ in range(repeats):
-        for row, run, calls, count in zip(rows, runs, in_a_row, threads, strict=True):
-            with linear_algebra_threads(count):
-                before = time.process_time()
-                elapsed = _seconds(run, calls)
-                if count == 1:
-                    share.add(elapsed, time.process_time() - before)
-                row.append(elapsed / calls)
+        for k in sorted(range(len(runs)), key=lambda k: runs[k].threads):
+            with linear_algebra_threads(runs[k].threads):
+                taken = elapsed(runs[k].call, in_a_row[k])
+            rows[k].append(taken.by(runs[k].clock) / in_a_row[k])
+            if disturbance and runs[k].threads == 1:
+                disturbance.add(taken)
+        if disturbance:
+            disturbance.copy()
     return rows
 
 
@@ -175,18 +141,10 @@ def _libraries() -> Any:
     return ThreadpoolController()
 
 
-def _seconds(run: Callable[[], object], calls: int = 1) -> float:
-    """Seconds of these calls, with the garbage collector off, as in timeit."""
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        start = time.perf_counter()
-        for _ in range(calls):
-            run()
-        return time.perf_counter() - start
-    finally:
-        if collecting:
-            gc.enable()
+def _seconds(run: Callable[[], object], clock: Clock) -> float:
+    """Of one call, to plan runs: in wall time if it is too short for the clock of processor time."""
+    taken = elapsed(run)
+    return taken.wall if taken.processor < STEPS_PER_RUN * clock_step() else taken.by(clock)
 
 
 def _quartiles(values: Sequence[float]) -> tuple[float, float]:

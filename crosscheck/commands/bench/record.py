@@ -1,4 +1,4 @@
-"""The format `graphdyn bench 3`."""
+"""The format `graphdyn bench 4`."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Repeats = Annotated[Sequence[float], Keywords(minItems=1)]
 
 
 class TimesRecord(Record, of=Times):
-    """Times of one import, or one first call."""
+    """Times of one import, one first call, or one copy."""
 
     seconds: Repeats
     median = attribute()
@@ -53,7 +53,7 @@ class RatioRecord(Record):
     quartiles: Quartiles
 
 
-class BenchRatioRecord(Record, of=SpeedRatio, only=("ours", "theirs", "threads")):
+class BenchRatioRecord(Record, of=SpeedRatio, only=("ours", "theirs", "threads", "clock")):
     """One comparison."""
 
     ratio = attribute("ratio.median")
@@ -77,6 +77,7 @@ class WorkRecord(Record, of=MeasuredWork, leave_out=("limit",)):
 
     name: Annotated[str, Keywords(enum=list(WORK_DESCRIPTIONS))]
     agrees = attribute()
+    copy: TimesRecord
     floor: FloorRecord | None
     ratios: Sequence[BenchRatioRecord] = attribute("comparisons")
     entries: Sequence[ContenderRecord]
@@ -133,12 +134,16 @@ class BenchIdentificationRecord(Record, of=Identifications):
     entries: Sequence[IdentificationRunRecord]
 
 
-class BenchRecord(CommandRecord, of=Benchmark, format="graphdyn bench 3", leave_out=("model", "effort", "floors")):
-    """How fast graphdyn is beside other libraries, measured in turns in one run. Times in seconds."""
+class BenchRecord(CommandRecord, of=Benchmark, format="graphdyn bench 4", leave_out=("model", "effort", "floors")):
+    """How fast graphdyn is beside other libraries, measured in turns in one run.
+
+    Times in seconds: of one thread processor time, of several wall time.
+    """
 
     n_bodies = attribute("model.n_bodies")
     repeats = attribute("effort.repeats")
     agrees = attribute()
+    copy_slowdown = attribute()
     backend: Literal["llvm", "numpy"]
     works: Sequence[WorkRecord]
     identification: BenchIdentificationRecord

@@ -12,8 +12,10 @@ from markupsafe import Markup
 from crosscheck.bench.benchmark import Benchmark
 from crosscheck.bench.contender import MeasuredWork, SpeedRatio
 from crosscheck.bench.identification import GRAPHDYN_STREAMED, PINOCCHIO_LSTSQ, IdentificationRun, Identifications
+from crosscheck.bench.machine.clocks import clock_of
+from crosscheck.bench.machine.disturbance import MAX_COPY_SLOWDOWN, Load
 from crosscheck.bench.machine.floor import Floor
-from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Load, Times
+from crosscheck.bench.machine.timing import MAX_QUARTILE_RATIO, Times
 from crosscheck.commands.bench.curves import curve_section
 from crosscheck.commands.bench.record import record
 from crosscheck.report.pictures.svg import BAR, FAINT_COLOR, INK, picture
@@ -92,7 +94,8 @@ RATIO_NOTE = (
 )
 ORDER_NOTE = (
     "All contenders of a work took turns in one run. Median and quartiles are those of the quotients of repeats that "
-    "followed each other."
+    "followed each other. Times of one thread are processor time, which does not pass while other programs have "
+    "the core; those of several threads are wall time."
 )
 
 
@@ -133,6 +136,12 @@ def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
         "load",
         " ".join(f"{_load_text(load)} {when}" for load, when in zip(found.load, ("before,", "after"), strict=True)),
     )
+    slowdown = sorted(found.copy_slowdown.values())
+    yield (
+        "caches",
+        f"a copy of 4 MB within them, in turns with the works, took {ratio_span_text((slowdown[0], slowdown[-1]))} as "
+        "long as at best (medians of the works)",
+    )
     yield "cores", f"{found.cores}, compared with {' and '.join(map(threads_text, found.threads))}"
     yield from found.peers.items()
     for library, reason in found.left_out.items():
@@ -155,27 +164,37 @@ def _load_text(load: Load) -> str:
 
 
 def _distrust(found: Benchmark, every: Sequence[SpeedRatio]) -> Iterator[Block]:
-    """Why ratios are not to be trusted."""
+    """Why ratios are not to be trusted, and where other programs used the caches."""
     doubtful = sum(not c.trusted for c in every)
-    waiting = [measured for measured in found.works if not measured.undisturbed]
-    reasons = [
-        *(
-            [f"the machine was busy before the benchmark began: {_load_text(found.load[0])}"]
-            if found.load[0].busy
-            else []
-        ),
-        *(f"{x.title}: runs on one thread had a core for {x.core_share:.0%} of the time" for x in waiting),
-    ]
-    scattered = sum(not c.ratio.steady for c in every)
-    if scattered:
-        reasons.append(
-            f"{scattered} ratios have an upper quartile of more than {MAX_QUARTILE_RATIO} times the lower one"
-        )
-    if reasons:
+    if doubtful:
         yield Notes(
-            tuple(map(Note, reasons)),
+            tuple(map(Note, _reasons(found, every))),
             title=f"Not to be trusted: {doubtful} of {len(every)} ratios (marked ?); measure on a quiet machine",
         )
+    titles = {measured.name: measured.title for measured in found.works}
+    shared = [
+        f"{titles[name]}: a copy within the caches took {ratio_text(slowdown)} as long as at best"
+        for name, slowdown in found.copy_slowdown.items()
+        if slowdown > MAX_COPY_SLOWDOWN
+    ]
+    if shared:
+        yield Notes(tuple(map(Note, shared)), title="Other programs used the caches, at the cost of the fastest forms")
+
+
+def _reasons(found: Benchmark, every: Sequence[SpeedRatio]) -> Iterator[str]:
+    """Reasons of ratios that are not to be trusted; a busy machine spoils those of wall times."""
+    wall = any(c.clock == "wall" and not c.undisturbed for c in every)
+    if wall and found.load[0].busy:
+        yield f"the machine was busy before the benchmark began: {_load_text(found.load[0])}"
+    for x in found.works:
+        if not x.undisturbed and any(c.clock == "wall" for c in x.comparisons):
+            yield (
+                f"{x.title}: runs on one thread had a core for {x.core_share:.0%} of the time, so that wall times are "
+                "too long"
+            )
+    scattered = sum(not c.ratio.steady for c in every)
+    if scattered:
+        yield f"{scattered} ratios have an upper quartile of more than {MAX_QUARTILE_RATIO} times the lower one"
 
 
 def _ratios(found: Benchmark) -> tuple[Block, ...]:
@@ -217,7 +236,10 @@ def _ratio_rows(title: str, comparisons: Sequence[SpeedRatio]) -> Iterator[Row]:
 
 
 def _comparisons(found: Identifications) -> tuple[SpeedRatio, ...]:
-    return tuple(SpeedRatio(GRAPHDYN_STREAMED, PINOCCHIO_LSTSQ, threads, ratio) for threads, ratio in found.comparisons)
+    return tuple(
+        SpeedRatio(GRAPHDYN_STREAMED, PINOCCHIO_LSTSQ, threads, clock_of(threads), ratio)
+        for threads, ratio in found.comparisons
+    )
 
 
 def _work(measured: MeasuredWork, floor: Floor | None) -> Section:

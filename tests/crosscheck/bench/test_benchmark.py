@@ -46,7 +46,7 @@ class TestNumbers:
             }  # fmt: skip
         assert {("graphdyn rollout", 1), ("pinocchio loop", 1)} <= names["simulation"]
         for work in CALL_WORKS:
-            assert names[work] == {("graphdyn compiled", 1), ("pinocchio InParallel", 1)}
+            assert names[work] == {("graphdyn by default", 1), ("pinocchio InParallel", 1)}
         assert names["single_forward"] == {
             (n, 1) for n in ("graphdyn.compile", "graphdyn.compile, in place", "pin.aba")
         }

@@ -1,0 +1,64 @@
+"""Two clocks: processor time, which stands still while another program has the core, and wall time.
+
+One thread is timed in processor time. Several threads are timed in wall time, which is what they are for.
+"""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable
+from functools import cache
+from typing import Literal, NamedTuple
+
+Clock = Literal["processor", "wall"]
+"""Which time counts: that in which this program had a core, summed over its threads, or that of a clock on the wall."""
+
+
+def clock_of(threads: int) -> Clock:
+    """The clock by which a run with so many threads is timed."""
+    return "processor" if threads == 1 else "wall"
+
+
+class Elapsed(NamedTuple):
+    """What both clocks say about a run [s]."""
+
+    processor: float
+    wall: float
+
+    def by(self, clock: Clock) -> float:
+        return self.processor if clock == "processor" else self.wall
+
+
+def elapsed(call: Callable[[], object], calls: int = 1) -> Elapsed:
+    """The time of these calls, with the garbage collector off, as in timeit."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        wall, processor = time.perf_counter(), time.process_time()
+        for _ in range(calls):
+            call()
+        return Elapsed(time.process_time() - processor, time.perf_counter() - wall)
+    finally:
+        if collecting:
+            gc.enable()
+
+
+@cache
+def clock_step() -> float:
+    """The smallest step of processor time that is seen [s]: mostly a microsecond, in some sandboxes 10 ms."""
+    steps: list[float] = []
+    before = time.process_time()
+    while len(steps) < N_STEPS:
+        after = time.process_time()
+        if after > before:
+            steps.append(after - before)
+            before = after
+    return min(steps)
+
+
+N_STEPS = 3
+"""Number of steps of the clock that are looked at."""
+
+STEPS_PER_RUN = 200
+"""Steps of the clock in the shortest run: they limit its error to half a percent."""
