@@ -10,6 +10,8 @@ import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
+from graphdyn.compiler import running
+
 sys.dont_write_bytecode = False  # else each of the programs that tests start compiles every file again
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
@@ -50,6 +52,13 @@ def pytest_xdist_make_scheduler(config, log):
             return next((part for part in TOGETHER if part in file), file)
 
     return BySharedResults(config, log)
+
+
+@pytest.fixture(autouse=True)
+def _nothing_has_paid():
+    """No test depends on which ran before it in the same process: none has computed anything yet."""
+    for programs in running._of_contents.values():
+        programs.samples.clear()
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -24,7 +24,7 @@ from crosscheck.quantities.states import RANDOM, Case, cases, has_mass
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.reference.subject import Robot, Subject, check_counts, subject
 from graphdyn import RobotModel, SingularMassMatrix, forward_dynamics, mass_matrix
-from graphdyn.arguments import WORTH_COMPILING
+from graphdyn.arguments import MANY_SAMPLES, reproducible
 from graphdyn.compiler import interpreted
 from graphdyn.equations import singular
 from graphdyn.layout import Array
@@ -37,6 +37,7 @@ Progress = Callable[[str, int], None]
 """Called with the name of a case and the number of states just done."""
 
 
+@reproducible()
 def compare(
     robot: Robot,
     samples: int = 1000,
@@ -74,7 +75,7 @@ def compare(
     record = ErrorTable()
     reason = _why_not_forward(model)
     skipped = {name: reason for name, quantity in COMPARED.items() if quantity.solves and reason}
-    compiled = nullcontext() if samples >= WORTH_COMPILING else interpreted()
+    compiled = nullcontext() if samples >= MANY_SAMPLES else interpreted()
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for number, chunk in enumerate(_chunks(model, samples, seed)):
             # derivatives in the first chunk only: complex steps take long

@@ -159,7 +159,7 @@ def assumed_noise(model: RobotModel) -> tuple[Array, str]:
     if np.all(efforts > 0):
         return TORQUE_NOISE_SHARE * efforts, f"{100 * TORQUE_NOISE_SHARE:g} % of the efforts of the file"
     q, v = model.random_state(np.random.default_rng(0), NOISE_STATES)
-    sizes = np.sqrt(np.mean(joint_torques(model, q, v, np.zeros_like(q)) ** 2, axis=0))
+    sizes = np.sqrt(np.mean(joint_torques(model, q, v, np.zeros_like(q), method="reproducible") ** 2, axis=0))
     if np.all(sizes > 0):
         return (
             TORQUE_NOISE_SHARE * sizes,

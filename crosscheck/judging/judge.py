@@ -23,7 +23,7 @@ from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import BatchFunction, TestedFunction
 from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
-from graphdyn.arguments import refuse_unknown
+from graphdyn.arguments import refuse_unknown, reproducible
 from urdf import Reading, ReadingKeywords
 
 Progress = Callable[[str], None]
@@ -88,6 +88,7 @@ def judge(
     return judge_functions(given, setting, progress)
 
 
+@reproducible()
 def judge_functions(
     given: Mapping[str, TestedFunction], setting: Setting, progress: Progress | None = None
 ) -> Judgment:
@@ -158,6 +159,7 @@ def robot_of(setting: Setting, names: Collection[str]) -> Subject:
     return robot
 
 
+@reproducible()
 def drawn_states(model: RobotModel, setting: Setting, functions: Collection[Quantity]) -> JudgedStates:
     """The states at which functions are judged on a robot without couplings."""
     return JudgedStates.draw(

@@ -6,20 +6,23 @@ Which frame a verb speaks of, and in which axes: the arguments of the frame verb
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any, Generic, Literal, TypedDict, TypeVar, get_args
 
 from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.errors import InvalidInput
-from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 
-Method = Literal["auto", "recursive", "projected", "dense"]
-WORTH_COMPILING = 1000
-"""Samples from which "auto" is "recursive": the other methods then take longer than compiling, a tenth of a second."""
+Method = Literal["auto", "recursive", "projected", "dense", "reproducible"]
+METHODS: tuple[Method, ...] = ("auto", "recursive", "projected", "dense", "reproducible")
 
-METHODS: tuple[Method, ...] = ("auto", "recursive", "projected", "dense")
+MANY_SAMPLES = 1000
+"""Samples from which "reproducible" is "recursive"."""
+
+_auto: ContextVar[Method] = ContextVar("_auto", default="auto")
 
 Answer = TypeVar("Answer")
 
@@ -41,8 +44,10 @@ KEYWORDS = {
     "method": """"dense" solves Eq. (111) as it stands, the specification; "projected" eliminates the multipliers with
     the null space of φ_q (NᵀAN a = …) and reads them off the path matrix, where there are any; "recursive" eliminates
     body after body, in code compiled for this robot. Same answer up to rounding, each faster than the one before.
-    "auto" is "recursive" for 1000 samples and more, or with out, and "projected" for fewer, for which compiling takes
-    longer than computing""",
+    "auto" is "projected" until the calls for this robot, in this process, have taken about as long as compiling; it is
+    "recursive" from then on, where the code is compiled already, and with out. The last digits of an answer may depend
+    on the calls before it. "reproducible" is "recursive" for 1000 samples and more and "projected" for fewer: the same
+    digits in every process""",
     "threads": """at most this many for the recursive method, None for one per core. The answer of a sample does not
     depend on it, nor on the other samples, bit for bit (except where a pivot is so small that the projected method
     decides)""",
@@ -72,8 +77,20 @@ def with_keywords(verb: Function) -> Function:
     return verb
 
 
-def is_recursive(method: str, x: Mapping[str, Array], out: object = None) -> bool:
-    """Whether this method, on these arguments, is the recursive one.
+@contextmanager
+def reproducible() -> Iterator[None]:
+    """Inside, in this thread, method="auto" is "reproducible"."""
+    token = _auto.set("reproducible")
+    try:
+        yield
+    finally:
+        _auto.reset(token)
+
+
+def is_recursive(method: str, samples: int, has_paid: Callable[[], bool], out: object = None) -> bool:
+    """Whether this method, for so many samples, is the recursive one.
+
+    has_paid: whether compiling takes no longer than the calls so far; asked where that decides
 
     Raises InvalidInput for an unknown method, and for out with a method that cannot write there.
     """
@@ -81,7 +98,10 @@ def is_recursive(method: str, x: Mapping[str, Array], out: object = None) -> boo
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(METHODS)}")
     if out is not None and method in ("projected", "dense"):
         raise InvalidInput(f"the {method} method makes arrays of its own; omit out=, or use method='recursive'")
-    return method == "recursive" or (method == "auto" and (x["q"][..., 0].size >= WORTH_COMPILING or out is not None))
+    if method == "recursive" or out is not None:
+        return True
+    method = _auto.get() if method == "auto" else method
+    return samples >= MANY_SAMPLES if method == "reproducible" else method == "auto" and has_paid()
 
 
 Reference = Literal["world", "local", "local_world_aligned"]

@@ -35,19 +35,28 @@ class Evaluation(NamedTuple):
     suspects: NDArray[np.intp]
 
 
-def evaluate(
-    model: RobotModel,
+def request_of(
     recursion: str,
     outputs: tuple[str, ...],
     x: Mapping[str, Array],
     base: BaseMotion | None,
-    out: Mapping[str, Array] | None = None,
     frame: FrameChoice | None = None,
+) -> Request:
+    """These outputs of a recursion, of such arguments."""
+    return request_for(recursion, outputs, "external_wrenches" in x, base is not None, frame)
+
+
+def evaluate(
+    model: RobotModel,
+    request: Request,
+    x: Mapping[str, Array],
+    base: BaseMotion | None,
+    out: Mapping[str, Array] | None = None,
     *,
     threads: int | None = None,
     check: bool = True,
 ) -> Evaluation:
-    """These outputs of a recursion for arrays of one leading shape, written into out if given.
+    """What is requested, for arrays of one leading shape (request_of the same arrays), written into out if given.
 
     threads: at most this many; None for one per core
     check: refuse NaN and infinity in the arguments; otherwise their samples come out as NaN
@@ -61,9 +70,8 @@ def evaluate(
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
         inputs["ground"] = _as_rows(ground_columns(model, base, batch), batch)
-    shapes = {name: (*batch, *ARRAY_SPECS[name].shape_for(model)) for name in outputs}
+    shapes = {name: (*batch, *ARRAY_SPECS[name].shape_for(model)) for name in request.outputs}
     arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
-    request = request_for(recursion, outputs, "external_wrenches" in x, base is not None, frame)
     if count == 0:
         return Evaluation(arrays, NO_ROWS)
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
+from math import inf
 from typing import TypeVar
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
+from graphdyn.arguments.choices import MANY_SAMPLES
 from graphdyn.compiler.interpreter import Interpreter, together
 from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
@@ -36,6 +40,24 @@ BACKEND_VARIABLE = "GRAPHDYN_BACKEND"
 MAX_COMPILED_LENGTH = 30_000
 """Length (graphdyn.scalars.expressions.Program.length) beyond which a program is interpreted: compiling would take more
 than two seconds. Measured, with 8 lanes: 55 to 70 µs for each unit up to there, more beyond."""
+
+WORTH_COMPILING = 4000
+"""Number of samples for which the projected method takes as long as compiling, for most verbs: 2000 to 9000, for robots
+of 2 to 20 bodies (python tests/tools compiling_times)."""
+
+DERIVATIVES_WORTH_COMPILING, REGRESSORS_WORTH_COMPILING = 300, 20_000
+"""The same for derivatives, of which a sample takes long, 50 to 700, and for regressors, which take long to compile,
+19,000 and more."""
+
+SAMPLES_PER_CALL = 50
+"""Number of samples for which the projected method takes as long as for what it does once a call: 25 to 110, and 1 to
+50 where a sample takes long, as derivatives do; there it is CALLS_WORTH_COMPILING that counts."""
+
+CALLS_WORTH_COMPILING = 80
+"""Number of calls for one sample that take as long as compiling."""
+
+REMEMBERED_ROBOTS = 16
+"""Robots whose programs are kept after the last model of them is gone. The programs of one take some megabytes."""
 
 WORTH_A_THREAD = 2_000_000
 """Operations that take more than 100 µs, several times the cost of handing them to a thread."""
@@ -62,19 +84,59 @@ def _prepared_here(program: Program | LongProgram, one_row: bool) -> Prepared:
     return Prepared(program, chosen_backend(), one_row)
 
 
-_prepared: WeakKeyDictionary[RobotModel, dict[tuple[Request, str, bool], Prepared]] = WeakKeyDictionary()
+class RobotPrograms:
+    """What there is for a robot, however often it is loaded: models that are equal share it.
+
+    ready: programs by request, back end, and whether they are for one row after the other
+    samples: those that were asked for, by request; infinitely many once there is compiled code for them
+    """
+
+    def __init__(self) -> None:
+        self.ready: dict[tuple[Request, str, bool], Prepared] = {}
+        self.samples: defaultdict[Request, float] = defaultdict(float)
+
+
+_of_models: WeakKeyDictionary[RobotModel, RobotPrograms] = WeakKeyDictionary()
+_of_contents: WeakValueDictionary[bytes, RobotPrograms] = WeakValueDictionary()
+_recent: deque[RobotPrograms] = deque(maxlen=REMEMBERED_ROBOTS)
 _forced: ContextVar[str | None] = ContextVar("_forced", default=None)
+
+
+def programs_of(model: RobotModel) -> RobotPrograms:
+    """The same object for models of the same content, while there is one of them, and for a while longer."""
+    programs = _of_models.get(model)
+    if programs is None:
+        with compiling:
+            programs = _of_models[model] = _of_contents.setdefault(model.digest, RobotPrograms())
+            _recent.append(programs)
+    return programs
 
 
 def prepared(model: RobotModel, request: Request, one_row: bool = False) -> Prepared:
     """The program, recorded and compiled once per robot for batches, and once for one row after the other."""
-    key = (request, chosen_backend(), one_row)
+    key, programs = (request, chosen_backend(), one_row), programs_of(model)
     with compiling:
-        programs = _prepared.setdefault(model, {})
-        if key not in programs:
+        if key not in programs.ready:
             long = key[1] == "llvm" and is_long(model, request)
-            programs[key] = Prepared((record_long if long else trace)(model, request), *key[1:])
-        return programs[key]
+            programs.ready[key] = Prepared((record_long if long else trace)(model, request), *key[1:])
+        ready = programs.ready[key]
+        if isinstance(ready.backend, CompiledProgram) and not one_row:
+            programs.samples[request] = inf
+        return ready
+
+
+def has_paid(model: RobotModel, request: Request, samples: int, worth: int = WORTH_COMPILING) -> bool:
+    """Whether compiling takes no longer than these samples and those asked for before, which are counted.
+
+    worth: number of samples for which the projected method takes as long
+    """
+    programs = programs_of(model)
+    asked = programs.samples[request] + samples + min(SAMPLES_PER_CALL, worth / CALLS_WORTH_COMPILING)
+    programs.samples[request] = asked
+    if asked < worth:
+        return False
+    # what is interpreted, because it takes too long to compile, is for many samples
+    return asked == inf or samples >= MANY_SAMPLES or isinstance(prepared(model, request).backend, CompiledProgram)
 
 
 def run(
@@ -164,10 +226,19 @@ def _can_compile() -> bool:
             f"no compiled dynamics ({str(error).splitlines()[0]}); the NumPy back end gives the same results, some "
             f"fifty times slower. Install llvmlite 0.45 or newer, or set {BACKEND_VARIABLE}=numpy to silence this",
             RuntimeWarning,
-            stacklevel=8,  # the caller of a verb
+            stacklevel=_level_of_the_caller(),
         )
         return False
     return True
+
+
+def _level_of_the_caller() -> int:
+    """What warnings.warn has to be told where it is called, so that it names the first line outside this package."""
+    package = os.path.join(os.path.dirname(os.path.dirname(__file__)), "")
+    frame, level = sys._getframe(1), 1
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(package):
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def _backend(program: Program | LongProgram, choice: str, one_row: bool = False) -> Backend:

@@ -15,7 +15,9 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.arguments.base_motion import BaseMotion, Ground, ground
 from graphdyn.arguments.choices import Method, is_recursive, with_keywords
-from graphdyn.compiler.batch import evaluate
+from graphdyn.compiler.batch import evaluate, request_of
+from graphdyn.compiler.programs import Request
+from graphdyn.compiler.running import has_paid
 from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
@@ -116,8 +118,10 @@ def maximal_state(
     check_model(model)
     rest = np.zeros(model.nv)
     x = joint_arrays(model, base, q=q, v=rest if v is None else v, a=rest if a is None else a)
-    if is_recursive(method, x):
-        return _recursive_state(model, x, a is not None, base, threads)
+    of_velocities = request_of("maximal_state", ("position", "rotation", "velocity"), x, base)
+    samples = x["q"][..., 0].size
+    if is_recursive(method, samples, lambda: has_paid(model, of_velocities, samples)):
+        return _recursive_state(model, of_velocities, x, a is not None, base, threads)
     return state_on(ground(model, base, x["q"].shape[:-1]), model, x["q"], x["v"], None if a is None else x["a"])
 
 
@@ -183,15 +187,21 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
 
 
 def _recursive_state(
-    model: RobotModel, x: dict[str, Array], accelerated: bool, base: BaseMotion | None, threads: int | None
+    model: RobotModel,
+    of_velocities: Request,
+    x: dict[str, Array],
+    accelerated: bool,
+    base: BaseMotion | None,
+    threads: int | None,
 ) -> MaximalState:
     """state_on by graphdyn.recursions."""
     acceleration = None
     if accelerated:
-        there = evaluate(model, "inverse_dynamics", ("body_accelerations",), x, base, threads=threads, check=False)
+        of_accelerations = request_of("inverse_dynamics", ("body_accelerations",), x, base)
+        there = evaluate(model, of_accelerations, x, base, threads=threads, check=False)
         acceleration = there.arrays["body_accelerations"]
-    outputs, given = ("position", "rotation", "velocity"), {"q": x["q"], "v": x["v"]}
-    state = evaluate(model, "maximal_state", outputs, given, base, threads=threads, check=False).arrays
+    given = {"q": x["q"], "v": x["v"]}
+    state = evaluate(model, of_velocities, given, base, threads=threads, check=False).arrays
     return MaximalState(model, **state, acceleration=acceleration, ground=ground(model, base, x["q"].shape[:-1]))
 
 

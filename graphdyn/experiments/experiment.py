@@ -50,7 +50,7 @@ def simulate_recording(
     courses = [_course(f"joint '{name}'", law, times) for name, law in _laws(model, joints).items()]
     q, v, a = (np.stack(part, axis=-1) for part in zip(*courses, strict=True))
     motion = base_motion(base, times)
-    answer = inverse_dynamics(model, q, v, a, base=motion)
+    answer = inverse_dynamics(model, q, v, a, base=motion, method="reproducible")
     return observed(model, times, (q, v, a), answer, motion, answer.tau)
 
 
@@ -62,7 +62,7 @@ def observed(
     Arrays (N, n) as the verbs take them; joints that others drive are recorded with a torque of zero.
     """
     q, v, a = course
-    state = maximal_state(model, q, v, a, base=base)
+    state = maximal_state(model, q, v, a, base=base, method="reproducible")
     if model.couplings:
         given = tau
         q, v, a = model.joint_positions(q), v @ model.degrees_of_freedom.matrix.T, a @ model.degrees_of_freedom.matrix.T

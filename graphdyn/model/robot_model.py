@@ -17,6 +17,7 @@ from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from graphdyn.model import random_states
 from graphdyn.model.assembly import refuse_infinitesimal
 from graphdyn.model.chord import Chord
+from graphdyn.model.content import content_digest
 from graphdyn.model.coupling import Coupling, DegreesOfFreedom, degrees_of_freedom
 from graphdyn.model.graph import Graph
 from graphdyn.model.inertia import Consistency, consistency_problems, pseudo_inertia
@@ -120,6 +121,11 @@ class RobotModel:
     def n_bodies(self) -> int:
         """n, the number of moving bodies and of joints."""
         return len(self.bodies)
+
+    @cached_property
+    def digest(self) -> bytes:
+        """Equal for models that are equal to the last bit, and for no others."""
+        return content_digest(self)
 
     @cached_property
     def degrees_of_freedom(self) -> DegreesOfFreedom:

@@ -111,7 +111,7 @@ def simulate(
         base=base,
     )
     refuse_dry_friction(plant)
-    mass = mass_matrix(model, start[0]) + np.diag(plant.rotor)
+    mass = mass_matrix(model, start[0], method="reproducible") + np.diag(plant.rotor)
     if model.chords:
         refuse_massless_motions(model, closed(model, *start).spaces, mass)
         start = LoopEquations(plant).started(*start)

@@ -90,7 +90,9 @@ class Simulation:
         """
         if self.model.chords:
             return self._with_loops()
-        return inverse_dynamics(self.model, self.q, self.v, self.a, self._wrenches(), base=self._base())
+        return inverse_dynamics(
+            self.model, self.q, self.v, self.a, self._wrenches(), base=self._base(), method="reproducible"
+        )
 
     @cached_property
     def energy(self) -> EnergyBalance:
@@ -101,13 +103,15 @@ class Simulation:
             raise InvalidInput(
                 "the work of a moving base and of external wrenches is not integrated: no energy balance"
             )
-        kinetic = kinetic_energy(self.model, self.q, self.v) + (self._plant.rotor * self.v**2).sum(axis=-1) / 2
-        return EnergyBalance(kinetic, potential_energy(self.model, self.q), self._work, self._loss)
+        of_bodies = kinetic_energy(self.model, self.q, self.v, method="reproducible")
+        kinetic = of_bodies + (self._plant.rotor * self.v**2).sum(axis=-1) / 2
+        potential = potential_energy(self.model, self.q, method="reproducible")
+        return EnergyBalance(kinetic, potential, self._work, self._loss)
 
     @cached_property
     def bodies(self) -> MaximalState:
         """Placements of the bodies: as integrated in maximal coordinates, otherwise as q and v say."""
-        return self._bodies or maximal_state(self.model, self.q, self.v, base=self._base())
+        return self._bodies or maximal_state(self.model, self.q, self.v, base=self._base(), method="reproducible")
 
     def closure_error(self) -> Array:
         """Largest |φ| at each time (N,): how far joints and loops are open [m, -; angles of loops in rad]."""
@@ -125,7 +129,9 @@ class Simulation:
 
     def _with_loops(self) -> InverseDynamics:
         taken = self.tau + self.passive - self._plant.rotor * self.a
-        found = forward_dynamics(self.model, self.q, self.v, taken, self._wrenches(), base=self._base())
+        found = forward_dynamics(
+            self.model, self.q, self.v, taken, self._wrenches(), base=self._base(), method="reproducible"
+        )
         return InverseDynamics(tau=taken, **{name: value for name, value in vars(found).items() if name != "a"})
 
     def _base(self) -> BaseMotion | None:

@@ -11,6 +11,7 @@ from typing import Unpack
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.choices import VerbKeywords
+from graphdyn.compiler.running import DERIVATIVES_WORTH_COMPILING
 from graphdyn.equations import complex_steps, regressors
 from graphdyn.equations.loops import derivatives as loop_derivatives
 from graphdyn.layout import Array
@@ -39,6 +40,7 @@ DIFFERENCES = "take differences along closed motions (graphdyn.assemble)"
     complex_steps.inverse_dynamics_derivatives,
     answer=InverseDynamicsDerivatives,
     closed=loop_derivatives.inverse_dynamics_derivatives,
+    worth_compiling=DERIVATIVES_WORTH_COMPILING,
 )
 def inverse_dynamics_derivatives(
     model: RobotModel,
@@ -64,6 +66,7 @@ def inverse_dynamics_derivatives(
     complex_steps.inverse_dynamics_second_derivatives,
     answer=InverseDynamicsSecondDerivatives,
     remedy=DIFFERENCES,
+    worth_compiling=DERIVATIVES_WORTH_COMPILING,
 )
 def inverse_dynamics_second_derivatives(
     model: RobotModel,
@@ -87,6 +90,7 @@ def inverse_dynamics_second_derivatives(
     complex_steps.forward_dynamics_derivatives,
     answer=ForwardDynamicsDerivatives,
     closed=loop_derivatives.forward_dynamics_derivatives,
+    worth_compiling=DERIVATIVES_WORTH_COMPILING,
 )
 def forward_dynamics_derivatives(
     model: RobotModel,
@@ -108,7 +112,12 @@ def forward_dynamics_derivatives(
     return computed(forward_dynamics_derivatives, model, (q, v, tau), keywords, external_wrenches)
 
 
-@verb(complex_steps.reaction_derivatives, answer=ReactionDerivatives, remedy=DIFFERENCES)
+@verb(
+    complex_steps.reaction_derivatives,
+    answer=ReactionDerivatives,
+    remedy=DIFFERENCES,
+    worth_compiling=DERIVATIVES_WORTH_COMPILING,
+)
 def reaction_derivatives(
     model: RobotModel,
     q: ArrayLike,

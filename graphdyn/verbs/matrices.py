@@ -10,6 +10,7 @@ from typing import Unpack
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.choices import VerbKeywords
+from graphdyn.compiler.running import DERIVATIVES_WORTH_COMPILING, REGRESSORS_WORTH_COMPILING
 from graphdyn.equations import complex_steps, projected, regressors
 from graphdyn.equations.loops import dynamics as loops
 from graphdyn.errors import InvalidInput
@@ -50,7 +51,7 @@ def mass_matrix_inverse(model: RobotModel, q: ArrayLike, **keywords: Unpack[Verb
     return computed(mass_matrix_inverse, model, (q,), keywords)
 
 
-@verb(complex_steps.coriolis_matrix)
+@verb(complex_steps.coriolis_matrix, worth_compiling=DERIVATIVES_WORTH_COMPILING)
 def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """C (…, n, n): C v is the part of the bias torque that velocities cause, and Ṁ - 2C is skew [N m s, N s, kg/s].
 
@@ -65,7 +66,11 @@ def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: U
     return computed(coriolis_matrix, model, (q, v), keywords)
 
 
-@verb(regressors.joint_torque_regressor, closed=loops.at_motors(regressors.joint_torque_regressor))
+@verb(
+    regressors.joint_torque_regressor,
+    closed=loops.at_motors(regressors.joint_torque_regressor),
+    worth_compiling=REGRESSORS_WORTH_COMPILING,
+)
 def joint_torque_regressor(
     model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
@@ -80,7 +85,7 @@ def joint_torque_regressor(
     return computed(joint_torque_regressor, model, (q, v, a), keywords)
 
 
-@verb(regressors.body_regressor)
+@verb(regressors.body_regressor, worth_compiling=REGRESSORS_WORTH_COMPILING)
 def body_regressor(
     model: RobotModel, q: ArrayLike, v: ArrayLike, a: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]
 ) -> Array:
@@ -96,7 +101,7 @@ def body_regressor(
     return computed(body_regressor, model, (q, v, a), keywords)
 
 
-@verb(regressors.momentum_regressor)
+@verb(regressors.momentum_regressor, worth_compiling=REGRESSORS_WORTH_COMPILING)
 def momentum_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[VerbKeywords[Array]]) -> Array:
     """(…, n, 10n): M v = it @ π, π = model.inertial_parameters [kg m²/s or kg m/s].
 

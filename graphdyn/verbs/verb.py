@@ -19,7 +19,9 @@ from numpy.typing import ArrayLike
 from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, VerbKeywords, is_recursive, with_keywords
 from graphdyn.arguments.keywords import refuse_unknown
-from graphdyn.compiler.batch import Evaluation, evaluate
+from graphdyn.compiler.batch import Evaluation, evaluate, request_of
+from graphdyn.compiler.programs import Request
+from graphdyn.compiler.running import WORTH_COMPILING, beyond_reduction, has_paid
 from graphdyn.equations import projected
 from graphdyn.equations.loops.reactions import in_self_stress_usually
 from graphdyn.equations.projected import refuse_singular
@@ -42,6 +44,7 @@ class Verb:
     closed: the specification for robots with loops, where these matter
     remedy: what to do with robots with loops instead, of a verb that has no answer for them
     answer: the class that holds several outputs; without one they are a tuple, and a single output is an array
+    worth_compiling: number of samples for which the projected method takes as long as compiling
     """
 
     function: Callable[..., Any]
@@ -51,6 +54,7 @@ class Verb:
     closed: Specification | None
     remedy: str | None
     answer: type | None
+    worth_compiling: int
 
     @property
     def name(self) -> str:
@@ -120,6 +124,7 @@ def verb(
     closed: Specification | None = None,
     remedy: str | None = None,
     answer: type | None = None,
+    worth_compiling: int = WORTH_COMPILING,
 ) -> Callable[[Function], Function]:
     """Declares a public function as the verb of its name (Verb), and completes its docstring by its keywords.
 
@@ -129,7 +134,7 @@ def verb(
     def declared(function: Function) -> Function:
         name = recursion or function.__name__
         wanted = outputs or RECURSIONS[name].outputs
-        VERBS[function.__name__] = Verb(function, specification, name, wanted, closed, remedy, answer)
+        VERBS[function.__name__] = Verb(function, specification, name, wanted, closed, remedy, answer, worth_compiling)
         return with_keywords(function)
 
     return declared
@@ -161,17 +166,19 @@ def computed(
     verb.refuse_loops(model)
     closed = verb.closed if model.chords else None
     specification = closed or verb.specification
+    moving = base if closed or RECURSIONS[verb.recursion].on_moving_base else None
+    request = request_of(verb.recursion, verb.outputs, x, moving, frame)
+    recursive = is_recursive(method, x["q"][..., 0].size, lambda: _has_paid(verb, model, request, x["q"]), out)
     asked = method == "recursive" or out is not None
-    if not is_recursive(method, x, out) or (closed and not asked and not verb.is_compiled(model)):
+    if not recursive or (closed and not asked and not verb.is_compiled(model)):
         refuse_non_finite(model, x)
         found = specification(Arguments(model, with_wrenches(model, x), base, method == "dense", frame))
         return cast(Answer, verb.packed(found))
     if closed:
         verb.refuse_uncompiled(model, f"use method='projected'{'' if out is None else ' and omit out='}")
-    moving = base if closed or RECURSIONS[verb.recursion].on_moving_base else None
     threads, check = keywords.get("threads"), keywords.get("check", True)
     memory = verb.memory(out)
-    answer = evaluate(model, verb.recursion, verb.outputs, x, moving, memory, frame, threads=threads, check=check)
+    answer = evaluate(model, request, x, moving, memory, threads=threads, check=check)
     if answer.suspects.size:
         _decide(answer, specification, Arguments(model, with_wrenches(model, x), moving, frame=frame))
     if closed:
@@ -183,6 +190,12 @@ def computed(
 
 def _listed(names: Sequence[int | str]) -> str:
     return ", ".join(map(str, names)) + ("," if names == ("n",) else "")
+
+
+def _has_paid(verb: Verb, model: RobotModel, request: Request, q: Array) -> bool:
+    """Whether compiling has paid for the verb, and compiled code has an answer for these positions."""
+    paid = has_paid(model, request, q[..., 0].size, verb.worth_compiling)
+    return paid and not (model.couplings and beyond_reduction(model, q, {"squares": np.inf}))
 
 
 def _decide(answer: Evaluation, specification: Specification, x: Arguments) -> None:

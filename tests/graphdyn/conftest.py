@@ -1,6 +1,7 @@
 """Fixtures of the graphdyn tests."""
 
 import json
+from contextvars import ContextVar
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from long_check import LONG, few
 from random_trees import NAMED
 from shared_data import DATA, existing
 
-from graphdyn.arguments import choices as methods
+from graphdyn.arguments import choices
 
 
 @pytest.fixture(params=few(NAMED, *(NAMED.keys() - {"revolute_chain", "prismatic_inside_and_out"})))
@@ -46,7 +47,8 @@ def pytest_collection_modifyitems(items):
 
 def _recursive(back_end, monkeypatch):
     monkeypatch.setenv("GRAPHDYN_BACKEND", back_end)
-    monkeypatch.setattr(methods, "WORTH_COMPILING", 1)
+    monkeypatch.setattr(choices, "_auto", ContextVar("_auto", default="reproducible"))
+    monkeypatch.setattr(choices, "MANY_SAMPLES", 1)
     return "recursive"
 
 

@@ -17,6 +17,15 @@ LONG_ROBOTS = "body by body"
 
 
 @contextmanager
+def no_programs():
+    """Inside, no robot has programs yet: those recorded before are forgotten meanwhile."""
+    with ExitStack() as stack:
+        for name in ("_of_models", "_of_contents"):
+            stack.enter_context(mock.patch.object(running, name, type(getattr(running, name))()))
+        yield
+
+
+@contextmanager
 def on(back_end):
     """Inside, the recursive method runs on this back end: NumPy, code for the host's vectors, or for shorter ones, or
     for all robots the code of long ones.
@@ -27,7 +36,7 @@ def on(back_end):
         stack.enter_context(
             mock.patch.dict(os.environ, {running.BACKEND_VARIABLE: "numpy" if back_end == "numpy" else "llvm"})
         )
-        stack.enter_context(mock.patch.object(running, "_prepared", type(running._prepared)()))
+        stack.enter_context(no_programs())
         if back_end in ("2 lanes", "4 lanes"):
             for module in (native, gram):
                 stack.enter_context(mock.patch.object(module, "host_lanes", return_value=int(back_end[0])))

@@ -8,19 +8,20 @@ quartiles are far apart.
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
 from unittest import mock
 
 import numpy as np
+from back_ends import no_programs
 from random_trees import random_tree
 
 import graphdyn
 import urdf
-from graphdyn.compiler import programs, running
+from graphdyn.compiler import CACHE_VARIABLE, programs, running
 from graphdyn.compiler.gram.gram import torque_gram
 from graphdyn.compiler.llvm import emitter, vector_code
 from graphdyn.compiler.llvm.memory import aligned
@@ -99,7 +100,8 @@ def seconds(work: Callable[[], object]) -> float:
 
 def runner(model: graphdyn.RobotModel, request: Request, samples: int) -> Callable[[], object]:
     """A call on memory of its own, compiled here."""
-    ready = running.prepared(replace(model), request)
+    with no_programs():
+        ready = running.prepared(model, request)
     rng = np.random.default_rng(0)
     inputs = {name: aligned((samples, width)) for name, width in ready.program.inputs.items()}
     for array in inputs.values():
@@ -130,12 +132,13 @@ def sums(model: graphdyn.RobotModel) -> Callable[[], object]:
 def long_robots() -> None:
     chain = random_tree(1, list(range(CHAIN)), ["revolute"] * CHAIN)
     for unrolled in (body_by_body.MAX_UNROLLED_BODIES, CHAIN):
-        with without(((body_by_body, "UNROLLED", unrolled), (running, "LONGEST", 10**9))):
+        with without(((body_by_body, "MAX_UNROLLED_BODIES", unrolled), (running, "MAX_COMPILED_LENGTH", 10**9))):
             for what in ("torques", "accelerations", "multipliers"):
                 if unrolled == CHAIN and what == "multipliers":
                     continue
                 start = time.perf_counter()
-                running.prepared(replace(chain), REQUESTS[what])
+                with no_programs():
+                    running.prepared(chain, REQUESTS[what])
                 made = time.perf_counter() - start
                 form = "straight-line" if unrolled == CHAIN else "body by body"
                 text = f"  {form}, {what}: made in {made:.2f} s; ns a sample and body:"
@@ -147,6 +150,7 @@ def long_robots() -> None:
 
 
 def main() -> int:
+    os.environ[CACHE_VARIABLE] = "off"
     for name in sys.argv[1:] or ("ur5", "kr500"):
         model = urdf.load(name)
         print(f"{name}: operations of torques and accelerations")

@@ -10,6 +10,7 @@ from typing import Literal, Unpack, get_args
 import numpy as np
 
 from graphdyn import InvalidInput
+from graphdyn.arguments import reproducible
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.connections.loops import CompanionFiles
 from urdf.document.document import Document
@@ -38,6 +39,7 @@ MAX_FINDINGS = 1000
 Meshes = Literal["summary", "detail", "off"]
 
 
+@reproducible()
 def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[ReadingKeywords]) -> Inspection:
     """Everything odd or wrong about a URDF file or a robot of the catalog, and whether it is good for dynamics.
 

@@ -88,7 +88,7 @@ class WrenchRows:
         every = slice(None, None, -(-len(recording.t) // MAX_WRENCH_ROWS))
         q, v, a = (recording.channel(name)[every] for name in ("q", "v", "a"))
         wrenches = recording.channel("joint_wrenches")[every]
-        rotation = maximal_state(model, q).rotation
+        rotation = maximal_state(model, q, method="reproducible").rotation
         force, moment = (np.einsum("...ab,...b->...a", rotation, wrenches[..., part]) for part in (LINEAR, ANGULAR))
         unread = np.zeros(force.shape)
         return cls(recording.joint_names, q, v, a, rotation, unread, unread, unread, force, moment)

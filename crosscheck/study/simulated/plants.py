@@ -101,7 +101,7 @@ def plant_of(settings: RobotSettings) -> ControlledRobot:
         return np.array(np.broadcast_to(array, (model.nv,)))
 
     rotors = each("rotor_inertia", settings.rotor_inertia)
-    inertia = np.diag(mass_matrix(model, np.zeros(model.nv))) + rotors
+    inertia = np.diag(mass_matrix(model, np.zeros(model.nv), method="reproducible")) + rotors
     stiff, damped = CONTROLLER_FREQUENCY**2 * inertia, 2 * CONTROLLER_DAMPING * CONTROLLER_FREQUENCY * inertia
     if settings.position_gain is not None and settings.velocity_gain is not None:
         stiff, damped = each("position_gain", settings.position_gain), each("velocity_gain", settings.velocity_gain)
@@ -205,7 +205,7 @@ def flexible(plant: ControlledRobot, errors: ErrorSettings) -> Mechanism:
         raise InvalidInput(f"flexible joints need a rotor_inertia in [robot] above zero; that of '{joint}' is zero")
     n = plant.model.nv
     stiffness = np.broadcast_to(np.asarray(errors.joint_stiffness, dtype=float), n)
-    inertia = mass_matrix(plant.model, np.zeros(n))
+    inertia = mass_matrix(plant.model, np.zeros(n), method="reproducible")
     share = np.broadcast_to(np.asarray(errors.joint_damping, dtype=float), n)
     damping = 2 * share * np.sqrt(stiffness * np.diag(inertia))
     springs = JointStops(_alternating(np.zeros(n), stiffness), _alternating(np.zeros(n), damping))

@@ -264,7 +264,7 @@ def _recorded(
     tau = factor * motion.tau + scenario.torque_noise * torques.standard_normal(motion.tau.shape)
     measured = None
     if scenario.force_noise is not None:
-        measured = np.array(inverse_dynamics(plant.model, *motion.links).joint_wrenches)
+        measured = np.array(inverse_dynamics(plant.model, *motion.links, method="reproducible").joint_wrenches)
         drawn = wrenches.standard_normal(measured.shape)
         measured[..., LINEAR] += scenario.force_noise * drawn[..., LINEAR]
         measured[..., ANGULAR] += scenario.torque_noise * drawn[..., ANGULAR]

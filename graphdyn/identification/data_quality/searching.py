@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.arguments.choices import WORTH_COMPILING
+from graphdyn.arguments.choices import MANY_SAMPLES
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
@@ -138,7 +138,7 @@ def _tried(
     for change in considered:
         if not change.moves:
             yield _trial(torque_model, change, before, change.applied(samples, columns), fit)
-    moving, size = [change for change in considered if change.moves], -(-WORTH_COMPILING // len(samples))
+    moving, size = [change for change in considered if change.moves], -(-MANY_SAMPLES // len(samples))
     for start in range(0, len(moving), size):
         some = moving[start : start + size]
         motions = [change.applied(samples, columns) for change in some]

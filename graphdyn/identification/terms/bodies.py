@@ -34,7 +34,7 @@ class RigidBodies:
         )
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        return joint_torque_regressor(model, samples.q, samples.v, samples.a, base=samples.base)
+        return joint_torque_regressor(model, samples.q, samples.v, samples.a, base=samples.base, method="reproducible")
 
     def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
         return x

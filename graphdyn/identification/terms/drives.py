@@ -53,7 +53,7 @@ class RotorInertia:
         if self.gears is None:
             return rows
         gears, axes = self._rotors(model)
-        state = maximal_state(model, samples.q, samples.v, samples.a, base=samples.base)
+        state = maximal_state(model, samples.q, samples.v, samples.a, base=samples.base, method="reproducible")
         assert state.acceleration is not None
         jacobian = null_space(state).reshape(*samples.q.shape[:1], model.n_bodies, 6, -1)[:, :, ANGULAR]
         for j, number in enumerate(model.degrees_of_freedom.independent):

@@ -174,7 +174,7 @@ class LoadFriction:
         return per_joint_columns(model, "load-dependent friction", "FL", "1", "1")
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        load = np.abs(gravity_torque(model, samples.q, base=samples.base))
+        load = np.abs(gravity_torque(model, samples.q, base=samples.base, method="reproducible"))
         return per_joint_rows(load * smooth_sign(samples.v, self.width))
 
 

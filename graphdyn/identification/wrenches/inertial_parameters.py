@@ -50,7 +50,7 @@ def identify_inertial_parameters(
 
     Raises InvalidInput if the data do not fit the model, or are not finite.
     """
-    y = body_regressor(model, *_motion(model, data), base=base)
+    y = body_regressor(model, *_motion(model, data), base=base, method="reproducible")
     bodies = np.arange(model.n_bodies)
     matrix = np.zeros((*y.shape[:-1], model.n_bodies, BODY_PARAMETERS))
     matrix[:, bodies, :, bodies] = np.moveaxis(y, 1, 0)
@@ -100,8 +100,9 @@ def joint_wrench_regressor(
     Row block j sums the body regressors of all bodies outside joint j, moved to O_j and rotated into link axes of j.
     q, v, a: (…, n); base: prescribed motion of the base. Raises InvalidInput.
     """
-    y = body_regressor(model, q, v, a, base=base)
-    state = maximal_state(model.skeleton, q)  # relative placements: the motion of the base does not matter
+    y = body_regressor(model, q, v, a, base=base, method="reproducible")
+    # relative placements: the motion of the base does not matter
+    state = maximal_state(model.skeleton, q, method="reproducible")
     origins, n = link_origins(state), model.n_bodies
     path = model.graph.path_matrix()
     w = np.zeros((*y.shape[:-1], n, BODY_PARAMETERS))

@@ -82,7 +82,7 @@ class _MaximalRun:
         self._plant, self._source, self._method, self._step = problem.plant, problem.source, method, step
         self._hold, self._equations, self._stabilization = hold, Equations(problem.plant), stabilization
         self._q, self._tau = problem.start[0], np.zeros(len(problem.start[0]))
-        state = maximal_state(problem.plant.model, *problem.start)
+        state = maximal_state(problem.plant.model, *problem.start, method="reproducible")
         self._pose = Pose(state.position, Rotation.from_matrix(state.rotation).as_quat(), state.velocity, 0.0)
 
     def steps(self, count: int) -> Iterator[tuple[int, MaximalState, dict[str, Array]]]:

@@ -153,7 +153,7 @@ def test_many_threads_at_once_get_the_same(back_end, monkeypatch):
                 caller.join()
         finally:
             sys.setswitchinterval(switch)
-        assert len(running._prepared[MODEL]) == 3
+        assert len(running.programs_of(MODEL).ready) == 3
         expected = verbs(*arrays, threads=1)
     assert len(results) == 6
     for result in results:

@@ -2,22 +2,24 @@
 
 import gc
 import os
+import pickle
 import subprocess
 import sys
 import textwrap
 import threading
 import weakref
+from collections import deque
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from back_ends import on
+from back_ends import no_programs, on
 from long_check import LONG
 from random_trees import NAMED, random_base_motion, random_state, random_tree, random_wrenches
 
 import graphdyn
 from graphdyn import InvalidInput
-from graphdyn.arguments.choices import WORTH_COMPILING
+from graphdyn.arguments.choices import MANY_SAMPLES, reproducible
 from graphdyn.compiler import running
 from graphdyn.compiler.gram import gram
 from graphdyn.compiler.gram.gram import CompiledGram, InterpretedGram, torque_gram
@@ -27,6 +29,15 @@ from graphdyn.compiler.programs import Request, pivot_scales, trace
 from graphdyn.compiler.rolled import rolling as body_by_body
 from graphdyn.compiler.rolled.body_steps import Pass
 from graphdyn.compiler.rolled.rolled_code import LongProgram
+from graphdyn.compiler.running import (
+    DERIVATIVES_WORTH_COMPILING,
+    REGRESSORS_WORTH_COMPILING,
+    SAMPLES_PER_CALL,
+    WORTH_COMPILING,
+)
+from graphdyn.model.coupling import Coupling
+from graphdyn.model.parts import Frame
+from graphdyn.model.spatial import Placement
 from graphdyn.scalars.expressions import Program
 
 MODEL = NAMED["one_revolute"]
@@ -36,13 +47,19 @@ SUM = 1e-12
 """Sixty bodies in a chain: the same sums in another order, relative to their largest term; measured 1.1e-14."""
 
 
+@pytest.fixture(autouse=True)
+def _no_programs():
+    with no_programs():
+        yield
+
+
 def fresh():
-    """A robot that no program has been recorded for."""
+    """Another robot of the same content."""
     return replace(MODEL)
 
 
 def back_end_of(model):
-    (ready,) = running._prepared[model].values()
+    (ready,) = running.programs_of(model).ready.values()
     return type(ready.backend)
 
 
@@ -69,11 +86,14 @@ def broken():
     raise ImportError("No module named 'llvmlite'\nwith a second line")
 
 
-def test_without_llvmlite_there_is_one_warning_and_the_same_results(monkeypatch):
+@pytest.mark.parametrize("method", ["recursive", "auto"])
+def test_without_llvmlite_there_is_one_warning_and_the_same_results(method, monkeypatch):
     q, v, a = random_state(MODEL, 1, (5,))
     expected = graphdyn.joint_torques(MODEL, q, v, a, method="recursive")
     monkeypatch.setattr("graphdyn.compiler.native._binding", broken)
-    model = fresh()
+    monkeypatch.setattr(running, "CALLS_WORTH_COMPILING", 1)
+    monkeypatch.setattr(running, "SAMPLES_PER_CALL", WORTH_COMPILING)
+    model = replace(MODEL, name="another")
     running._can_compile.cache_clear()
     try:
         with pytest.warns(
@@ -81,7 +101,7 @@ def test_without_llvmlite_there_is_one_warning_and_the_same_results(monkeypatch)
             match=r"no compiled dynamics \(No module named 'llvmlite'\); the NumPy back end gives the same results, "
             r".*Install llvmlite 0.45 or newer, or set GRAPHDYN_BACKEND=numpy to silence this",
         ) as caught:
-            found = graphdyn.joint_torques(model, q, v, a, method="recursive")
+            found = graphdyn.joint_torques(model, q, v, a, method=method)
         assert caught[0].filename == __file__
         graphdyn.joint_torques(model, q, v, a, method="recursive")  # a second warning would be an error here
         torque_gram(model, [0], 0)
@@ -111,7 +131,7 @@ def test_llvmlite_is_imported_when_something_is_compiled_and_not_before():
         model = graphdyn.kr500()
         graphdyn.joint_torques(model, np.zeros(6), np.zeros(6), np.zeros(6))
         assert "llvmlite" not in sys.modules
-        graphdyn.joint_torques(model, np.zeros((1000, 6)), np.zeros(6), np.zeros(6))
+        graphdyn.joint_torques(model, np.zeros((10_000, 6)), np.zeros(6), np.zeros(6))
         assert "llvmlite" in sys.modules
     """)
 
@@ -124,7 +144,7 @@ def test_numpy_needs_no_llvmlite():
         sys.modules["llvmlite"] = None
         import graphdyn
 
-        graphdyn.joint_torques(graphdyn.kr500(), np.zeros((1000, 6)), np.zeros(6), np.zeros(6))
+        graphdyn.joint_torques(graphdyn.kr500(), np.zeros((10_000, 6)), np.zeros(6), np.zeros(6))
         """,
         GRAPHDYN_BACKEND="numpy",
     )
@@ -162,21 +182,40 @@ def test_after_a_fork_the_child_computes_too():
     assert out.split() == ["0"]
 
 
-def test_programs_go_with_their_robot():
-    gc.collect()  # robots of other tests
-    model = fresh()
+def test_programs_go_with_the_last_robot_of_their_content(monkeypatch):
+    """Where no more robots are remembered than there are."""
+    monkeypatch.setattr(running, "_recent", deque(maxlen=0))
+    model, same = fresh(), fresh()
     graphdyn.joint_torques(model, X, X, X, method="recursive")
-    single = graphdyn.compile(model).joint_torques
-    before, program = len(running._prepared), weakref.ref(next(iter(running._prepared[model].values())).program)
-    model = weakref.ref(model)
+    single = graphdyn.compile(same).joint_torques
+    (program, _) = (weakref.ref(ready.program) for ready in running.programs_of(model).ready.values())
+    gone = weakref.ref(same)
+    del model, same
     gc.collect()
-    assert model() is not None  # another thread may need it
+    assert gone() is not None  # another thread may need it
     single(X[0], X[0], X[0])  # keeps its machine code
     del single
     gc.collect()
-    assert model() is None
-    assert len(running._prepared) == before - 1
+    assert gone() is None
     assert program() is None
+    assert not running._of_contents
+
+
+def test_a_robot_that_is_loaded_again_finds_its_programs():
+    """Also after the first is gone; one whose last digit differs, or a name, is another."""
+    model = NAMED["revolute_chain"]
+    programs = running.programs_of(replace(model))
+    gc.collect()
+    assert running.programs_of(replace(model)) is programs
+    assert running.programs_of(pickle.loads(pickle.dumps(model))) is programs
+    third = replace(model.bodies[2], mass=np.nextafter(model.bodies[2].mass, 0))
+    others = [
+        replace(model, name="another"),
+        replace(model, bodies=(*model.bodies[:2], third, *model.bodies[3:])),
+        model.with_gravity(-model.gravity),
+        replace(model, frames=(Frame("tool", 1, Placement()),)),
+    ]
+    assert len({id(running.programs_of(other)) for other in [model, *others]}) == 5
 
 
 def test_a_program_is_prepared_once(monkeypatch):
@@ -195,27 +234,106 @@ def test_a_program_is_prepared_once(monkeypatch):
     assert prepared == ["inverse_dynamics"]
 
 
-def test_the_method_for_many_samples(monkeypatch):
-    """auto: recursive from WORTH_COMPILING samples on, whatever their shape, and with memory for the answer."""
-    used = []
-    monkeypatch.setattr(running, "_backend", lambda program, *_: used.append(program) or Interpreter(program))
-    few, many = np.zeros((WORTH_COMPILING - 1, 1)), np.zeros((10, WORTH_COMPILING // 10, 1))
-    verbs = (graphdyn.forward_dynamics, graphdyn.inverse_dynamics, graphdyn.joint_accelerations, graphdyn.joint_torques)
-    verbs += (graphdyn.joint_torque_regressor, graphdyn.body_regressor, graphdyn.maximal_state)
-    for verb in verbs:
-        model = fresh()
-        verb(model, few, few, few)
-        assert not used
-        verb(model, many, many, many)
-        assert used
-        used.clear()
-    model = fresh()
-    graphdyn.bias_torque(model, few, few)
-    graphdyn.mass_matrix(model, few)
-    assert not used
-    graphdyn.mass_matrix(model, few, out=np.empty((len(few), 1, 1)))
-    graphdyn.bias_torque(model, many, many)
-    assert len(used) == 2
+VERBS_OF_MOTION = (
+    graphdyn.forward_dynamics,
+    graphdyn.inverse_dynamics,
+    graphdyn.joint_accelerations,
+    graphdyn.joint_torques,
+    graphdyn.maximal_state,
+)
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """The programs that were compiled."""
+    programs, original = [], running._backend
+    monkeypatch.setattr(running, "_backend", lambda *of: programs.append(of[0]) or original(*of))
+    return programs
+
+
+@pytest.mark.parametrize("verb", VERBS_OF_MOTION, ids=lambda verb: verb.__name__)
+def test_what_has_cost_as_much_as_compiling_is_compiled(verb, compiled):
+    """Calls for one state, and one for many states, of two robots of the same content."""
+    calls = WORTH_COMPILING // (1 + SAMPLES_PER_CALL)
+    for _ in range(calls):
+        verb(fresh(), X[0], X[0], X[0])
+    assert not compiled
+    verb(fresh(), X[0], X[0], X[0])
+    verb(fresh(), X[0], X[0], X[0])
+    assert len(compiled) == (2 if verb is graphdyn.maximal_state else 1)  # the accelerations have a program of theirs
+    compiled.clear()
+    other, many = MODEL.with_gravity(np.zeros(3)), np.zeros((WORTH_COMPILING // 2, 1))
+    verb(other, many, many, many)
+    assert not compiled
+    verb(other, *(many.reshape(10, -1, 1),) * 3)
+    assert compiled
+
+
+def test_samples_of_derivatives_and_regressors_count_otherwise(compiled):
+    """Those of derivatives take long, and regressors take long to compile."""
+    model, several = fresh(), np.zeros((DERIVATIVES_WORTH_COMPILING, 1))
+    graphdyn.coriolis_matrix(model, several, several)
+    assert len(compiled) == 1
+    many = np.zeros((REGRESSORS_WORTH_COMPILING // 2, 1))
+    graphdyn.joint_torque_regressor(model, many, many, many)
+    assert len(compiled) == 1
+    graphdyn.joint_torque_regressor(model, many, many, many)
+    assert len(compiled) == 2
+
+
+def test_what_is_compiled_is_used(compiled):
+    """Because a call asked for it, or has memory for the answer; to the last digit, as the call that asks for it."""
+    model = NAMED["revolute_chain"]
+    x = np.random.default_rng(0).normal(size=(3, 1, model.nv))
+    asked = graphdyn.joint_torques(model, *x, method="recursive")
+    assert np.array_equal(graphdyn.joint_torques(model, *x), asked)
+    assert not np.array_equal(graphdyn.joint_torques(model, *x, method="projected"), asked)
+    graphdyn.mass_matrix(model, x[0], out=np.empty((1, model.nv, model.nv)))
+    graphdyn.mass_matrix(model, x[0])
+    assert len(compiled) == 2
+
+
+def test_reproducible_goes_by_the_number_of_samples(compiled):
+    """Whatever was computed before; also where nothing is asked for, inside reproducible."""
+    model = NAMED["revolute_chain"]
+    x = np.random.default_rng(0).normal(size=(3, 1, model.nv))
+    projected = graphdyn.joint_torques(model, *x, method="projected")
+    graphdyn.joint_torques(model, *x, method="recursive")
+    assert np.array_equal(graphdyn.joint_torques(model, *x, method="reproducible"), projected)
+    with reproducible():
+        assert np.array_equal(graphdyn.joint_torques(model, *x), projected)
+        for _ in range(WORTH_COMPILING // SAMPLES_PER_CALL):
+            graphdyn.mass_matrix(model, x[0])
+    graphdyn.mass_matrix(model, x[0], method="reproducible")
+    assert len(compiled) == 1
+    many = np.zeros((2, MANY_SAMPLES // 2, model.nv))
+    graphdyn.mass_matrix(model, many, method="reproducible")
+    assert len(compiled) == 2
+
+
+def test_few_samples_are_not_interpreted(monkeypatch):
+    """Where a program takes too long to compile, it is for many samples."""
+    monkeypatch.setattr(running, "MAX_COMPILED_LENGTH", 0)
+    model = NAMED["revolute_chain"]
+    x = np.random.default_rng(0).normal(size=(3, 1, model.nv))
+    graphdyn.joint_torques(model, *x, method="recursive")
+    projected = graphdyn.joint_torques(model, *x, method="projected")
+    for _ in range(WORTH_COMPILING // SAMPLES_PER_CALL):
+        assert np.array_equal(graphdyn.joint_torques(model, *x), projected)
+    many = np.broadcast_to(x, (3, WORTH_COMPILING, model.nv))
+    assert np.array_equal(
+        graphdyn.joint_torques(model, *many)[0], graphdyn.joint_torques(model, *x, method="recursive")[0]
+    )
+
+
+def test_far_angles_of_joints_that_drive_others_are_left_to_the_projected_method():
+    """Compiled code cannot reduce them by whole turns; what answered before compiling still does."""
+    model = replace(NAMED["revolute_chain"], couplings=(Coupling("joint2", {"joint1": 0.5}),))
+    x = np.full((1, model.nv), 1e7)
+    with pytest.raises(InvalidInput, match="some joints drive others"):
+        graphdyn.gravity_torque(model, x, method="recursive")
+    found = graphdyn.gravity_torque(model, x)
+    assert np.array_equal(found, graphdyn.gravity_torque(model, x, method="projected"))
 
 
 # Many bodies
@@ -270,7 +388,7 @@ def test_far_angles_of_long_programs_are_brought_back_first(monkeypatch):
     near = np.where(far == q, q, np.arctan2(np.sin(far), np.cos(far)))
     found, expected = (graphdyn.joint_torques(tree, x, v, a, method="recursive") for x in (far, near))
     assert np.abs(found - expected).max() < SUM * np.abs(expected).max()
-    assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[tree].values())
+    assert all(isinstance(ready.program, LongProgram) for ready in running.programs_of(tree).ready.values())
 
 
 def test_long_programs_of_loaded_bodies_on_a_base_that_moves(monkeypatch):
@@ -284,7 +402,7 @@ def test_long_programs_of_loaded_bodies_on_a_base_that_moves(monkeypatch):
         for name, value in vars(expected).items():
             size = np.abs(value).max(initial=np.abs(expected.joint_wrenches).max())
             assert np.abs(getattr(found, name) - value).max(initial=0.0) < SUM * size, name
-    assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[tree].values())
+    assert all(isinstance(ready.program, LongProgram) for ready in running.programs_of(tree).ready.values())
 
 
 @pytest.mark.parametrize("unrolled", [0, 100])
@@ -317,7 +435,7 @@ def test_sixty_bodies(model):
     back = graphdyn.inverse_dynamics(model, q, v, solved.a, method="projected")
     assert np.abs(back.tau - found.tau).max() < SUM * size
     assert np.abs(back.multipliers - solved.multipliers).max() < SUM * size
-    assert all(isinstance(ready.program, LongProgram) for ready in running._prepared[model].values())
+    assert all(isinstance(ready.program, LongProgram) for ready in running.programs_of(model).ready.values())
 
 
 def test_gram_of_interpreted_and_compiled_programs_agree(monkeypatch):
