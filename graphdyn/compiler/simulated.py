@@ -16,9 +16,10 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.forward import Drives, forward_dynamics
 from graphdyn.recursions.inverse import inverse_dynamics
+from graphdyn.recursions.loops.closed_motions import closed_accelerations, closed_motions
 from graphdyn.recursions.loops.couplings import driven, everywhere, projected
 from graphdyn.recursions.mechanism.mechanism import Link, links
-from graphdyn.scalars.expressions import Program
+from graphdyn.scalars.expressions import Expression, Program
 
 Law = Literal["pd", "computed_torque"]
 
@@ -43,8 +44,11 @@ class Inputs:
     free: bool = False
 
 
-def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
-    """a (n), and required (n): the torque that holds the joints that are not free, tau elsewhere."""
+def record_accelerations(model: RobotModel, inputs: Inputs, least_distance: float = 0.0) -> Program:
+    """a (n), and required (n): the torque that holds the joints that are not free, tau elsewhere.
+
+    With loops a, and certain, which is above zero where the distance from a singular pose is above the least.
+    """
     outputs = ("a", "required")  # of links that are not reduced, whose errors over long motions are documented
     sample = Sample(model, Request("forward_dynamics", outputs, inputs.external, inputs.moving_base))
     n = sample.n
@@ -59,13 +63,42 @@ def record_accelerations(model: RobotModel, inputs: Inputs) -> Program:
         sample.input("rotor") if inputs.rotor else [0.0] * n, sample.input("free") if inputs.free else [1.0] * n
     )
     v, tau = sample.of_joints("v"), sample.input("tau")
+    if model.chords:
+        a, held = closed_accelerations(model, bodies, sample.root, sample.q, v, tau, sample.external, drives.rotor)
+        return _program(sample, {"a": list(a), "certain": held.certain(least_distance)})
     if model.couplings:
         found = driven(bodies, sample.root, model.degrees_of_freedom, sample.q, v, tau, sample.external, drives=drives)
     else:
         found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives=drives)
-    return sample.recorder.program(
-        sample.of_degrees_of_freedom({name: found[name] for name in ("a", "required")}, {}), {}
-    )
+    return _program(sample, {name: found[name] for name in ("a", "required")})
+
+
+def record_closing(model: RobotModel, least_distance: float, last_gap: float) -> tuple[Program, Program]:
+    """The programs of a ClosingCode: Newton steps from gaps below the last one leave rounding."""
+    request = Request("forward_dynamics", ("a",))
+    sample = Sample(model, request)
+    held = closed_motions(model, sample.links, sample.q, sample.zeros)
+    gaps = np.concatenate([rows.gap for rows in held.rows])
+    step = held.particular(gaps)
+    position = {
+        "q": list(np.array(sample.recorder.inputs("q", sample.n), dtype=object) - (step - held.nearest(step))),
+        "closed": [1.0 - gap * gap * (1.0 / last_gap**2) for gap in gaps],
+        "certain": [
+            *held.certain(least_distance),
+            *(x for rows in held.rows for x in rows.agreeing if isinstance(x, Expression)),
+        ],
+    }
+    of_velocities = Sample(model, request)
+    held = closed_motions(model, of_velocities.links, of_velocities.q, of_velocities.zeros)
+    velocity = {
+        "v": list(held.nearest(np.array(of_velocities.input("v"), dtype=object))),
+        "certain": held.certain(least_distance),
+    }
+    return _program(sample, position), _program(of_velocities, velocity)
+
+
+def _program(sample: Sample, outputs: dict[str, list[Any]]) -> Program:
+    return sample.recorder.program(sample.of_degrees_of_freedom(outputs, {}), {})
 
 
 def record_law(model: RobotModel, law: Law) -> Program:
@@ -85,7 +118,7 @@ def record_law(model: RobotModel, law: Law) -> Program:
         a = everywhere(np.array(wanted, dtype=object), degrees_of_freedom)
         tau = np.array(inverse_dynamics(sample.links, sample.root, sample.q, v, a)["tau"], dtype=object)
         wanted = list(projected(tau, ("n",), degrees_of_freedom))
-    return sample.recorder.program(sample.of_degrees_of_freedom({"tau": wanted}, {}), {})
+    return _program(sample, {"tau": wanted})
 
 
 def in_joint_axes(model: RobotModel, parameters: Array) -> Array:

@@ -10,7 +10,8 @@ singular poses, which the linkage passes in an instant.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.assembly import refuse_infinitesimal
+from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
@@ -47,7 +49,7 @@ class Equations:
 
     def __init__(self, plant: PlantConstants) -> None:
         self.plant, self._constants = plant, plant.constants
-        self._verbs = compiled(plant.model, "mass_matrix", "bias_torque")
+        self._verbs = compiled(plant.model)
         self._rotor = np.diag(plant.rotor)
 
     def clamped(self, tau: Array) -> Array:
@@ -155,14 +157,13 @@ class LoopEquations(Equations):
     usual_distance: the same in a regular pose
     """
 
-    def __init__(self, plant: PlantConstants) -> None:
+    def __init__(self, plant: PlantConstants, geometry: RobotModel | None = None) -> None:
+        """geometry: the same robot, of other masses, whose regular pose may be known already."""
         super().__init__(replace(plant, model=plant.model.opened))
-        self._loops = loops = plant.model.loops
-        refuse_infinitesimal(f"robot '{plant.model.name}'", loops, plant.model.regular_pose)
-        jacobian = loops.jacobian(loops.links(plant.model.regular_pose))
-        self._rank = int(loops.spaces(jacobian).rank)
-        self._spaces(jacobian)
-        self.usual_distance = self.distance
+        of_loops = geometry or plant.model
+        self._loops = of_loops.loops
+        self._rank, self.usual_distance = _usual(of_loops)
+        self.distance = self.usual_distance
 
     def rates(self, t: float, q: Array, v: Array, tau: Array, contact: Contact) -> Rates:
         """Rates at the torque of the actuators."""
@@ -186,15 +187,15 @@ class LoopEquations(Equations):
         return q, v
 
     def closed(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """The nearest position and velocity, in the norm of all joints, that keep the loops closed.
+        """The nearest position and velocity (…, n), in the norm of all joints, that keep the loops closed.
 
         Raises IntegrationFailed where Newton steps do not close them.
         """
         q, v, gap = self._projected(q, v)
-        if not gap < LAST_STEP_GAP:
+        if not np.all(gap < LAST_STEP_GAP):
             raise IntegrationFailed(
-                f"the loops are open by {gap * self._loops.length_unit:.2g} m or rad after a step, and do not close; "
-                "take smaller steps, or smaller torques"
+                f"the loops are open by {np.max(gap) * self._loops.length_unit:.2g} m or rad after a step, and do not "
+                "close; take smaller steps, or smaller torques"
             )
         return q, v
 
@@ -222,12 +223,32 @@ class LoopEquations(Equations):
         of_rows, of_columns = self._loops.row_units, self._loops.column_units[:, None]
         left, values, right = np.linalg.svd(self._loops.in_units(jacobian))
         rank = self._rank
-        self.distance = float(np.min(values[..., rank - 1] / values[..., 0])) if rank else 1.0
+        self.distance = _distance(values, rank)
         kept = values[..., :rank] > SINGULAR_DIRECTION_SHARE * values[..., :1]
         factors = np.where(kept, 1.0 / np.where(kept, values[..., :rank], 1.0), 0.0)
         along, motions = np.swapaxes(right, -1, -2)[..., :rank], np.swapaxes(right, -1, -2)[..., rank:]
         inverse = (along * factors[..., None, :]) @ np.swapaxes(left[..., :rank], -1, -2)
         return of_columns * inverse / of_rows, of_columns * motions
+
+
+_usually: WeakKeyDictionary[RobotModel, tuple[int, float]] = WeakKeyDictionary()
+"""What _usual has found, by the robot."""
+
+
+def _usual(model: RobotModel) -> tuple[int, float]:
+    """Rank and distance in a regular pose. Raises InconsistentState for loops of infinitesimal mobility."""
+    if model not in _usually:
+        loops, pose = model.loops, model.regular_pose
+        refuse_infinitesimal(f"robot '{model.name}'", loops, pose)
+        jacobian = loops.jacobian(loops.links(pose))
+        rank = int(loops.spaces(jacobian).rank)
+        _usually[model] = rank, _distance(np.linalg.svd(loops.in_units(jacobian), compute_uv=False), rank)
+    return _usually[model]
+
+
+def _distance(values: NDArray[np.floating[Any]], rank: int) -> float:
+    """The last of the singular values (…, k) that count by the largest, where it is smallest."""
+    return float(np.min(values[..., rank - 1] / values[..., 0])) if rank else 1.0
 
 
 def equations_of(plant: PlantConstants) -> Equations:

@@ -16,12 +16,14 @@ from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.compiler.batch import check_threads
 from graphdyn.compiler.native import host_lanes
 from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
+from graphdyn.equations.loops.dynamics import closed
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.simulation.equations import Equations
+from graphdyn.simulation.equations import Equations, LoopEquations
 from graphdyn.simulation.integration.compiled import (
+    LostSteps,
     can_compile,
     compiled_steps,
     constants_of,
@@ -31,8 +33,8 @@ from graphdyn.simulation.integration.compiled import (
     state_blocks,
 )
 from graphdyn.simulation.integration.events import COURSE_COLUMNS
-from graphdyn.simulation.integration.steps import FIXED_STEPS, python_steps, tableau
-from graphdyn.simulation.plant import Friction, JointStops, PlantConstants, finite, make_plant, per_joint, refuse_loops
+from graphdyn.simulation.integration.steps import FIXED_STEPS, LoopSteps, Take, python_steps, steps_of, tableau
+from graphdyn.simulation.plant import Friction, JointStops, PlantConstants, finite, make_plant, per_joint
 from graphdyn.simulation.torques import (
     CONSTANT_TORQUE_STEPS,
     GAIN_NAMES,
@@ -105,6 +107,7 @@ class Runs:
             noises,
             ground_of(self.plant, self.method, self.stretch, self.end),
             steps.memory(len(state)),
+            LostSteps(lambda run: self._steps(self._equations(run))).taken,
             self.runs,
             threads,
         )
@@ -132,10 +135,20 @@ class Runs:
             return source.tau_from(min(tick * period, self.end), q + error[: len(q)], v + error[len(q) :])
 
         y = np.concatenate([self.q[run], self.v[run], np.zeros(2)])
-        equations = Equations(self.plant.of_run(run))
+        equations = self._equations(run)
         with np.errstate(over="ignore", invalid="ignore"):
-            _, rows = python_steps(equations, tableau(self.method), self.stretch, y, _no_torque, held)
+            _, rows = python_steps(self._steps(equations), equations.clamped, self.stretch, y, _no_torque, held)
         return rows
+
+    def _equations(self, run: int) -> Equations:
+        plant = self.plant.of_run(run)
+        return LoopEquations(plant, self.plant.model) if plant.model.chords else Equations(plant)
+
+    def _steps(self, equations: Equations) -> Take:
+        own = tableau(self.method)
+        return (
+            LoopSteps(equations, own).taken_or_nan if isinstance(equations, LoopEquations) else steps_of(equations, own)
+        )
 
     def _columns(self, first: int, last: int) -> Array:
         """Torques or references of the ticks, (runs or 1, ticks, width); the last torque stays."""
@@ -234,10 +247,13 @@ def rollout(
 
     Angles are accurate up to 1e6 rad. Numbers of robots whose mass matrix is singular come out as NaN or infinity.
 
-    Raises InvalidInput. On the NumPy back end, steps are taken in Python, thousands of times slower.
+    Robots with loops start closed, as in simulate. A run whose loops come apart is NaN from there on. Steps near
+    singular poses are taken in Python.
+
+    Raises InvalidInput; InconsistentState where loops are open. On the NumPy back end, steps are taken in Python,
+    thousands of times slower.
     """
     check_model(model)
-    refuse_loops("rollout", model, "graphdyn.simulate does")
     check_threads(threads)
     if method not in FIXED_STEPS:
         raise InvalidInput(f"method is '{method}'; use one of {', '.join(FIXED_STEPS)}")
@@ -262,6 +278,9 @@ def rollout(
         parameters=parameters,
         base=base,
     )
+    if model.chords:
+        closed(model, x["q"], x["v"])
+        x["q"], x["v"] = LoopEquations(PlantConstants(model, {})).started(x["q"], x["v"])
     all_runs = Runs(
         plant=plant,
         q=np.broadcast_to(x["q"], (runs, model.nv)),

@@ -129,6 +129,14 @@ class VectorCode:
         holds = self.let(f"fcmp {relation} {self.vector} {x}, {y}")
         return self.let(f"select <{self.lanes} x i1> {holds}, {self.vector} {yes}, {self.vector} {no}")
 
+    def any(self, holds: str) -> str:
+        """Whether it holds in some lane."""
+        bits = self.let(f"bitcast <{self.lanes} x i1> {holds} to i{self.lanes}")  # one bit per lane
+        return self.let(f"icmp ne i{self.lanes} {bits}, 0")
+
+    def label(self, name: str) -> None:
+        self.lines.append(f"{name}:")
+
     def store(self, typed_value: str, array: str, index: int) -> None:
         self.do(f"store {typed_value}, ptr {self.element(array, index)}, align 8")
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, VectorCode
+from graphdyn.compiler.stepping.closing import closed_state, closing_functions, doubt
 from graphdyn.compiler.stepping.layout import HOLDING_SHARE, Columns, StepCode
 from graphdyn.layout import Array
 
@@ -48,9 +49,12 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
         return (memory if name == "free" else constants).columns(name, what.accelerations.inputs[name])
 
     values = code.values(what.accelerations, columns)
-    # required: the torque that bodies and rotor take, which differs from the applied one where a joint is locked
-    a, required = ([values[k] for k in what.accelerations.outputs[name]] for name in ("a", "required"))
+    a = [values[k] for k in what.accelerations.outputs["a"]]
+    if what.closing is not None:
+        doubt(code, memory, [values[k] for k in what.accelerations.outputs["certain"]])
     if what.sticking:
+        # the torque that bodies and rotor take, which differs from the applied one where a joint is locked
+        required = [values[k] for k in what.accelerations.outputs["required"]]
         for j in range(n):
             # where free is 0, dry friction supplies what is missing: required - applied
             locked = code.arithmetic("fsub", code.splat(1.0), memory.load("free", j))
@@ -98,13 +102,17 @@ def _stop_force(code: VectorCode, constants: Columns, j: int, q: str, v: str) ->
 
 
 def emit_steps(code: StepCode, lanes: int) -> str:
-    """The function steps(count, start, every, hold, h, state, constants, control, noise, ground, record, memory).
+    """The function steps(count, start, done, every, hold, h, state, constants, control, noise, ground, record, memory).
 
-    Steps start … start + count - 1 of width h. The torque changes at multiples of hold; control and noise begin with
-    the tick in force at start, ground with that step (a row per stage). Multiples of every are recorded, before the
-    step.
+    Steps start + done … start + count - 1 of width h. The torque changes at multiples of hold; control and noise begin
+    with the tick in force at start, ground with that step (a row per stage). Multiples of every are recorded, before
+    the step. It returns how many steps from start on are done then: with loops, fewer than count where some lanes are
+    lost in the last of them (graphdyn.compiler.stepping.closing).
     """
-    return "\n".join([*VectorCode(lanes).declarations, *rates_function(code, lanes), *_steps_function(code, lanes)])
+    functions = rates_function(code, lanes)
+    if code.closing is not None:
+        functions += closing_functions(code, code.closing, lanes)
+    return "\n".join([*VectorCode(lanes).declarations, *functions, *_steps_function(code, lanes)])
 
 
 def _steps_function(what: StepCode, lanes: int) -> list[str]:
@@ -117,20 +125,23 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code.do("%record.up = sub i64 %record.before, 1")
     code.do("%record.first = udiv i64 %record.up, %every")
     code.do("%end = add i64 %start, %count")
+    code.do("%from = add i64 %start, %done")
     code.do("br label %loop")
-    _label(code, "loop")
-    code.do("%step = phi i64 [ %start, %entry ], [ %next, %after ]")
+    code.label("loop")
+    code.do("%step = phi i64 [ %from, %entry ], [ %next, %after ]")
     # ticks, records and stages are counted from start: where their blocks begin in memory
     code.do("%step.own = sub i64 %step, %start")
     code.do("%tick.rest = urem i64 %step, %hold")
     code.do("%is.tick = icmp eq i64 %tick.rest, 0")
     code.do("br i1 %is.tick, label %tick, label %decide")
-    _label(code, "tick")
+    code.label("tick")
     code.do("%tick.all = udiv i64 %step, %hold")
     code.do("%tick.own = sub i64 %tick.all, %tick.first")
     _tick(code, what, vectors["control"])
     code.do("br label %decide")
-    _label(code, "decide")
+    code.label("decide")
+    if what.closing is not None:
+        Columns(code, "%memory", what.memory).store("lost", 0, code.splat(0.0))
     if what.friction:
         _decide(code, what)
     _call_rates(code, what, 0, "%state")
@@ -138,28 +149,29 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code.do("%record.rest = urem i64 %step, %every")
     code.do("%is.recorded = icmp eq i64 %record.rest, 0")
     code.do("br i1 %is.recorded, label %write, label %stages")
-    _label(code, "write")
+    code.label("write")
     code.do("%record.all = udiv i64 %step, %every")
     code.do("%record.own = sub i64 %record.all, %record.first")
     _write(code, what, vectors["record"])
     code.do("br label %stages")
-    _label(code, "stages")
+    code.label("stages")
     _stages(code, what, width)
     code.do("br label %after")
-    _label(code, "after")
+    code.label("after")
     # the state after the last step is not recorded here
     code.do("%next = add i64 %step, 1")
     code.do("%more = icmp slt i64 %next, %end")
-    code.do("br i1 %more, label %loop, label %exit")
-    _label(code, "exit")
+    if what.closing is None:
+        code.do("br i1 %more, label %loop, label %exit")
+    else:
+        code.do("%go = and i1 %more, %all.closed")
+        code.do("br i1 %go, label %loop, label %exit")
+    code.label("exit")
+    code.do("%reached = sub i64 %next, %start")
     pointers = ("state", "constants", "control", "noise", "ground", "record", "memory")
-    arguments = ", ".join(["i64 %count", "i64 %start", "i64 %every", "i64 %hold", "double %h"])
-    header = f"define void @steps({arguments}, {', '.join(f'ptr noalias %{name}' for name in pointers)}) {{"
-    return [header, "entry:", *code.lines, "  fence seq_cst", "  ret void", "}"]
-
-
-def _label(code: VectorCode, name: str) -> None:
-    code.lines.append(f"{name}:")
+    arguments = ", ".join([*(f"i64 %{name}" for name in ("count", "start", "done", "every", "hold")), "double %h"])
+    header = f"define i64 @steps({arguments}, {', '.join(f'ptr noalias %{name}' for name in pointers)}) {{"
+    return [header, "entry:", *code.lines, "  fence seq_cst", "  ret i64 %reached", "}"]
 
 
 def _block(code: VectorCode, pointer: str, number: str, vectors: int) -> str:
@@ -224,11 +236,10 @@ def _decide(code: VectorCode, what: StepCode) -> None:
     anywhere = resting[0]
     for joint in resting[1:]:
         anywhere = code.let(f"or <{code.lanes} x i1> {anywhere}, {joint}")
-    # one bit per lane: where no robot has a joint at rest, the trial below is skipped
-    bits = code.let(f"bitcast <{code.lanes} x i1> {anywhere} to i{code.lanes}")
-    some = code.let(f"icmp ne i{code.lanes} {bits}, 0")
+    # where no robot has a joint at rest, the trial below is skipped
+    some = code.any(anywhere)
     code.do(f"br i1 {some}, label %resting, label %decided")
-    _label(code, "resting")
+    code.label("resting")
     _call_rates(code, what, 0, "%state")
     for j in range(n):
         # a trial with the resting joints locked: held is the torque that keeps them so; beyond F_c they begin to slide
@@ -243,7 +254,7 @@ def _decide(code: VectorCode, what: StepCode) -> None:
             either = f"select <{code.lanes} x i1> {begins}, {code.vector} {value}, {code.vector}"
             memory.store(name, j, code.let(f"{either} {memory.load(name, j)}"))
     code.do("br label %decided")
-    _label(code, "decided")
+    code.label("decided")
 
 
 def _call_rates(code: VectorCode, what: StepCode, stage: int, at: str) -> None:
@@ -302,5 +313,7 @@ def _stages(code: VectorCode, what: StepCode, h: str) -> None:
             along = code.arithmetic("fmul", after[n + j], memory.load("sign", j))
             turned = code.select("olt", along, zero, zero, after[n + j])
             after[n + j] = code.select("ogt", constants.load("coulomb", j), zero, turned, after[n + j])
+    if what.closing is not None:
+        after = closed_state(code, what, what.closing, after)
     for column, value in enumerate(after):
         state.store("q", column, value)

@@ -17,6 +17,20 @@ STOP_CONSTANTS = ("lower", "upper", "stiffness", "damping")
 
 
 @dataclass(frozen=True, eq=False)
+class ClosingCode:
+    """What closes the loops of a robot after a step. Each program has what must be above zero in its output certain.
+
+    position: q (n) after a Newton step from q, and closed: above zero where q was closed but for rounding
+    velocity: v (n), the nearest to a v that keeps the loops closed at q
+    passes: most Newton steps
+    """
+
+    position: Program
+    velocity: Program
+    passes: int
+
+
+@dataclass(frozen=True, eq=False)
 class StepCode:
     """What the code is made of.
 
@@ -25,6 +39,7 @@ class StepCode:
     a, b: coefficients of the method                        (s, s), (s,)
     friction, stops, clamped: whether there is friction, are springs at the limits, and limits of torque
     noisy: whether noise is added to the q and v that the law sees
+    closing: of a robot with loops, whose accelerations have certain too
     """
 
     n: int
@@ -36,6 +51,7 @@ class StepCode:
     stops: bool
     clamped: bool
     noisy: bool
+    closing: ClosingCode | None = None
 
     @property
     def stages(self) -> int:
@@ -73,9 +89,13 @@ class StepCode:
 
     @cached_property
     def memory(self) -> dict[str, int]:
-        """What is kept between steps, and scratch: sign of the sliding, the stage, and the rates of each stage."""
+        """What is kept between steps, and scratch: sign of the sliding, the stage, and the rates of each stage.
+
+        With loops, 1 or 0: lost, where the last step was not taken, and open, where Newton steps go on.
+        """
         joints = dict.fromkeys(("tau", "passive", "held", "sign", "free"), self.n)
-        return {**joints, "stage": 2 * self.n, "rates": self.stages * (2 * self.n + 2)}
+        loops = {} if self.closing is None else {"lost": 1, "open": 1}
+        return {**joints, **loops, "stage": 2 * self.n + 2, "rates": self.stages * (2 * self.n + 2)}
 
 
 def places(widths: dict[str, int]) -> dict[str, int]:

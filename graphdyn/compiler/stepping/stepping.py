@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.native import MachineCode, host_lanes
 from graphdyn.compiler.stepping.code import emit_steps
-from graphdyn.compiler.stepping.layout import StepCode
+from graphdyn.compiler.stepping.layout import StepCode, places
 from graphdyn.layout import Array
 
 
@@ -39,6 +39,10 @@ class StepRange:
         return -(-(self.start + self.count) // self.every) - -(-self.start // self.every)
 
 
+Otherwise = Callable[[int, int, int], None]
+"""Takes a step of this number of a lane of a block that compiled code has left undone."""
+
+
 class CompiledSteps:
     """Machine code of a StepCode. Calls release the interpreter lock; any number of threads may run it at once."""
 
@@ -46,8 +50,11 @@ class CompiledSteps:
         self.what = what
         self.lanes = host_lanes() if lanes is None else lanes
         self._code = MachineCode(emit_steps(what, self.lanes))
-        numbers, pointers = [ctypes.c_int64] * 4, [ctypes.c_void_p] * 7
-        self._steps = self._code.function("steps", ctypes.CFUNCTYPE(None, *numbers, ctypes.c_double, *pointers))
+        numbers, pointers = [ctypes.c_int64] * 5, [ctypes.c_void_p] * 7
+        self._steps = self._code.function(
+            "steps", ctypes.CFUNCTYPE(ctypes.c_int64, *numbers, ctypes.c_double, *pointers)
+        )
+        self._lost = places(what.memory).get("lost")
 
     def memory(self, blocks: int) -> Array:
         """Scratch of each block, and what it keeps between calls: the torque in force, zero at first."""
@@ -65,6 +72,7 @@ class CompiledSteps:
         ground: Array | None,
         record: Array,
         memory: Array,
+        otherwise: Otherwise,
     ) -> None:
         """Advance blocks, one after the other.
 
@@ -72,14 +80,23 @@ class CompiledSteps:
         constants (blocks, columns, lanes); control, noise (blocks, ticks, columns, lanes)
         ground (steps, stages, columns): for all blocks
         record (blocks, records, columns, lanes): is filled; memory: of these blocks
+        otherwise: takes a step of the lanes that are lost in it
         """
-        numbers = stretch.count, stretch.start, stretch.every, stretch.hold, stretch.h
-        places = [
+        addresses = [
             (None, 0) if array is None else (array.ctypes.data, 0 if array is ground else array.strides[0])
             for array in (state, constants, control, noise, ground, record, memory)
         ]
         for block in range(len(state)):
-            self._steps(*numbers, *(None if first is None else first + block * size for first, size in places))
+            pointers = [None if first is None else first + block * size for first, size in addresses]
+            done = 0
+            while done < stretch.count:
+                done = self._steps(
+                    stretch.count, stretch.start, done, stretch.every, stretch.hold, stretch.h, *pointers
+                )
+                if self._lost is None:
+                    break
+                for lane in np.flatnonzero(memory[block, self._lost]).tolist():
+                    otherwise(block, lane, stretch.start + done - 1)
 
 
 def in_blocks(columns: Mapping[str, Array], widths: Mapping[str, int], runs: int, lanes: int) -> Array:

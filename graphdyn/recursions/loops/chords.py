@@ -163,7 +163,7 @@ def _turned(chord: Chord, ends: _Ends, axis: int) -> Any:
     if chord.kind == "hinge":
         return cross(on_j[:, 2], on_i[:, 2]) @ on_i[:, axis]
     a, b = (axis + 1) % 3, (axis + 2) % 3
-    return 0.5 * (on_j[:, a] @ on_i[:, b] - on_j[:, b] @ on_i[:, a])
+    return 0.5 * (on_j[:, b] @ on_i[:, a] - on_j[:, a] @ on_i[:, b])
 
 
 def _outwards(links: Links, at: Sequence[JointPlacement], joints: Sequence[int], v: PerJoint) -> list[_AncestorView]:

@@ -12,14 +12,16 @@ import numpy as np
 from graphdyn.compiler.batch import ground_columns
 from graphdyn.compiler.native import compiling, host_lanes
 from graphdyn.compiler.running import MAX_COMPILED_LENGTH, chosen_backend, in_threads
-from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_law
-from graphdyn.compiler.stepping.layout import StepCode
+from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_closing, record_law
+from graphdyn.compiler.stepping.layout import ClosingCode, StepCode, places
 from graphdyn.compiler.stepping.stepping import CompiledSteps, StepRange, in_blocks, out_of_blocks
 from graphdyn.experiments.experiment import base_motion
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import Program
-from graphdyn.simulation.integration.steps import Tableau, tableau
+from graphdyn.simulation.equations import LAST_STEP_GAP, MAX_PROJECTION_STEPS, LoopEquations
+from graphdyn.simulation.integration.events import COURSE_COLUMNS
+from graphdyn.simulation.integration.steps import Tableau, Take, near_pose, tableau
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.simulation.torques import ComputedTorqueControl, Controller
 
@@ -42,8 +44,19 @@ def _accelerations(model: RobotModel, inputs: Inputs) -> Program:
     with compiling:
         known = _programs.setdefault(model, {})
         if inputs not in known:
-            known[inputs] = record_accelerations(model, inputs)
+            known[inputs] = record_accelerations(model, inputs, _near_pose(model) if model.chords else 0.0)
         return known[inputs]
+
+
+def _closing(model: RobotModel) -> ClosingCode | None:
+    """What closes the loops after every step as LoopEquations.closed does."""
+    if not model.chords:
+        return None
+    return ClosingCode(*record_closing(model, _near_pose(model), LAST_STEP_GAP), MAX_PROJECTION_STEPS)
+
+
+def _near_pose(model: RobotModel) -> float:
+    return near_pose(LoopEquations(PlantConstants(model, {})))
 
 
 def compiled_steps(
@@ -70,6 +83,7 @@ def compiled_steps(
                     stops=plant.has_stops,
                     clamped=plant.is_clamped,
                     noisy=noisy,
+                    closing=_closing(plant.model),
                 ),
                 lanes,
             )
@@ -124,14 +138,16 @@ def run_blocks(
     noise: Callable[[int, int], Array | None],
     ground: Array | None,
     memory: Array,
+    otherwise: Otherwise,
     runs: int,
     threads: int | None,
 ) -> dict[str, Array]:
     """Advance all blocks of a state in place; the recorded columns by name (runs, records, width).
 
     control, noise: of the runs first … last - 1, in blocks
+    otherwise: takes the steps that compiled code does not
     """
-    lanes, widths = steps.lanes, steps.what.record
+    lanes, widths, held = steps.lanes, steps.what.record, places(steps.what.memory)["tau"]
     blocks, columns = len(state), sum(widths.values())
     records = {name: np.empty((runs, stretch.records, width)) for name, width in widths.items()}
     one = 8 * lanes * (stretch.records * columns + stretch.ticks * sum(steps.what.control.values()))
@@ -143,12 +159,43 @@ def run_blocks(
         torques, noises = control(*of_runs), noise(*of_runs)
         record = np.empty((last - first, stretch.records, columns, lanes))
         own = slice(first, last)
-        steps.run(stretch, state[own], constants[own], torques, noises, ground, record, memory[own])
+
+        def lost(block: int, lane: int, step: int) -> None:
+            run, y = (first + block) * lanes + lane, state[first + block]
+            if run >= runs:  # the last run fills the last block
+                y[:, lane] = y[:, (runs - 1) % lanes]
+                return
+            tau = memory[first + block, held : held + steps.what.n, lane]
+            y[:, lane], row = otherwise(run, step * stretch.h, y[:, lane].copy(), stretch.h, tau.copy())
+            if step % stretch.every == 0:
+                record[block, step // stretch.every - -(-stretch.start // stretch.every), :, lane] = row
+
+        steps.run(stretch, state[own], constants[own], torques, noises, ground, record, memory[own], lost)
         for name, rows in out_of_blocks(record, widths, of_runs[1] - of_runs[0]).items():
             records[name][of_runs[0] : of_runs[1]] = rows
 
     in_threads(work, list(pairwise(ends)), threads)
     return records
+
+
+Otherwise = Callable[[int, float, Array, float, Array], tuple[Array, Array]]
+"""A function of the number of a run, t, y, h and the torque: y a time h later, and the row of COURSE_COLUMNS before."""
+
+
+class LostSteps:
+    """The steps that compiled code does not take, near singular poses and where loops do not close."""
+
+    def __init__(self, steps: Callable[[int], Take]) -> None:
+        """steps: those of a run."""
+        self._steps, self._runs = steps, dict[int, Take]()
+
+    def taken(self, run: int, t: float, y: Array, h: float, tau: Array) -> tuple[Array, Array]:
+        """Take a step of a run, as an Otherwise."""
+        if run not in self._runs:
+            self._runs[run] = self._steps(run)
+        with np.errstate(over="ignore", invalid="ignore"):
+            after, row = self._runs[run](t, y, h, lambda t, q, v: tau)
+        return after, np.concatenate([row[name] for name in COURSE_COLUMNS])
 
 
 def state_blocks(steps: CompiledSteps, q: Array, v: Array) -> Array:

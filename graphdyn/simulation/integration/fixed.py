@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from graphdyn.compiler.stepping.stepping import StepRange
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
-from graphdyn.simulation.equations import Equations, LoopEquations
+from graphdyn.simulation.equations import equations_of
 from graphdyn.simulation.integration.compiled import (
+    LostSteps,
     can_compile,
     compiled_steps,
     constants_of,
@@ -23,7 +24,7 @@ from graphdyn.simulation.integration.compiled import (
 )
 from graphdyn.simulation.integration.events import COURSE_COLUMNS, InitialValueProblem, Rows, SimulatedCourse
 from graphdyn.simulation.integration.scan import Scan
-from graphdyn.simulation.integration.steps import LoopSteps, joints_of, python_steps, tableau
+from graphdyn.simulation.integration.steps import python_steps, steps_of, tableau
 from graphdyn.simulation.torques import (
     CONSTANT_TORQUE_STEPS,
     QUOTIENT_TOLERANCE,
@@ -35,7 +36,7 @@ CHUNK_STEPS = 4096
 """Steps after which progress is reported and events are looked for."""
 
 LOOP_CHUNK_STEPS = 64
-"""The same for robots with loops, whose steps take milliseconds."""
+"""The same for robots with loops, whose steps may take milliseconds."""
 
 
 def fixed(problem: InitialValueProblem, method: str, step: float) -> SimulatedCourse:
@@ -46,10 +47,7 @@ def fixed(problem: InitialValueProblem, method: str, step: float) -> SimulatedCo
     scan = Scan(problem, method)
     every = 1 if problem.is_searched else max(gcd(*wanted.tolist()), 1)
     hold = problem.source.steps_held(step, steps)
-    if plant.model.chords:
-        run = loop_chunks
-    else:
-        run = compiled_chunks if problem.source.function is None and can_compile(plant) else python_chunks
+    run = compiled_chunks if problem.source.function is None and can_compile(plant) else python_chunks
     parts, done = [], 0
     size = LOOP_CHUNK_STEPS if plant.model.chords else CHUNK_STEPS
     for stretch, rows in run(problem, method, stretches(steps, every, hold, step, size)):
@@ -83,7 +81,8 @@ def python_chunks(
     problem: InitialValueProblem, method: str, chunks: Iterator[StepRange]
 ) -> Iterator[tuple[StepRange, Rows]]:
     """Every chunk with its records."""
-    equations, source, y = Equations(problem.plant), problem.source, problem.state
+    equations, source, y = equations_of(problem.plant), problem.source, problem.state
+    take = steps_of(equations, tableau(method), closed_stages=source.function is not None)
     for stretch in chunks:
         period = stretch.hold * stretch.h
 
@@ -92,33 +91,9 @@ def python_chunks(
 
         with np.errstate(over="ignore", invalid="ignore"):
             y, rows = python_steps(
-                equations, tableau(method), stretch, y, source.tau_at, None if source.function else held
+                take, equations.clamped, stretch, y, source.tau_at, None if source.function else held
             )
         yield stretch, rows
-
-
-def loop_chunks(
-    problem: InitialValueProblem, method: str, chunks: Iterator[StepRange]
-) -> Iterator[tuple[StepRange, Rows]]:
-    """The same of a robot with loops, after few steps each."""
-    equations, source, y = LoopEquations(problem.plant), problem.source, problem.state
-    steps = LoopSteps(equations, tableau(method), closed_stages=source.function is not None)
-    tau = np.zeros(len(problem.start[0]))
-
-    def torque(t: float, q: Array, v: Array) -> Array:
-        return tau if source.function is None else equations.clamped(source.tau_at(t, q, v))
-
-    for stretch in chunks:
-        rows: list[dict[str, Array]] = []
-        for step in range(stretch.start, stretch.start + stretch.count):
-            t = step * stretch.h
-            if source.function is None and (step % stretch.hold == 0 or step == stretch.start):
-                tick = step // stretch.hold
-                tau = equations.clamped(source.tau_from(tick * stretch.hold * stretch.h, *joints_of(y)))
-            if step % stretch.every == 0:
-                rows.append(steps.row(t, y, torque))
-            y = steps.advanced(t, y, stretch.h, torque).y
-        yield stretch, {name: np.array([row[name] for row in rows]) for name in COURSE_COLUMNS}
 
 
 def compiled_chunks(
@@ -129,7 +104,7 @@ def compiled_chunks(
     steps = compiled_steps(plant, method, source.controller, lanes=fitting_lanes(1))
     state = state_blocks(steps, q[None], v[None])
     constants = constants_of(steps, plant, source.gains, 1)
-    memory = steps.memory(1)
+    memory, lost = steps.memory(1), LostSteps(lambda run: steps_of(equations_of(plant), tableau(method)))
     for stretch in chunks:
         columns = source.columns(stretch.first_tick, stretch.ticks, stretch.hold * stretch.h)
         control = np.repeat(columns[None, :, :, None], steps.lanes, axis=-1)
@@ -146,6 +121,7 @@ def compiled_chunks(
             lambda first, last: None,
             ground_of(plant, method, stretch, source.duration),
             memory,
+            lost.taken,
             1,
             1,
         )

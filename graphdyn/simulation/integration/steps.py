@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
@@ -74,9 +74,13 @@ def recorded(y: Array, tau: Array, rates: Rates) -> dict[str, Array]:
     return dict(zip(COURSE_COLUMNS, (*joints_of(y), work, loss, tau, rates.a, rates.passive), strict=True))
 
 
+Take = Callable[[float, Array, float, Torque], tuple[Array, dict[str, Array]]]
+"""A function of t, y, h and the torque at every stage: the state a time h later, and the row of that before."""
+
+
 def python_steps(
-    equations: Equations,
-    tableau: Tableau,
+    take: Take,
+    clamped: Callable[[Array], Array],
     stretch: StepRange,
     y: Array,
     torque: Torque,
@@ -84,18 +88,19 @@ def python_steps(
 ) -> tuple[Array, dict[str, Array]]:
     """The state after a stretch of steps, from q, v, work, loss (2n + 2,) before it, and the recorded columns by name.
 
+    clamped: a torque within its limits
     torque: of t, q and v, asked at every stage
     held: instead, of the number of the tick, q and v: asked at every tick and held in between
     """
     rows, tau = list[dict[str, Array]](), np.zeros(len(y) // 2 - 1)
 
     def applied(t: float, q: Array, v: Array) -> Array:
-        return tau if held else equations.clamped(torque(t, q, v))
+        return tau if held else clamped(torque(t, q, v))
 
     for step in range(stretch.start, stretch.start + stretch.count):
         if held and (step % stretch.hold == 0 or step == stretch.start):
-            tau = equations.clamped(held(step // stretch.hold, *joints_of(y)))
-        y, row = tree_step(equations, tableau, step * stretch.h, y, stretch.h, applied)
+            tau = clamped(held(step // stretch.hold, *joints_of(y)))
+        y, row = take(step * stretch.h, y, stretch.h, applied)
         if step % stretch.every == 0:
             rows.append(row)
     columns = {name: np.array([row[name] for row in rows]).reshape(stretch.records, -1) for name in COURSE_COLUMNS}
@@ -160,6 +165,11 @@ class Stepped:
     errors: Array
 
 
+def near_pose(equations: LoopEquations) -> float:
+    """The distance from a singular pose below which a step is taken with care."""
+    return NEAR_POSE_SHARE * equations.usual_distance
+
+
 class LoopSteps:
     """Steps of one method.
 
@@ -184,7 +194,7 @@ class LoopSteps:
     @property
     def wary(self) -> float:
         """The distance from a singular pose below which a step is taken with care."""
-        return NEAR_POSE_SHARE * self.equations.usual_distance
+        return near_pose(self.equations)
 
     def _best_divided(self, t: float, y: Array, h: float, torque: Torque) -> Stepped:
         best: Stepped | None = None
@@ -196,6 +206,23 @@ class LoopSteps:
                 break
         assert best is not None
         return best
+
+    def taken(self, t: float, y: Array, h: float, torque: Torque) -> tuple[Array, dict[str, Array]]:
+        """The closed state a time h later, and the row of that before. Raises as advanced does."""
+        row = self.row(t, y, torque)
+        return self.advanced(t, y, h, torque).y, row
+
+    def taken_or_nan(self, t: float, y: Array, h: float, torque: Torque) -> tuple[Array, dict[str, Array]]:
+        """The same, with NaN for what does not stay finite, and for the state after a step that does not close."""
+        nothing = np.full(len(y), np.nan)
+        if np.isnan(y).any():
+            _, v = joints_of(nothing)
+            return nothing, recorded(nothing, v, Rates(v, v, v))
+        row = self.row(t, y, torque)
+        try:
+            return self.advanced(t, y, h, torque).y, row
+        except IntegrationFailed:
+            return nothing, row
 
     def row(self, t: float, y: Array, torque: Torque) -> dict[str, Array]:
         """What is recorded of a state."""
@@ -228,3 +255,10 @@ class LoopSteps:
 
     def _contact(self, v: Array) -> Contact:
         return Contact(np.sign(v), np.ones(len(v), dtype=bool))
+
+
+def steps_of(equations: Equations, tableau: Tableau, closed_stages: bool = False) -> Take:
+    """The steps of a tree, or of a robot with loops (LoopSteps)."""
+    if isinstance(equations, LoopEquations):
+        return LoopSteps(equations, tableau, closed_stages).taken
+    return partial(tree_step, equations, tableau)

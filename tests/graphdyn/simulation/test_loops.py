@@ -246,8 +246,6 @@ def test_refused_states_and_answers():
         simulate(CRANK, [0.0, 0.5, 0.0], np.zeros(3), 1.0)
     with pytest.raises(InvalidInput, match=r"'n-four-bar' starts in a singular pose of its loops, .*; start beside it"):
         simulate(n_four_bar(2), np.zeros(5), np.zeros(5), 1.0)
-    with pytest.raises(InvalidInput, match=r"rollout does not know the loops .*; graphdyn\.simulate does"):
-        graphdyn.rollout(CRANK, START[0], START[1], step=0.1, duration=1.0)
     motion = simulate(CRANK, *START, 0.1, method="rk4", step=0.05)
     with pytest.raises(InvalidInput, match="a recording does not know the loops of robot 'four-bar'; take time, q"):
         motion.recording()
