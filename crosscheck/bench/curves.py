@@ -20,7 +20,7 @@ from crosscheck.bench.machine.timing import TimedRun, Times, in_turns
 from crosscheck.bench.states import States, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, PINOCCHIO_FORMS
 from graphdyn import Body, Joint, Placement, RobotModel
-from graphdyn.compiler import MAX_UNROLLED_BODIES, chosen_backend, cores, is_long
+from graphdyn.compiler import chosen_backend, cores, is_long, most_unrolled
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
@@ -147,7 +147,8 @@ def chain_lengths(
 def long_notes(lengths: Sequence[int]) -> tuple[str, ...]:
     """Number of bodies from where chains have other code."""
     long = chosen_backend() == "llvm" and is_long(chain(max(lengths)), REQUESTS["solve_kkt"])
-    return (f"beyond {MAX_UNROLLED_BODIES} bodies, code for one body after the other",) if long else ()
+    most = most_unrolled(REQUESTS["solve_kkt"])
+    return (f"beyond {most} bodies, code for one body after the other",) if long else ()
 
 
 def thread_counts(states: States, threads: Sequence[int], duration: float, repeats: int) -> ScalingCurve:

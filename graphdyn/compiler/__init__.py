@@ -10,13 +10,12 @@ from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.compiler.native import MachineCode, host_lanes
 from graphdyn.compiler.programs import Request, trace
-from graphdyn.compiler.rolled.rolling import MAX_UNROLLED_BODIES, is_long
+from graphdyn.compiler.rolled.rolling import is_long, most_unrolled
 from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted
 
 __all__ = [
     "BACKEND_VARIABLE",
     "CACHE_VARIABLE",
-    "MAX_UNROLLED_BODIES",
     "CodeCache",
     "MachineCode",
     "Request",
@@ -31,6 +30,7 @@ __all__ = [
     "in_threads",
     "interpreted",
     "is_long",
+    "most_unrolled",
     "torque_gram",
     "trace",
 ]

@@ -18,7 +18,8 @@ from graphdyn.compiler.interpreter import Run, merged
 from graphdyn.compiler.llvm.emitter import emit, scratch
 from graphdyn.compiler.llvm.memory import aligned, places
 from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, GUARD_STARTS
-from graphdyn.compiler.rolled.rolled_code import LongProgram, emit_long, long_scratch
+from graphdyn.compiler.rolled.program import LongProgram
+from graphdyn.compiler.rolled.rolled_code import emit_long, long_scratch
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Guard, Program
 

@@ -23,7 +23,7 @@ from graphdyn.compiler.interpreter import Interpreter, together
 from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
 from graphdyn.compiler.programs import Request, trace
-from graphdyn.compiler.rolled.rolled_code import LongProgram
+from graphdyn.compiler.rolled.program import LongProgram
 from graphdyn.compiler.rolled.rolling import is_long, record_long
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array

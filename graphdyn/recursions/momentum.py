@@ -53,14 +53,24 @@ def energy_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint) -> dict
     potential: list[Any] = []
     fields: list[tuple[Any, Scalars]] = []  # -g·O_j and -g in joint axes
     for link, place, twist in zip(links, at, twists(links, at, root, v), strict=True):
-        u, w = (link.link_axes @ x for x in twist)
-        squares = [w[0] * w[0] * 0.5, w[0] * w[1], w[1] * w[1] * 0.5, w[0] * w[2], w[1] * w[2], w[2] * w[2] * 0.5]
-        kinetic += [u @ u * 0.5, *cross(u, w), *squares]
         ground = -(root.gravity @ root.position), -(root.rotation.T @ root.gravity)
         height, up = fields[link.inside] if link.inside >= 0 else ground
         fields.append((height + up @ place.translation, place.outwards(up)))
-        potential += [fields[-1][0], *(link.link_axes @ fields[-1][1]), *[0.0] * len(squares)]
+        height, up = fields[-1]
+        u, w, up = (link.link_axes @ x for x in (*twist, up))
+        parts = of_parameters(u, w, height, up)
+        kinetic += parts[0]
+        potential += parts[1]
     return {"kinetic": kinetic, "potential": potential}
+
+
+def of_parameters(u: Scalars, w: Scalars, height: Any, up: Scalars) -> tuple[list[Any], list[Any]]:
+    """Kinetic and potential energy of a body per inertial parameter (10 each).
+
+    u, w: velocity of its origin and ω; height, up: -g·O and -g; all in link axes
+    """
+    squares = [w[0] * w[0] * 0.5, w[0] * w[1], w[1] * w[1] * 0.5, w[0] * w[2], w[1] * w[2], w[2] * w[2] * 0.5]
+    return [u @ u * 0.5, *cross(u, w), *squares], [height, *up, *[0.0] * len(squares)]
 
 
 @recursion(center_of_mass=ArraySpec((3,), "m"))

@@ -19,7 +19,7 @@ from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, skew, zeros
 def body_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint, a: PerJoint) -> list[Scalars]:
     """Y (6, 10) of every body: Y π is the wrench that its motion takes, about O_j, in link axes."""
     moving = motions(links, places(links, q), root, v, a)
-    return [_of_moving_body(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
+    return [of_moving_body(_in_link_axes(link, motion)) for link, motion in zip(links, moving, strict=True)]
 
 
 @recursion_of_torques(joint_torque_regressor=ArraySpec(("n", "10 bodies"), "N m or N per parameter"))
@@ -34,7 +34,7 @@ def joint_torque_regressor(links: Links, root: Root, q: PerJoint, v: PerJoint, a
         screws.append({j: _outwards(place, *screw) for j, screw in carried.items()})
         screws[i][i] = (E_Z, zeros(3)) if link.prismatic else (zeros(3), E_Z)
         columns = slice(BODY_PARAMETERS * i, BODY_PARAMETERS * (i + 1))
-        body = _of_moving_body(_in_link_axes(link, moving[i]))
+        body = of_moving_body(_in_link_axes(link, moving[i]))
         for j, (linear, angular) in screws[i].items():
             screw = np.concatenate([link.link_axes @ linear, link.link_axes @ angular])
             matrix[j, columns] = screw @ body
@@ -57,7 +57,7 @@ def _in_link_axes(link: Link, motion: BodyMotion) -> BodyMotion:
     return BodyMotion(q @ motion.omega, q @ motion.alpha, q @ motion.compensated)
 
 
-def _of_moving_body(motion: BodyMotion) -> Scalars:
+def of_moving_body(motion: BodyMotion) -> Scalars:
     y = zeros(6, BODY_PARAMETERS)
     y[LINEAR, 0] = motion.compensated
     y[LINEAR, 1:4] = motion.spread()

@@ -9,7 +9,7 @@ from long_check import LONG
 
 from graphdyn.compiler import native, running
 from graphdyn.compiler.gram import gram
-from graphdyn.compiler.rolled import rolling as body_by_body
+from graphdyn.compiler.rolled import rolling
 
 COMPILED = ("host", *(pytest.param(lanes, marks=LONG) for lanes in ("2 lanes", "4 lanes")))
 BACK_ENDS = ("numpy", *COMPILED)
@@ -41,5 +41,5 @@ def on(back_end):
             for module in (native, gram):
                 stack.enter_context(mock.patch.object(module, "host_lanes", return_value=int(back_end[0])))
         if back_end == LONG_ROBOTS:
-            stack.enter_context(mock.patch.object(body_by_body, "MAX_UNROLLED_BODIES", 0))
+            stack.enter_context(mock.patch.object(rolling, "most_unrolled", return_value=0))
         yield

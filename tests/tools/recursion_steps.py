@@ -1,9 +1,8 @@
 """What each step of the recursions brings: python tests/tools recursion_steps [ROBOT ...] (ur5 and kr500 by default)
 
 Prints the operations of torques and accelerations with one step after the other; the time of 100,000 samples without a
-step over that with it, medians and quartiles of pairs that took turns, each of the fastest of several builds; and a
-chain of 60 bodies, as code for one body after the other and as straight-line code. A minute; on a busy machine the
-quartiles are far apart.
+step over that with it, medians and quartiles of pairs that took turns, each of the fastest of several builds.
+A minute; on a busy machine the quartiles are far apart.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from unittest import mock
 
 import numpy as np
 from back_ends import no_programs
-from random_trees import random_tree
 
 import graphdyn
 import urdf
@@ -26,18 +24,16 @@ from graphdyn.compiler.gram.gram import torque_gram
 from graphdyn.compiler.llvm import emitter, vector_code
 from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.programs import Request, trace
-from graphdyn.compiler.rolled import rolled_code as body_by_body_code
-from graphdyn.compiler.rolled import rolling as body_by_body
+from graphdyn.compiler.rolled import rolled_code
 from graphdyn.recursions import forward
 from graphdyn.recursions.mechanism.reductions import regrouped, slid, turned
 
-SAMPLES, PAIRS, BUILDS, CHAIN = 100_000, 31, 4, 60
+SAMPLES, PAIRS, BUILDS = 100_000, 31, 4
 
 REQUESTS = {
     "torques": Request("inverse_dynamics", ("tau",)),
     "accelerations": Request("forward_dynamics", ("a",)),
     "all 108 numbers": Request("forward_dynamics", ("a", "body_accelerations", "multipliers", "joint_wrenches")),
-    "multipliers": Request("forward_dynamics", ("body_accelerations", "multipliers")),
 }
 REDUCTIONS = {"recursions": (), "slid, turned": (slid, turned), "regrouped": (slid, turned, regrouped)}
 
@@ -48,7 +44,7 @@ STEPS: dict[str, Replaced] = {
     "short_chains": ((forward, "is_short", lambda links: False),),
     "watching": ((programs, "sufficient", lambda recorder, inputs, outputs: inputs),),
     "sincos_pipelining": ((emitter, "sincos_pipelining", lambda program, lanes: ({}, None)),),
-    "ALIGNED_STACK": ((vector_code, "ALIGNED_STACK", ""), (body_by_body_code, "ALIGNED_STACK", "")),
+    "ALIGNED_STACK": ((vector_code, "ALIGNED_STACK", ""), (rolled_code, "ALIGNED_STACK", "")),
 }
 """What replaces a step."""
 
@@ -129,26 +125,6 @@ def sums(model: graphdyn.RobotModel) -> Callable[[], object]:
     return lambda: gram(*arrays, extra, threads=1)
 
 
-def long_robots() -> None:
-    chain = random_tree(1, list(range(CHAIN)), ["revolute"] * CHAIN)
-    for unrolled in (body_by_body.MAX_UNROLLED_BODIES, CHAIN):
-        with without(((body_by_body, "MAX_UNROLLED_BODIES", unrolled), (running, "MAX_COMPILED_LENGTH", 10**9))):
-            for what in ("torques", "accelerations", "multipliers"):
-                if unrolled == CHAIN and what == "multipliers":
-                    continue
-                start = time.perf_counter()
-                with no_programs():
-                    running.prepared(chain, REQUESTS[what])
-                made = time.perf_counter() - start
-                form = "straight-line" if unrolled == CHAIN else "body by body"
-                text = f"  {form}, {what}: made in {made:.2f} s; ns a sample and body:"
-                for samples in (1000, 10_000, 100_000):
-                    run = runner(chain, REQUESTS[what], samples)
-                    best = min(seconds(run) for _ in range(max(7, SAMPLES // samples))) / samples / CHAIN
-                    text += f" {best * 1e9:.1f}"
-                print(text, flush=True)
-
-
 def main() -> int:
     os.environ[CACHE_VARIABLE] = "off"
     for name in sys.argv[1:] or ("ur5", "kr500"):
@@ -157,6 +133,4 @@ def main() -> int:
         operations(model)
         print(f"{name}: time without a step over time with it")
         times(model)
-    print(f"a chain of {CHAIN} bodies; 1000, 10,000 and 100,000 samples")
-    long_robots()
     return 0

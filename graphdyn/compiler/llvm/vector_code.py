@@ -13,6 +13,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
 from graphdyn.scalars.expressions import Guard, Program
@@ -145,7 +146,7 @@ class VectorCode:
     def values(
         self,
         program: Program,
-        columns: Callable[[str], Sequence[str]],
+        columns: Callable[[Any], Sequence[str] | Mapping[int, str]],
         computed: Callable[[int, Sequence[str]], None] = lambda number, values: None,
         known_turns: Mapping[int, tuple[str, str]] | None = None,
     ) -> list[str]:
@@ -157,7 +158,7 @@ class VectorCode:
         """
         values: list[str] = []
         turns = dict(known_turns or {})
-        rows: dict[str, Sequence[str]] = {}
+        rows: dict[Any, Sequence[str] | Mapping[int, str]] = {}
         for number, (kind, *arguments) in enumerate(program.operations):
             if kind == "constant":
                 values.append(self.splat(arguments[0]))
@@ -279,6 +280,25 @@ class VectorCode:
                 for lane in range(self.lanes):
                     value = self.let(f"extractelement {self.vector} {columns[column]}, i64 {lane}")
                     self.store(f"double {value}", block, lane * width + column)
+
+    def transposed(self, vectors: list[str]) -> list[str]:
+        """Columns from as many rows as lanes, or rows from columns."""
+        # blocks of 1, 2, 4, … elements change places in pairs of vectors so far apart
+        size = 1
+        while size < self.lanes:
+            for k in range(self.lanes):
+                if not k & size:
+                    x, y = vectors[k], vectors[k + size]
+                    for half, place in ((0, k), (size, k + size)):
+                        order = [
+                            first + half + element
+                            for pair in range(0, self.lanes, 2 * size)
+                            for first in (pair, self.lanes + pair)
+                            for element in range(size)
+                        ]
+                        vectors[place] = self._shuffle(x, y, self.lanes, order)
+            size *= 2
+        return vectors
 
     def fetch_ahead(self, block: str, width: int, turns: int = PREFETCHED_TURNS, to_write: bool = False) -> None:
         """Ask for the rows of some turns of the loop later, which may lie beyond the array."""

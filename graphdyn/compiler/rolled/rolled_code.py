@@ -1,110 +1,71 @@
-"""Programs of long robots as LLVM code: a function for each step of each kind of body, called body after body."""
+"""Rolled programs as LLVM code: a function for each step of each kind of body, called in loops over the bodies.
+
+While as many samples as lanes are computed, all that is read and written lies in memory in columns, one vector each:
+the rows of the inputs are turned into columns before the first step, and columns into rows of the outputs after the
+last one.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from graphdyn.compiler.llvm.emitter import with_table
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, GUARD_KINDS, VectorCode, loop_over_rows
+from graphdyn.compiler.rolled.program import (
+    CONSTANTS,
+    BodyProgram,
+    LongProgram,
+    Order,
+    Place,
+    RecordedColumns,
+    RecordedPass,
+)
 from graphdyn.layout import Array
-from graphdyn.scalars.expressions import Guard, Program
+from graphdyn.scalars.expressions import Guard
 
-OWN, INSIDE, CONSTANTS = "own", "inside", "constants"
-"""Arrays of a step beside those of the robot: memory of the body and of its inside body, its row of the table."""
-
-GROUND_ARRAY_NAME = "ground"
-"""The array of the robot that belongs to no body."""
-
-
-@dataclass(frozen=True)
-class Kind:
-    """What bodies have in common whose steps are one function. at_ground: whether the inside body is the ground"""
-
-    prismatic: bool
-    quarters: int
-    at_ground: bool
-
-
-@dataclass(frozen=True)
-class BodyProgram:
-    """A step of a kind. Its program reads OWN, INSIDE, CONSTANTS and a body's columns of the robot's arrays.
-
-    kept: columns of OWN that its output OWN overwrites; summed: columns of INSIDE to which its output INSIDE is added
-    """
-
-    program: Program
-    kept: tuple[int, ...]
-    summed: tuple[int, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class LongProgram:
-    """Pass after pass over the bodies.
-
-    kinds: of every body; inside: number of its inside body, -1 for the ground; table: its constants (bodies, …)
-    passes: whether outwards, and the step of each kind
-    inputs, outputs: widths of the robot's arrays; guards: kinds of guards; memory: vectors of each body
-    """
-
-    kinds: tuple[Kind, ...]
-    inside: tuple[int, ...]
-    table: Array
-    passes: tuple[tuple[bool, Mapping[Kind, BodyProgram]], ...]
-    inputs: dict[str, int]
-    outputs: dict[str, range]
-    guards: tuple[Guard, ...]
-    memory: int
-
-    @cached_property
-    def arithmetic(self) -> int:
-        """Operations of a sample."""
-        return sum(steps[kind].program.arithmetic for _, steps in self.passes for kind in self.kinds)
+SHARED = "ptr %constants, ptr %vectors, ptr %guards"
+"""Arguments that every function hands on."""
 
 
 def emit_long(program: LongProgram, lanes: int) -> str:
     """Code of batch and single, as graphdyn.compiler.llvm.emitter.emit gives; scratch: a copy of long_scratch."""
-    widths = {**program.inputs, **{name: len(columns) for name, columns in program.outputs.items()}}
-    functions, code = [], VectorCode(lanes)
-    for name, width in widths.items():
-        if width == len(program.kinds):  # a number for each body: lines that it would wait for
-            code.fetch_ahead(code.rows_of(name, width), width, turns=1, to_write=name in program.outputs)
-    for number, (outwards, steps) in enumerate(program.passes):
-        names = {kind: f"step_{number}_{place}" for place, kind in enumerate(steps)}
-        functions += [line for kind, name in names.items() for line in _step(steps[kind], name, program, widths, lanes)]
-        bodies = range(len(program.kinds))
-        # calls, one after the other: inside bodies first on the way out, last on the way in
-        for body in bodies if outwards else reversed(bodies):
-            kind = program.kinds[body]
-            places = ", ".join(f"ptr {place}" for place in _places(code, program, body, steps[kind].program, widths))
-            code.do(f"call void @{names[kind]}({places}, ptr %guards)")
-    pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *widths, "guards"))
+    code = VectorCode(lanes)
+    code.do("%constants = getelementptr double, ptr %scratch, i64 0")
+    code.do(f"%vectors = getelementptr double, ptr %scratch, i64 {program.table.shape[0] * _row(program)}")
+    functions: list[str] = []
+    for name, width in program.inputs.items():
+        functions += _fetch(name, width, lanes)
+        to = code.element("%vectors", program.arrays[name].first * lanes)
+        code.do(f"call void @fetch_{name}(ptr {code.rows_of(name, width)}, ptr {to}, ptr %guards)")
+    for number, each in enumerate(program.passes):
+        inner = each.passes if isinstance(each, RecordedColumns) else (each,)
+        names = [f"pass_{number}_{place}" for place in range(len(inner))]
+        for name, one in zip(names, inner, strict=True):
+            functions += _pass(name, one, program, lanes)
+        if isinstance(each, RecordedColumns):
+            functions += _columns(f"columns_{number}", each, names, program)
+            code.do(f"call void @columns_{number}({SHARED})")
+        else:
+            code.do(f"call void @{names[0]}({SHARED}, i64 0)")
+    for name, columns in program.outputs.items():
+        functions += _deliver(name, len(columns), lanes)
+        of = code.element("%vectors", program.arrays[name].first * lanes)
+        code.do(f"call void @deliver_{name}(ptr {code.rows_of(name, len(columns))}, ptr {of})")
+    names = [*program.inputs, *program.outputs]
+    pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *names, "guards"))
     header = f"define internal void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})"
+    tables = [_table("inside", program.inside), _table("slides", tuple(map(int, program.prismatic)))]
     rows = loop_over_rows(code, header, [])
-    return "\n".join([*code.declarations, *functions, *rows, *with_table(lanes, 2 + len(widths))])
-
-
-def _places(code: VectorCode, program: LongProgram, body: int, step: Program, widths: dict[str, int]) -> Iterator[str]:
-    """Addresses of the constants of a body, its memory, that of its inside body, and its columns of the arrays."""
-    row, memory = _row(program), program.memory * code.lanes
-    # scratch: the table with a row of constants for each body, then the memory of each body
-    first = row * len(program.kinds)
-    yield code.element("%scratch", body * row)
-    yield code.element("%scratch", first + body * memory)
-    yield code.element("%scratch", first + max(program.inside[body], 0) * memory)  # unused beside the ground
-    for name in _arrays(step, program):
-        column = 0 if name == GROUND_ARRAY_NAME else body * _share(name, program, widths)
-        yield code.element(code.rows_of(name, widths[name]), column)
+    return "\n".join([*code.declarations, *tables, *functions, *rows, *with_table(lanes, 2 + len(names))])
 
 
 def long_scratch(program: LongProgram, lanes: int) -> Array:
-    """The table, and memory of the bodies."""
+    """The table of constants with a row for each body, and the vectors."""
     table = np.pad(program.table, ((0, 0), (0, _row(program) - program.table.shape[1])))
-    return np.concatenate([table.ravel(), np.zeros(len(program.kinds) * program.memory * lanes)])
+    return np.concatenate([table.ravel(), np.zeros(program.vectors * lanes)])
 
 
 def _row(program: LongProgram) -> int:
@@ -113,47 +74,202 @@ def _row(program: LongProgram) -> int:
     return width + -width % (CACHE_LINE_BYTES // 8)
 
 
-def _arrays(step: Program, program: LongProgram) -> list[str]:
-    """Arrays of the robot that a step reads or writes."""
-    return [name for name in (*program.inputs, *program.outputs) if name in step.inputs or name in step.outputs]
+def _table(name: str, values: tuple[int, ...]) -> str:
+    return f"@{name} = internal constant [{len(values)} x i64] [{', '.join(f'i64 {value}' for value in values)}]"
 
 
-def _share(name: str, program: LongProgram, widths: dict[str, int]) -> int:
-    """Columns of an array that belong to one body."""
-    return widths[name] if name == GROUND_ARRAY_NAME else widths[name] // len(program.kinds)
+# Rows and columns
 
 
-def _step(step: BodyProgram, name: str, program: LongProgram, widths: dict[str, int], lanes: int) -> list[str]:
+def _fetch(name: str, width: int, lanes: int) -> list[str]:
+    """fetch(rows, to, guards): rows become vectors. Guards see every number, and squares of positions."""
+    kinds: tuple[Guard, ...] = ("finite", "squares") if name == "q" else ("finite",)
+
+    def block(code: VectorCode, rows: str, to: str, count: int) -> None:
+        if count == lanes:
+            columns = code.transposed([code.load(code.vector, rows, lane * width) for lane in range(lanes)])
+        else:
+            columns = code.columns_of(rows, count, width)
+        for k, column in enumerate(columns):
+            code.store(f"{code.vector} {column}", to, k * lanes)
+        for kind in kinds:
+            place = GUARD_KINDS.index(kind) * lanes
+            seen = code.guard(kind, columns, code.load(code.vector, "%guards", place))
+            code.store(f"{code.vector} {seen}", "%guards", place)
+
+    header = f"define internal void @fetch_{name}(ptr noalias %rows, ptr noalias %columns, ptr %guards)"
+    return _in_blocks(header, width, lanes, block)
+
+
+def _deliver(name: str, width: int, lanes: int) -> list[str]:
+    """deliver(rows, of): vectors become rows."""
+
+    def block(code: VectorCode, rows: str, of: str, count: int) -> None:
+        columns = [code.load(code.vector, of, k * lanes) for k in range(count)]
+        if count == lanes:
+            for lane, row in enumerate(code.transposed(columns)):
+                code.store(f"{code.vector} {row}", rows, lane * width)
+        else:
+            code.write_columns(rows, width, dict(enumerate(columns)))
+
+    return _in_blocks(
+        f"define internal void @deliver_{name}(ptr noalias %rows, ptr noalias %columns)", width, lanes, block
+    )
+
+
+def _in_blocks(header: str, width: int, lanes: int, block: Callable[[VectorCode, str, str, int], None]) -> list[str]:
+    """A function that does as many columns at a time as lanes, and those that are left."""
+    whole = width // lanes
+    loop, rest = VectorCode(lanes), VectorCode(lanes, "r")
+    rows = loop.let("getelementptr double, ptr %rows, i64 %column")
+    columns = loop.let(f"getelementptr double, ptr %columns, i64 {loop.let(f'mul i64 %column, {lanes}')}")
+    if whole:
+        block(loop, rows, columns, lanes)
+    if width % lanes:
+        first = whole * lanes
+        block(rest, rest.element("%rows", first), rest.element("%columns", first * lanes), width % lanes)
+    return [
+        f"{header} {ALIGNED_STACK} {{",
+        *_loop("column", 0, whole * lanes, lanes, loop.lines if whole else []),
+        *rest.lines,
+        "  ret void",
+        "}",
+    ]
+
+
+def _loop(name: str, first: int, last: int, step: int, lines: list[str]) -> Iterator[str]:
+    """Lines for name = first, first + step, … up to before last; the lines may have blocks of their own, and end in
+    a block that goes on."""
+    yield f"  br label %{name}.test"
+    yield f"{name}.test:"
+    yield f"  %{name} = phi i64 [ {first}, %0 ], [ %{name}.next, %{name}.after ]"
+    yield f"  %{name}.more = icmp ne i64 %{name}, {last}"
+    yield f"  br i1 %{name}.more, label %{name}.do, label %{name}.done"
+    yield f"{name}.do:"
+    yield from lines
+    yield f"  br label %{name}.after"
+    yield f"{name}.after:"
+    yield f"  %{name}.next = add i64 %{name}, {step}"
+    yield f"  br label %{name}.test"
+    yield f"{name}.done:"
+
+
+# Steps
+
+
+def _columns(name: str, each: RecordedColumns, passes: list[str], program: LongProgram) -> Iterator[str]:
+    """The passes for one column after the other."""
+    first, last = (program.frame_body, program.frame_body + 1) if each.of_frame else (0, len(program.inside))
+    yield f"define internal void @{name}({SHARED}) {{"
+    yield from _loop("of", first, last, 1, [f"  call void @{one}({SHARED}, i64 %of)" for one in passes])
+    yield "  ret void"
+    yield "}"
+
+
+def _pass(name: str, each: RecordedPass, program: LongProgram, lanes: int) -> Iterator[str]:
+    """pass(…, of): the step of body after body; of: the body of the column."""
+    for slides, step in each.steps.items():
+        yield from _step(f"{name}_{int(slides)}", step, program, lanes)
+    n = len(program.inside)
+    yield f"define internal void @{name}({SHARED}, i64 %of) {{"
+    if each.order == "ground":
+        yield f"  call void @{name}_0({SHARED}, i64 {n}, i64 {n}, i64 %of)"
+    elif each.order == "frame":
+        inside = program.inside[program.frame_body]
+        yield f"  call void @{name}_0({SHARED}, i64 {program.frame_body}, i64 {inside}, i64 %of)"
+    elif each.order == "column":
+        yield from _call(name, each, "%of")
+    elif each.order in ("outwards", "inwards"):
+        first, last, following = (0, n, 1) if each.order == "outwards" else (n - 1, -1, -1)
+        yield from _loop("body", first, last, following, list(_call(name, each, "%body")))
+    else:
+        yield from _along_path(each.order, n, list(_call(name, each, "%body")))
+    yield "  ret void"
+    yield "}"
+
+
+def _along_path(order: Order, n: int, lines: list[str]) -> Iterator[str]:
+    """Lines for %body on the way from the column's body to the ground."""
+    start = "%of"
+    if order == "beyond":
+        yield "  %start.at = getelementptr i64, ptr @inside, i64 %of"
+        yield "  %start = load i64, ptr %start.at"
+        start = "%start"
+    yield "  br label %body.test"
+    yield "body.test:"
+    yield f"  %body = phi i64 [ {start}, %0 ], [ %body.inside, %body.after ]"
+    yield f"  %body.more = icmp ne i64 %body, {n}"
+    yield "  br i1 %body.more, label %body.do, label %body.done"
+    yield "body.do:"
+    yield from lines
+    yield "  br label %body.after"
+    yield "body.after:"
+    yield "  br label %body.test"
+    yield "body.done:"
+
+
+def _call(name: str, each: RecordedPass, body: str) -> Iterator[str]:
+    """The step of a body, by its kind."""
+    yield f"  %inside.at = getelementptr i64, ptr @inside, i64 {body}"
+    yield "  %body.inside = load i64, ptr %inside.at"
+    call = f"({SHARED}, i64 {body}, i64 %body.inside, i64 %of)"
+    if len(each.steps) == 1:
+        yield f"  call void @{name}_{int(next(iter(each.steps)))}{call}"
+        return
+    yield f"  %slides.at = getelementptr i64, ptr @slides, i64 {body}"
+    yield "  %slides.not = load i64, ptr %slides.at"
+    yield "  %turns = icmp eq i64 %slides.not, 0"
+    yield "  br i1 %turns, label %turning, label %sliding"
+    for kind, label in enumerate(("turning", "sliding")):
+        yield f"{label}:"
+        yield f"  call void @{name}_{kind}{call}"
+        yield "  br label %called"
+    yield "called:"
+
+
+def _step(name: str, step: BodyProgram, program: LongProgram, lanes: int) -> list[str]:
     code = VectorCode(lanes)
+    indices = {"body": "%body", "inside": "%inside", "column": "%column", "ground": str(len(program.inside))}
+    known: dict[Place, str] = {}
 
-    def columns(array: str) -> list[str]:
-        inputs = [given for kind, *given in step.program.operations if kind == "input"]
-        used = {column for name, column in inputs if name == array}
-        # one number of the table for all lanes; memory holds a vector per column already
-        if array == CONSTANTS:
-            rows = range(max(used) + 1)
-            return [code.broadcast(code.load("double", "%constants", k)) if k in used else "" for k in rows]
-        if array in (OWN, INSIDE):
-            return [code.load(code.vector, f"%{array}", k * lanes) if k in used else "" for k in range(program.memory)]
-        return code.columns_of(f"%{array}", _share(array, program, widths), widths[array])
+    def address(place: Place) -> str:
+        if place not in known:
+            if place.array == CONSTANTS:
+                offset = code.let(f"mul i64 %body, {_row(program)}")
+                known[place] = code.let(f"getelementptr double, ptr %constants, i64 {offset}")
+            else:
+                layout = program.arrays[place.array]
+                first = code.element("%vectors", layout.first * lanes)
+                for index, stride in zip(place.of, layout.strides, strict=True):
+                    offset = code.let(f"mul i64 {indices[index]}, {stride * lanes}")
+                    first = code.let(f"getelementptr double, ptr {first}, i64 {offset}")
+                known[place] = first
+        return known[place]
+
+    read: dict[Place, set[int]] = {}
+    for kind, *given in step.program.operations:
+        if kind == "input":
+            read.setdefault(given[0], set()).add(given[1])
+
+    def columns(place: Place) -> dict[int, str]:
+        at = address(place)
+        if place.array == CONSTANTS:  # one number for all lanes
+            return {k: code.broadcast(code.load("double", at, k)) for k in sorted(read[place])}
+        return {k: code.load(code.vector, at, k * lanes) for k in sorted(read[place])}
 
     values = code.values(step.program, columns)
-    outputs = step.program.outputs
-    for number, column in zip(outputs[OWN], step.kept, strict=True):
-        code.store(f"{code.vector} {values[number]}", "%own", column * lanes)
-    # sums of the inside body: several bodies outside may add to them
-    for number, column in zip(outputs[INSIDE], step.summed, strict=True):
-        total = code.arithmetic("fadd", code.load(code.vector, "%inside", column * lanes), values[number])
-        code.store(f"{code.vector} {total}", "%inside", column * lanes)
-    for array in program.outputs:
-        if array in outputs:
-            code.write_columns(f"%{array}", widths[array], {k: values[x] for k, x in enumerate(outputs[array])})
-    # in memory, as every step of every body goes on guarding
+    for k, write in enumerate(step.writes):
+        at = address(write.place)
+        for number, column in zip(step.program.outputs[str(k)], write.columns, strict=True):
+            value = values[number]
+            if write.added:  # several bodies outside may add to a sum
+                value = code.arithmetic("fadd", code.load(code.vector, at, column * lanes), value)
+            code.store(f"{code.vector} {value}", at, column * lanes)
     for place, kind in enumerate(GUARD_KINDS):
         if kind in step.program.guards:
             before = code.load(code.vector, "%guards", place * lanes)
             seen = code.guard(kind, [values[k] for k in step.program.guards[kind]], before)
             code.store(f"{code.vector} {seen}", "%guards", place * lanes)
-    pointers = [CONSTANTS, OWN, INSIDE, *_arrays(step.program, program), "guards"]
-    arguments = ", ".join(f"ptr noalias %{pointer}" for pointer in pointers)
-    return [f"define internal void @{name}({arguments}) {ALIGNED_STACK} {{", *code.lines, "  ret void", "}"]
+    arguments = ", ".join(f"ptr noalias %{pointer}" for pointer in ("constants", "vectors", "guards"))
+    header = f"define internal void @{name}({arguments}, i64 %body, i64 %inside, i64 %column) {ALIGNED_STACK} {{"
+    return [header, *code.lines, "  ret void", "}"]

@@ -26,9 +26,8 @@ from graphdyn.compiler.gram.gram import CompiledGram, InterpretedGram, torque_gr
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.compiler.native import CompiledProgram
 from graphdyn.compiler.programs import Request, pivot_scales, trace
-from graphdyn.compiler.rolled import rolling as body_by_body
-from graphdyn.compiler.rolled.body_steps import Pass
-from graphdyn.compiler.rolled.rolled_code import LongProgram
+from graphdyn.compiler.rolled import rolling
+from graphdyn.compiler.rolled.program import LongProgram, Pass
 from graphdyn.compiler.running import (
     DERIVATIVES_WORTH_COMPILING,
     REGRESSORS_WORTH_COMPILING,
@@ -358,19 +357,17 @@ def test_sums_are_read_after_they_are_done(monkeypatch):
     """What was the same for all bodies before others added to it: here, each counts the bodies that it carries."""
 
     def ones(body):
-        body.keep("wrench", np.ones((2, 3)))
-        return {}
+        body.sum("bodies", 1.0)
 
     def added(body):
-        body.add("wrench", body.kept("wrench"))
-        return {}
+        body.add("bodies", body.kept("bodies"))
 
     def counted(body):
-        return {"a": [body.kept("wrench")[0, 0]]}
+        body.answer("a", body.kept("bodies"))
 
-    passes = [Pass(True, ones), Pass(False, added), Pass(True, counted)]
-    monkeypatch.setattr(body_by_body, "RECURSION_PASSES", {"forward_dynamics": passes})
-    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", 0)
+    passes = (Pass("outwards", ones), Pass("inwards", added), Pass("outwards", counted))
+    monkeypatch.setitem(rolling.PASSES, "forward_dynamics", passes)
+    monkeypatch.setattr(rolling, "most_unrolled", lambda request: 0)
     tree = random_tree(7, [0, 1, 2, 1, 0], ["revolute"] * 5)
     x = np.zeros((20, 5))
     assert np.array_equal(
@@ -380,7 +377,7 @@ def test_sums_are_read_after_they_are_done(monkeypatch):
 
 def test_far_angles_of_long_programs_are_brought_back_first(monkeypatch):
     """Each joint in its turn, as the same robot with the angle that NumPy's sine and cosine tell."""
-    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", 0)
+    monkeypatch.setattr(rolling, "most_unrolled", lambda request: 0)
     tree = random_tree(9, [0, 1, 0], ["revolute"] * 3)
     q, v, a = random_state(tree, 3, (6,))
     far = q.copy()
@@ -393,7 +390,7 @@ def test_far_angles_of_long_programs_are_brought_back_first(monkeypatch):
 
 def test_long_programs_of_loaded_bodies_on_a_base_that_moves(monkeypatch):
     """Of a tree of turns and slides, against the equations that know no programs."""
-    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", 0)
+    monkeypatch.setattr(rolling, "most_unrolled", lambda request: 0)
     tree = random_tree(11, [0, 1, 0, 2], ["revolute", "prismatic", "prismatic", "revolute"])
     (q, v, a), wrenches, base = random_state(tree, 1, (3,)), random_wrenches(tree, 2, (3,)), random_base_motion(3, (3,))
     for verb in (graphdyn.inverse_dynamics, graphdyn.forward_dynamics):
@@ -408,7 +405,7 @@ def test_long_programs_of_loaded_bodies_on_a_base_that_moves(monkeypatch):
 @pytest.mark.parametrize("unrolled", [0, 100])
 def test_pivots_are_parts_of_what_they_can_be(unrolled, monkeypatch):
     """Ratios of leading minors of the mass matrix, from the last joint on, over the inertia of the stretched arm."""
-    monkeypatch.setattr(body_by_body, "MAX_UNROLLED_BODIES", unrolled)
+    monkeypatch.setattr(rolling, "most_unrolled", lambda request: unrolled)
     tree = random_tree(11, [0, 1, 0, 2], ["revolute", "prismatic", "prismatic", "revolute"])
     q, v, tau = random_state(tree, 1, (3,))
     pivots = np.empty((3, 4))

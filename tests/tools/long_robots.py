@@ -1,0 +1,70 @@
+"""What the first call and each state cost over the number of bodies: python tests/tools long_robots [VERB ...] [N ...]
+
+For every verb that has a compiled form (all by default) and chains of N bodies (7 to 200 by default): processor time of
+recording, compiling and computing eight states, no machine code of earlier processes used, and of a state of 1000
+states on one thread, the fastest of five calls. A letter says what runs: s straight-line code, r rolled code,
+i interpreted. Ten minutes for all of them.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+
+import numpy as np
+from back_ends import no_programs
+
+from crosscheck.bench.curves import chain
+from graphdyn import RobotModel
+from graphdyn.arguments.choices import FrameChoice
+from graphdyn.compiler import CACHE_VARIABLE, running
+from graphdyn.compiler.batch import evaluate
+from graphdyn.compiler.interpreter import Interpreter
+from graphdyn.compiler.programs import Request
+from graphdyn.scalars import Program
+from graphdyn.verbs.verb import VERBS, Verb
+
+LENGTHS = (7, 12, 24, 25, 60, 100, 200)
+FEW, MANY, REPEATS = 8, 1000, 5
+
+LEFT_OUT = ("inverse_dynamics_second_derivatives",)
+"""n³ numbers for each state; measured where it is asked for."""
+
+
+def measured(verb: Verb, model: RobotModel) -> str:
+    """First call [ms], what runs, and a state [µs]."""
+    frame = FrameChoice(model.bodies[-1].name, "world") if verb.of_frame else None
+    rng = np.random.default_rng(0)
+    x = {name: rng.uniform(-1, 1, (MANY, model.nv)) for name in verb.inputs}
+
+    def call(count: int, repeats: int) -> float:
+        given = {name: array[:count] for name, array in x.items()}
+        found = []
+        for _ in range(repeats):
+            start = time.process_time()
+            evaluate(model, verb.recursion, verb.outputs, given, None, frame=frame, threads=1)
+            found.append(time.process_time() - start)
+        return min(found)
+
+    first = call(FEW, 1)
+    ready = running.prepared(model, Request(verb.recursion, verb.outputs, frame=frame))
+    if isinstance(ready.backend, Interpreter):
+        form, count, repeats = "i", FEW, 1
+    else:
+        form, count, repeats = "s" if isinstance(ready.program, Program) else "r", MANY, REPEATS
+    return f"{first * 1e3:7.0f} {form} {call(count, repeats) / count * 1e6:8.2f}"
+
+
+def main() -> int:
+    os.environ[CACHE_VARIABLE] = "off"
+    lengths = [int(word) for word in sys.argv[1:] if word.isdigit()] or LENGTHS
+    verbs = [word for word in sys.argv[1:] if not word.isdigit()] or [name for name in VERBS if name not in LEFT_OUT]
+    print("first call [ms], code, a state [µs]; bodies: " + ", ".join(map(str, lengths)))
+    for name in verbs:
+        row = []
+        for n in lengths:
+            with no_programs():
+                row.append(measured(VERBS[name], chain(n)))
+        print(f"{name:40}", " | ".join(row), flush=True)
+    return 0
