@@ -44,14 +44,17 @@ class ExportChoices:
 
     external_wrenches: force, moment on each body at O_j, in link axes (bodies, 6), after the joint arrays
     moving_base: the fields of a BaseMotion that count, as the last arguments (BASE_ARRAYS)
-    frame, reference, classical: as in the frame verbs
+    frame, reference, classical: as in the frame verbs, whose reference has no default
     """
 
     external_wrenches: bool = False
     moving_base: bool = False
     frame: str | None = None
-    reference: Reference = "world"
+    reference: Reference | None = None
     classical: bool = True
+
+
+AS_THEY_ARE = ExportChoices()
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,8 @@ class ExportedFunction:
     """A verb of one robot as a program. Arrays without entries are left out.
 
     inputs, outputs: shapes and units of its arrays by name, in the order of the arguments
-    program: its inputs and outputs are these arrays, a column for each entry, row by row
+    program: its inputs and outputs are these arrays, a column for each entry, row by row; its guard "minimum" are the
+        pivots: with one below MIN_PIVOT_SHARE the mass matrix may be singular
     """
 
     model: RobotModel
@@ -73,9 +77,13 @@ class ExportedFunction:
     def name(self) -> str:
         return self.verb.name
 
+    def shape(self, array: str) -> tuple[int, ...]:
+        """Of an input or output."""
+        return {**self.inputs, **self.outputs}[array].shape_for(self.model)
+
     def size(self, array: str) -> int:
         """Number of entries of an input or output."""
-        return prod({**self.inputs, **self.outputs}[array].shape_for(self.model))
+        return prod(self.shape(array))
 
     def expected(self, x: Mapping[str, Array]) -> dict[str, Array]:
         """The outputs as the equations give them, Eq. (111) as it stands: inputs and outputs are arrays (N, …)."""
@@ -110,7 +118,7 @@ def exported_functions(model: RobotModel, names: Iterable[str], choices: ExportC
     return [_exported(model, _known(name), choices) for name in wanted]
 
 
-def exportable(model: RobotModel, choices: ExportChoices) -> list[str]:
+def exportable(model: RobotModel, choices: ExportChoices = AS_THEY_ARE) -> list[str]:
     """Names of the verbs that can be exported for this robot: with a compiled form, and a frame where they need one."""
     return [
         name
@@ -135,8 +143,8 @@ def _exported(model: RobotModel, verb: Verb, choices: ExportChoices) -> Exported
     verb.refuse_uncompiled(model, "leave it out")
     frame = None
     if verb.of_frame:
-        if choices.frame is None:
-            raise InvalidInput(f"{verb.name} speaks of a frame; say which, or leave it out")
+        if choices.frame is None or choices.reference is None:
+            raise InvalidInput(f"{verb.name} speaks of a frame; say which, with its reference, or leave it out")
         frame = frame_choice(model, choices.frame, choices.reference, choices.classical)
     moving = choices.moving_base and RECURSIONS[verb.recursion].on_moving_base
     loaded = choices.external_wrenches and "external_wrenches" in inspect.signature(verb.function).parameters
@@ -152,7 +160,7 @@ def _exported(model: RobotModel, verb: Verb, choices: ExportChoices) -> Exported
 
 
 def _of_arrays(model: RobotModel, program: Program, inputs: Mapping[str, ArraySpec], at_rest: bool) -> Program:
-    """The program of these inputs, and of BASE_ARRAYS instead of the ground, without guards.
+    """The program of these inputs, and of BASE_ARRAYS instead of the ground, with no guards but the pivots.
 
     It answers NaN where loops leave a reaction undetermined. at_rest: whether the base only stands somewhere
     """
@@ -175,7 +183,7 @@ def _of_arrays(model: RobotModel, program: Program, inputs: Mapping[str, ArraySp
     for name, numbers in program.outputs.items():
         unknown = np.ravel(undetermined.get(name, np.zeros(len(numbers), dtype=bool)))
         outputs[name] = [nan if lost else values[k] for k, lost in zip(numbers, unknown, strict=True)]
-    return recorder.program(outputs, {})
+    return recorder.program(outputs, {"minimum": [values[k] for k in program.guards.get("minimum", ())]})
 
 
 def _computed(kind: str, values: list[Any], operands: list[Any]) -> Any:
