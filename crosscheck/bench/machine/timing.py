@@ -142,7 +142,7 @@ def _libraries() -> Any:
 
 
 def _seconds(run: Callable[[], object], clock: Clock) -> float:
-    """Of one call, to plan runs: in wall time if it is too short for the clock of processor time."""
+    """The time of a call, to plan runs; in wall time if it is too short for the clock of processor time."""
     taken = elapsed(run)
     return taken.wall if taken.processor < STEPS_PER_RUN * clock_step() else taken.by(clock)
 
