@@ -15,6 +15,7 @@ from crosscheck.bench import curves
 from crosscheck.bench.cold import in_fresh_process
 from crosscheck.bench.contender import MeasuredWork, measure
 from crosscheck.bench.curves import ScalingCurve
+from crosscheck.bench.forms.native_pinocchio import NATIVE_NAME
 from crosscheck.bench.forms.peers import CASADI_NAME as CASADI
 from crosscheck.bench.forms.peers import Peers
 from crosscheck.bench.forms.pinocchio_forms import instruction_set
@@ -123,12 +124,14 @@ def benchmark(
     seed: int,
     threads: int | None,
     quick: bool,
+    native: bool,
     done: Callable[[str, int], None],
 ) -> Benchmark:
     """Measure. done: called with the current step, and the number of N_PROGRESS_STEPS that it finishes.
 
     threads: largest number of threads, all cores if None
-    Raises InvalidInput, PinocchioRefuses, SingularMassMatrix.
+    native: whether Pinocchio takes part compiled from its headers too
+    Raises InvalidInput, PinocchioRefuses, NativeRefuses, SingularMassMatrix.
     """
     check_counts(samples, seed)
     if threads is not None and threads < 1:
@@ -139,12 +142,13 @@ def benchmark(
     states = random_states(model, samples, seed)
     before = load()
 
-    done("machine", 0)
-    machines = tuple(measured for used in compared if (measured := machine(used)) is not None)
-    floors = {name: least for name in WORK_DESCRIPTIONS if machines and (least := floor(model, name, machines[0]))}
-    done("machine", 1)
     with TemporaryDirectory(prefix="graphdyn-bench-") as folder:
-        peers, works = Peers(states, Path(folder)), []
+        done("compiling Pinocchio, minutes" if native else "machine", 0)
+        peers, works = Peers(states, Path(folder), native), []
+        done("machine", 0)
+        machines = tuple(measured for used in compared if (measured := machine(used)) is not None)
+        floors = {name: least for name in WORK_DESCRIPTIONS if machines and (least := floor(model, name, machines[0]))}
+        done("machine", 1)
         for name in works_of(states):
             title = WORK_DESCRIPTIONS[name][0]
             done(title, 0)
@@ -188,7 +192,7 @@ def benchmark(
         load=(before, load()),
         machine=machines,
         floors=floors,
-        peers=_peers(works),
+        peers=_peers(works, peers),
         left_out=peers.left_out,
         works=tuple(works),
         imports=_times(fresh, "imports"),
@@ -204,10 +208,12 @@ def thread_numbers(most: int) -> tuple[int, ...]:
     return (*doubled, most)
 
 
-def _peers(works: list[MeasuredWork]) -> dict[str, str]:
+def _peers(works: list[MeasuredWork], peers: Peers) -> dict[str, str]:
     """A description of each library that was measured: version and build."""
     taking_part = {entry.name.split()[0] for measured in works for entry in measured.entries}
     described = {"pinocchio": f"{PINOCCHIO}, as installed, built for {instruction_set()}"}
+    if peers.native is not None:
+        described[NATIVE_NAME] = peers.native.description
     if "mujoco" in taking_part:
         described["mujoco"] = f"{version('mujoco')}, as installed; constraints, contacts and limits off"
     if CASADI.split()[0] in taking_part:

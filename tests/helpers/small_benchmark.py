@@ -56,7 +56,7 @@ def measured():
         patch.setattr(benchmark, "QUICK_EFFORT", SMALL)
         patch.setattr("crosscheck.bench.contender.MIN_STEADY_TIME", SMALL.duration)
         patch.setattr("crosscheck.bench.identification.in_fresh_process", identified)
-        result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, lambda _, count: steps.append(count))
+        result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, False, lambda _, count: steps.append(count))
     assert sum(steps) == N_PROGRESS_STEPS
     return result
 

@@ -1,4 +1,7 @@
-"""Other libraries in the benchmark, where they are installed and can represent the robot: CasADi and MuJoCo."""
+"""Other libraries in the benchmark, where they are installed and can represent the robot: CasADi and MuJoCo.
+
+On request Pinocchio in C++ too.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.bench.contender import AMORTIZED_SAMPLES, Contender
+from crosscheck.bench.forms.native_pinocchio import NativePinocchio
 from crosscheck.bench.states import States
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import GraphDynError
@@ -138,9 +142,13 @@ def mujoco_forward(states: States, native: MujocoModel, threads: Sequence[int]) 
 
 
 class Peers:
-    """Other libraries, and why some are left out. folder: for code that is compiled"""
+    """Other libraries, and why some are left out.
 
-    def __init__(self, states: States, folder: Path) -> None:
+    folder: for code that is compiled; native: whether Pinocchio is compiled from its headers. Raises NativeRefuses.
+    """
+
+    def __init__(self, states: States, folder: Path, native: bool = False) -> None:
+        self.native = NativePinocchio(states, folder) if native else None
         self._states, self._folder = states, folder
         self.left_out: dict[str, str] = {}
         try:
@@ -150,6 +158,8 @@ class Peers:
 
     def contenders(self, work: str, threads: Sequence[int]) -> list[Contender]:
         found: list[Contender] = []
+        if self.native is not None and work in ("inverse_dynamics", "forward_dynamics"):
+            found.append(self.native.contender(work == "forward_dynamics"))
         if self.mujoco is not None and work == "inverse_dynamics":
             found += mujoco_inverse(self._states, self.mujoco)
         if self.mujoco is not None and work == "forward_dynamics":

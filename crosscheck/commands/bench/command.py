@@ -16,6 +16,7 @@ from crosscheck.commands.program.reading_options import ReadingOptions
 EPILOG = f"""{EXAMPLES}  graphdyn bench --quick --samples 1000 --threads 1
   graphdyn bench
   graphdyn bench --robot panda --samples 10000 --threads 1
+  graphdyn bench --native --quick
   graphdyn bench --json bench.json --html bench.html
 """
 
@@ -36,6 +37,12 @@ class BenchOptions(ReadingOptions, ReportOptions):
         typer.Option(min=1, metavar="N", show_default="all cores", help="Threads to compare with one thread."),
     ] = None
     seed: SeedOption = 0
+    native: Annotated[
+        bool,
+        typer.Option(
+            "--native", help="Pinocchio in C++ too, compiled for this machine: minutes, a C++ compiler and Eigen."
+        ),
+    ] = False
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: less than a minute.")] = False
 
 
@@ -56,7 +63,14 @@ def run(options: BenchOptions) -> None:
         model = urdf.load(options.robot, reading=options.reading)
         with progress("bench", N_PROGRESS_STEPS) as advance:
             found = benchmark(
-                options.robot, model, options.samples, options.seed, options.threads, options.quick, advance
+                options.robot,
+                model,
+                options.samples,
+                options.seed,
+                options.threads,
+                options.quick,
+                options.native,
+                advance,
             )
     deliver(bench_report(found), options)
     raise typer.Exit(AGREED if found.agrees else DISAGREED)

@@ -17,6 +17,7 @@ from crosscheck.reference.pinocchio_model.native import (
     moved,
     read,
     se3,
+    with_kinds_for_axes,
     write_position,
 )
 from crosscheck.reference.reference_values import BareCalls
@@ -153,7 +154,7 @@ class PinocchioModel:
         native = self.native
         if native.nq != native.nv or not np.array_equal(self.columns, np.arange(native.nv)):
             raise PinocchioRefuses(f"robot '{self.model.name}': Pinocchio has other coordinates, or another order")
-        native, frame = pin.Model(native), self.model.frame(tip(self.model))
+        native, frame = with_kinds_for_axes(native), self.model.frame(tip(self.model))
         joint, kind = self.ids[frame.body - 1], pin.FrameType.OP_FRAME
         number = native.addFrame(pin.Frame("tip", joint, se3(frame.placement), kind))
         return BareCalls(

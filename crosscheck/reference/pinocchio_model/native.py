@@ -83,6 +83,31 @@ def built(model: RobotModel) -> pin.Model:
     return native
 
 
+def with_kinds_for_axes(native: pin.Model) -> pin.Model:
+    """The same robot, without frames, with Pinocchio's faster kinds of joints about x, y and z.
+
+    Its reader of files makes them too.
+    """
+    aligned = pin.Model()
+    aligned.gravity = native.gravity
+    for k in range(1, native.njoints):
+        joint = native.joints[k].extract()
+        for kind, of_axes in KINDS_FOR_AXES.items():
+            if isinstance(joint, kind):
+                along = np.flatnonzero((joint.axis == np.eye(3)).all(axis=1))
+                joint = of_axes[along[0]]() if along.size else joint
+        aligned.addJoint(native.parents[k], joint, native.jointPlacements[k], native.names[k])
+        aligned.appendBodyToJoint(k, native.inertias[k], pin.SE3.Identity())
+    return aligned
+
+
+KINDS_FOR_AXES = {
+    pin.JointModelRevoluteUnaligned: (pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ),
+    pin.JointModelPrismaticUnaligned: (pin.JointModelPX, pin.JointModelPY, pin.JointModelPZ),
+}
+"""Kinds of joints for the axes x, y and z, by the kind for any axis."""
+
+
 def held(native: pin.Model, lock: Mapping[str, float]) -> pin.Model:
     """The model with these joints held still at these values [rad or m]."""
     reference = pin.neutral(native)

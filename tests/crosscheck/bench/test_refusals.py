@@ -45,7 +45,7 @@ class TestRefusals:
 
     def test_threads_of_the_function(self):
         with pytest.raises(InvalidInput, match="threads is 0; give a number from 1, or None for all cores"):
-            benchmark.benchmark("kr500", kr500(), 10, 0, 0, True, lambda *_: None)
+            benchmark.benchmark("kr500", kr500(), 10, 0, 0, True, False, lambda *_: None)
 
     def test_no_mujoco(self, states, tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, "mujoco", None)

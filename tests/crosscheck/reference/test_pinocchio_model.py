@@ -32,6 +32,23 @@ def assert_same_torques(pinocchio, model):
     assert np.abs(pinocchio.rnea(q, v, a) - ours.tau).max() <= SMALL * np.abs(ours.joint_wrenches).max()
 
 
+def test_kinds_for_axes():
+    """As Pinocchio reads them from a file: of axes x, y and z, not of others; with the same torques."""
+    kinds = [("continuous", "1 0 0"), ("prismatic", "0 1 0"), ("continuous", "0 0 -1"), ("prismatic", "0 0.6 0.8")]
+    kinds += [("continuous", "0 0 1")]
+    more = '<axis xyz="{}"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", kind, more.format(axis)) for k, (kind, axis) in enumerate(kinds)]
+    model = urdf.load(robot_text("kinds", *(link(f"l{k}") for k in range(6)), *joints))
+    model = model.with_gravity(np.array([1.0, 2.0, 3.0]))
+    pinocchio = PinocchioModel.from_model(model)
+    fast, (q, v, a) = pinocchio.bare_calls(), state_of(model)
+    assert [one.shortname().removeprefix("JointModel") for one in fast.model.joints][1:] == [
+        "RX", "PY", "RevoluteUnaligned", "PrismaticUnaligned", "RZ"
+    ]  # fmt: skip
+    tau = [fast.rnea(fast.model, fast.data, *state) for state in zip(q, v, a, strict=True)]
+    assert np.abs(tau - pinocchio.rnea(q, v, a)).max() <= SMALL * np.abs(tau).max()
+
+
 class TestOrderAndAngles:
     def test_siblings_are_matched_by_name(self, small_arm):
         """The file lists y_elbow before a_slide; Pinocchio sorts siblings the other way round."""
