@@ -31,6 +31,9 @@ MIN_BIN_HEIGHT = 0.06
 WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
 """Sizes of the picture, of one row, of what the axis needs [inches]."""
 
+TITLE_DISTANCE = 3.5
+"""Of the name of a row from the axes [points]."""
+
 WITHIN_COLOR, BEYOND_COLOR = BAR, CURVES[1]
 
 
@@ -97,10 +100,9 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
     if any(row.largest == np.inf for row in rows):
         axes.text(scale.infinity, len(rows) + 0.25, "∞", ha="center", va="top", fontsize=10, color=INK)
     axes.set_xlabel("relative error", fontsize=9, color=INK)
-    axes.set_yticks(np.arange(len(rows)) + 0.62, [_title(row) for row in rows], fontsize=9, color=INK)
-    for text, row in zip(axes.get_yticklabels(), rows, strict=True):
-        text.set_fontweight("normal" if row.agrees else "bold")
     axes.tick_params(length=0)
+    axes.set_yticks([])
+    _write_titles(axes, rows)
     axes.vlines(decades, 0, len(rows), color=FAINT_COLOR, linewidth=0.5, zorder=0)
     feet = np.arange(len(rows)) + 1.0
     ends = np.full((len(rows), 2), [scale.zero - 0.3, scale.infinity + 0.3])
@@ -112,6 +114,15 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
         _draw_histogram(axes, scale, row, foot, bound)
     largest = [scale.place(row.largest) for row in rows]
     axes.plot(largest, feet, marker="^", markersize=4, color=INK, clip_on=False, linewidth=0, zorder=4)
+
+
+def _write_titles(axes: Axes, rows: Sequence[SpreadRow]) -> None:
+    """Where labels of ticks would stand, which take half of the time of a picture of many rows."""
+    beside, vertical, horizontal = axes.get_yaxis_text1_transform(TITLE_DISTANCE)
+    for k, row in enumerate(rows):
+        weight = "normal" if row.agrees else "bold"
+        title = axes.text(0, k + 0.62, _title(row), transform=beside, va=vertical, ha=horizontal, fontsize=9)
+        title.set(color=INK, fontweight=weight)
 
 
 def _strokes(x: Array, y: Array) -> tuple[Array, Array]:
@@ -152,7 +163,8 @@ def _draw_bars(axes: Axes, places: Array, width: float, foot: float, heights: Ar
         for x, height in zip(places, heights, strict=True)
     ]
     codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY] * len(corners)
-    axes.add_patch(PathPatch(Path(np.concatenate(corners), codes), facecolor=color, linewidth=0, zorder=2))
+    bars = PathPatch(Path(np.concatenate(corners), codes), facecolor=color, linewidth=0, zorder=2)
+    axes.add_artist(bars)  # limits are set: add_patch would look for them in every corner
 
 
 def _scale(rows: Sequence[SpreadRow]) -> _Scale:
