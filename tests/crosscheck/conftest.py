@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from faults.textbook import TextbookArm
-from planting import PLANTED, Plant, compared, mixed_tree, remember_our_answers, with_body
+from planting import PLANTED, Plant, compared, mixed_tree, remember_comparisons, remember_our_answers, with_body
 from urdf_text import joint, link, robot_text
 
 import crosscheck
@@ -159,12 +159,17 @@ def wrong_comparison(tree):
 OURS_PLANTED = "test_can_fail.py"
 """Errors are planted there on our side too."""
 
+SAYING = ("commands", "report", "viewing")
+"""Rooms whose tests are about what is said of a comparison."""
+
 
 @pytest.fixture(autouse=True, scope="module")
 def _our_answers_once(request):
     with pytest.MonkeyPatch.context() as patch:
         if request.path.name != OURS_PLANTED:
             remember_our_answers(patch)
+        if any(room in request.path.parts for room in SAYING):
+            remember_comparisons(patch)
         yield
 
 

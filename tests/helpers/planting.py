@@ -10,6 +10,7 @@ from random_trees import random_tree
 
 import crosscheck
 import graphdyn
+from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.compared_states import ComparedStates
 from crosscheck.quantities import QUANTITIES, system
 from crosscheck.quantities.scaled_states import ScaledStates
@@ -59,11 +60,57 @@ def remember_our_answers(patch) -> None:
     patch.setattr(ScaledStates, "answer", _remembered)
 
 
+class _Told:
+    """A table of errors that also writes down what it is told."""
+
+    def __init__(self, record):
+        self.record, self.calls = record, []
+
+    def __getattr__(self, name):
+        def told(*arguments):
+            self.calls.append((name, arguments))
+            return getattr(self.record, name)(*arguments)
+
+        return told
+
+
+def _remembered_chunk(record, chunk, pinocchio_models, **options):
+    """The errors at these states, computed once for each robot, as graphdyn and as Pinocchio have it."""
+    natives = {route: pinocchio.native for route, pinocchio in pinocchio_models.items()}
+    key = pickle.dumps((chunk, natives, options))
+    if key not in KNOWN:
+        told = _Told(record)
+        CHUNK(told, chunk, pinocchio_models, **options)
+        KNOWN[key] = told.calls
+        return
+    for name, arguments in KNOWN[key]:
+        getattr(record, name)(*arguments)
+
+
+def _remembered_identification(model, pinocchio, seed):
+    key = pickle.dumps((model, pinocchio.native, seed))
+    if key not in KNOWN:
+        KNOWN[key] = IDENTIFICATION(model, pinocchio, seed)
+    return KNOWN[key]
+
+
+CHUNK, IDENTIFICATION = comparing._compare_chunk, comparing.compare_identification
+
+
+def remember_comparisons(patch) -> None:
+    """Compare the same robot at the same states once, for tests of what is said of it. Where an error is planted, each
+    is compared."""
+    patch.setattr(comparing, "_compare_chunk", _remembered_chunk)
+    patch.setattr(comparing, "compare_identification", _remembered_identification)
+
+
 class Plant:
     """Puts one error into a function that the comparison calls, until the test ends."""
 
     def __init__(self, monkeypatch):
         self._patch = monkeypatch
+        monkeypatch.setattr(comparing, "_compare_chunk", CHUNK)
+        monkeypatch.setattr(comparing, "compare_identification", IDENTIFICATION)
 
     def _in_the_pinocchio(self, place: object, name: str, function: object) -> None:
         """Put the function into Pinocchio's side, which leaves our answers as they are: they are computed once."""

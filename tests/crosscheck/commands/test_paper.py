@@ -478,5 +478,5 @@ class TestEveryNumber:
         assert f'aria-label="A2: missing rank of the printed rows: {"; ".join(reach)}"' in page
 
 
-def test_whole(found):
-    approve_report("paper", paper_report(found), rounding="cos β")
+def test_whole(found, page):
+    approve_report("paper", paper_report(found), rounding="cos β", told=page)

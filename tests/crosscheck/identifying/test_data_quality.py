@@ -392,7 +392,7 @@ class TestRealRecordings:
         ("name", "variant"),
         few(
             [*product(RECORDINGS, SPOILT)],
-            ("kr300", "tau4 reversed"), ("tx40", "q2, q3 exchanged"),
+            ("tx40", "q2, q3 exchanged"),
         ),
     )  # fmt: skip
     def test_spoilt(self, name, variant):

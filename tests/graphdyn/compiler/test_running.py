@@ -184,6 +184,7 @@ def test_after_a_fork_the_child_computes_too():
 def test_programs_go_with_the_last_robot_of_their_content(monkeypatch):
     """Where no more robots are remembered than there are."""
     monkeypatch.setattr(running, "_recent", deque(maxlen=0))
+    gc.freeze()  # what other tests have left need not be looked through
     model, same = fresh(), fresh()
     graphdyn.joint_torques(model, X, X, X, method="recursive")
     single = graphdyn.compile(same).joint_torques

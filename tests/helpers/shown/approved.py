@@ -54,9 +54,9 @@ def approve(name, text, rounding="(?!)", *, numbers=True):
     assert not changes, "\n".join([hint, *changes[:60]])
 
 
-def approve_report(name, report, rounding="(?!)"):
-    """What the terminal shows of a report, and what its page shows."""
-    told = page(report, ["graphdyn"], {"graphdyn": "0"})
+def approve_report(name, report, rounding="(?!)", told=None):
+    """What the terminal shows of a report, and what its page shows, which is drawn here unless it is given."""
+    told = told or page(report, ["graphdyn"], {"graphdyn": "0"})
     approve(name, as_text(report) + "\n=== page ===\n" + page_text(told), rounding)
 
 

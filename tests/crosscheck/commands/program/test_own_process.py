@@ -46,7 +46,7 @@ def closes(q, v, a):
 def talks(q, v, a):
     print("printed")
     os.write(1, b"written\\n")
-    return graphdyn.joint_torques(urdf.load("ur5"), q, v, a)
+    return graphdyn.joint_torques(urdf.load("pendulum.urdf"), q, v, a)
 
 def deaf():
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -78,12 +78,12 @@ ENDS = "import os\nos._exit(0)\n"
 
 
 def judge(name, *options):
-    return ("judge", "ur5", "--inverse-dynamics", f"own.py:{name}", "--samples", 1, *options)
+    return ("judge", "pendulum.urdf", "--inverse-dynamics", f"own.py:{name}", "--samples", 1, *options)
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    """The working folder, with CODE in it."""
+def folder(tmp_path, monkeypatch, pendulum):
+    """The working folder, with CODE in it, and a robot."""
     (tmp_path / "own.py").write_text(CODE, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -156,7 +156,7 @@ class TestOutput:
     @LONG
     def test_the_report(self, judged):
         done = judged("talks")
-        assert done.out.startswith("Your functions on ur5: agrees\n")
+        assert done.out.startswith("Your functions on pendulum.urdf: agrees\n")
         assert "printed" not in done.out
 
 

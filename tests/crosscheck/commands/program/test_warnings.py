@@ -38,15 +38,21 @@ def shown(file, place):
     return [" ".join(item.text_content().split()) for item in items]
 
 
+CHANGES = (
+    (('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>'), AXIS),
+    (("<inertial>.*?</inertial>", ""), NO_INERTIAL),
+    (('<mass value="[^"]*"/>', '<mass value="0"/>'), NO_MASS),
+)
+
+
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("command", "change", "said"),
     [
-        (('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>'), AXIS),
-        (("<inertial>.*?</inertial>", ""), NO_INERTIAL),
-        (('<mass value="[^"]*"/>', '<mass value="0"/>'), NO_MASS),
+        *((("show",), *change) for change in CHANGES),
+        (("view",), *CHANGES[0]),
+        (("crosscheck", "--samples", 1), *CHANGES[1]),
     ],
 )
-@pytest.mark.parametrize("command", [("show",), ("view",), ("crosscheck", "--samples", 1)])
 def test_pages(program, odd, tmp_path, command, change, said):
     path, file = odd(*change), tmp_path / "page.html"
     done = program(command[0], path, *command[1:], "--html", file)
