@@ -9,6 +9,6 @@ from typing import TYPE_CHECKING
 import lazy_loader
 
 if TYPE_CHECKING:  # the same edges as __init__.pyi, for the import contract
-    from crosscheck import assertions, comparing, distributing, identifying, judging, recordings  # noqa: F401
+    from crosscheck import assertions, comparing, distributing, exact, identifying, judging, recordings  # noqa: F401
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -3,6 +3,7 @@ from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_corre
 from .comparing.compare import compare
 from .comparing.comparison import Comparison, QuantityResult
 from .distributing import DaskWorkers, LocalProcesses
+from .exact import ExactArray, exact_values
 from .identifying import Identified, identify
 from .judging.judge import judge
 from .judging.judgment import Diagnosis, JudgedFunction, Judgment
@@ -32,6 +33,7 @@ __all__ = [
     "Diagnosis",
     "DirtyRecording",
     "Disagreement",
+    "ExactArray",
     "Identified",
     "JudgedFunction",
     "Judgment",
@@ -46,6 +48,7 @@ __all__ = [
     "compare",
     "concatenated",
     "differentiated",
+    "exact_values",
     "identify",
     "identifying",
     "inspect_recording",

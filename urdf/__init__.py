@@ -44,6 +44,7 @@ from urdf.inspection import Finding, Inspection, inspect
 from urdf.reading.loading import fused_links, load, shapes
 from urdf.reading.mesh_inertials import InertialsFromMeshes
 from urdf.reading.reading import Reading, ReadingKeywords
+from urdf.reading.written import WrittenInertial, WrittenJoint, WrittenOrigin, WrittenRobot, written
 from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
 
@@ -87,6 +88,10 @@ __all__ = [
     "UnsupportedConstraint",
     "UnsupportedJoint",
     "Update",
+    "WrittenInertial",
+    "WrittenJoint",
+    "WrittenOrigin",
+    "WrittenRobot",
     "Xacro",
     "XacroNotInstalled",
     "XacroWarning",
@@ -98,4 +103,5 @@ __all__ = [
     "save",
     "shapes",
     "update",
+    "written",
 ]

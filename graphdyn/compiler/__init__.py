@@ -9,7 +9,7 @@ from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
 from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.compiler.native import MachineCode, host_lanes
-from graphdyn.compiler.programs import Request, trace
+from graphdyn.compiler.programs import Parts, Request, trace
 from graphdyn.compiler.rolled.rolling import is_long, most_unrolled
 from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted
 
@@ -18,6 +18,7 @@ __all__ = [
     "CACHE_VARIABLE",
     "CodeCache",
     "MachineCode",
+    "Parts",
     "Request",
     "TorqueGram",
     "VectorCode",

@@ -8,7 +8,7 @@ The recursions recorded for one robot: a program for each recursion and choice o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -21,7 +21,7 @@ from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.robot_model import RobotModel, total_mass
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.recursions.declarations import ArraySpec
-from graphdyn.recursions.frames import fixed_frame
+from graphdyn.recursions.frames import FixedFrame, fixed_frame
 from graphdyn.recursions.inverse import Wrench, in_joint_axes
 from graphdyn.recursions.loops.couplings import projected
 from graphdyn.recursions.mechanism.mechanism import Link, links
@@ -112,9 +112,21 @@ def request_for(
     return Request(recursion, outputs, external, moving_base, frame)
 
 
-def trace(model: RobotModel, request: Request) -> Program:
-    """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground."""
-    sample, recursion = Sample(model, request), RECURSIONS[request.recursion]
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The constants of a robot as scalars: of all links, of the ground where it rests, and of the frame asked for."""
+
+    links: tuple[Link, ...]
+    root: Root
+    frame: FixedFrame | None = None
+
+
+def trace(model: RobotModel, request: Request, parts: Callable[[Recorder], Parts] | None = None) -> Program:
+    """The program of a request. Its inputs are among the arrays q, v, a, tau, external_wrenches and ground.
+
+    parts: the constants of the robot, where they are not those of the model; they may be recorded as inputs
+    """
+    sample, recursion = Sample(model, request, parts), RECURSIONS[request.recursion]
     compute = recursion.coupled if model.couplings and recursion.coupled else recursion.compute
     compute = recursion.closed if model.chords and recursion.closed else compute
     with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia, while recording
@@ -185,30 +197,30 @@ def _chosen_columns(model: RobotModel, columns: Sequence[int]) -> tuple[Sample, 
 class Sample:
     """The robot, and the arguments of its recursions for one sample."""
 
-    def __init__(self, model: RobotModel, request: Request) -> None:
+    def __init__(self, model: RobotModel, request: Request, parts: Callable[[Recorder], Parts] | None = None) -> None:
         self.model = model
-        self.joints_only = for_joints_only(model, request)
-        self.links: tuple[Link, ...] = reduced_links(model) if self.joints_only else links(model)
+        self.joints_only = parts is None and for_joints_only(model, request)
         self.recorder = Recorder()
+        known = parts_of(model, request) if parts is None else parts(self.recorder)
+        self.links = known.links
         self.given: list[Any] = []
         self.n, self.degrees_of_freedom = model.nv, model.degrees_of_freedom
         self.zeros = [0.0] * model.n_bodies
         self._held = dict[Expression, Any]()
         self.q = self.of_joints("q")
-        self.root = (
-            moving_root(model, self.input("ground", GROUND_COLUMNS)) if request.moving_base else fixed_root(model)
-        )
-        if request.frame is not None:
-            self.frame = fixed_frame(model, self.links, request.frame)
+        self.root = moving_root(model, self.input("ground", GROUND_COLUMNS)) if request.moving_base else known.root
+        if known.frame is not None:
+            self.frame = known.frame
         self.external: list[Wrench] | None = None
         if request.external:
             columns = np.array(self.input("external_wrenches", model.n_bodies * BODY_DOF), dtype=object)
             self.external = in_joint_axes(self.links, columns.reshape(-1, BODY_DOF))
 
     @property
-    def mass(self) -> float:
+    def mass(self) -> Any:
         """Mass of all bodies. Raises InvalidInput for a robot without mass."""
-        return total_mass(self.model)
+        _ = total_mass(self.model)
+        return sum((link.mass for link in self.links[1:]), self.links[0].mass)
 
     @property
     def turning(self) -> list[Any]:
@@ -241,6 +253,13 @@ class Sample:
         columns = self.recorder.inputs(name, self.n if width is None else width)
         self.given += columns
         return columns
+
+
+def parts_of(model: RobotModel, request: Request) -> Parts:
+    """The constants of a model, of a simpler robot where that answers the request."""
+    known = reduced_links(model) if for_joints_only(model, request) else links(model)
+    frame = None if request.frame is None else fixed_frame(model, known, request.frame)
+    return Parts(known, fixed_root(model), frame)
 
 
 def for_joints_only(model: RobotModel, request: Request) -> bool:

@@ -1,5 +1,5 @@
 """Scalars that record the operations on them, small vectors of such scalars, and their automatic differentiation."""
 
-from graphdyn.scalars.expressions import Program
+from graphdyn.scalars.expressions import Program, Recorder
 
-__all__ = ["Program"]
+__all__ = ["Program", "Recorder"]

@@ -1,0 +1,257 @@
+"""Exact values of the verbs: arrays of balls, with as many proven digits as asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from typing import Any, Literal, Unpack, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from crosscheck.exact.balls import (
+    Balls,
+    as_balls,
+    bits,
+    decimal,
+    is_finite,
+    magnitude,
+    nearest_double,
+    radius,
+    rounded,
+)
+from crosscheck.exact.equations import system
+from crosscheck.exact.recorded import RecordedRequest, recorded
+from crosscheck.exact.robot import ExactRobot, Truth, of_file, of_model
+from crosscheck.reference.subject import Robot, subject
+from graphdyn import InvalidInput, RobotModel, SingularMassMatrix
+from graphdyn.arguments import Reference, closest, frame_choice
+from graphdyn.compiler import Request
+from graphdyn.layout import BODY_DOF, Array
+from graphdyn.recursions import ARRAY_SPECS
+from graphdyn.verbs import VERBS
+from urdf import Reading, ReadingKeywords, written
+
+MAX_BITS = 2000
+"""Precision beyond which a value counts as not provable."""
+
+MAX_DIGITS = 250
+"""Radii are told as doubles, the smallest of which is 1e-308."""
+
+SPARE_BITS = 64
+"""Bits beyond the digits asked for with which the work begins: recursions lose 10 to 30, elimination 40."""
+
+
+@dataclass(frozen=True, eq=False)
+class ExactArray:
+    """Numbers that are known to so many digits, or further.
+
+    balls: intervals that hold the true values (…)
+    digits: the radii are below 10^-digits of the largest value, or of 1 where all are smaller than that
+    bits: precision at which that was reached; truth: of the file, or of the model in memory
+    """
+
+    balls: Balls
+    digits: int
+    bits: int
+    truth: Truth
+
+    @property
+    def radius(self) -> float:
+        """The largest radius."""
+        return radius(self.balls)
+
+    def decimals(self, digits: int | None = None) -> np.ndarray:
+        """Texts with so many significant digits, or as many as are proven."""
+        with bits(self.bits):
+            texts = [decimal(x, digits or self.digits) for x in self.balls.ravel()]
+        return np.array(texts, dtype=object).reshape(self.balls.shape)
+
+    def doubles(self) -> Array:
+        """The double nearest to each value; where two are equally near within the radius, one of them."""
+        return np.array([nearest_double(x) for x in self.balls.ravel()]).reshape(self.balls.shape)
+
+    def is_correctly_rounded(self, values: ArrayLike) -> np.ndarray:
+        """Whether doubles (…) are provably the nearest ones."""
+        given = np.broadcast_to(np.asarray(values, dtype=float), self.balls.shape)
+        with bits(self.bits):
+            right = [rounded(x) == y for x, y in zip(self.balls.ravel(), given.ravel(), strict=True)]
+        return np.array(right).reshape(self.balls.shape)
+
+    def errors(self, values: ArrayLike) -> tuple[Array, Array]:
+        """By how much doubles (…) are wrong: at least, and at most. Raises InvalidInput for another shape, and NaN."""
+        given = np.asarray(values, dtype=float)
+        if given.shape != self.balls.shape:
+            raise InvalidInput(f"the values have shape {given.shape}, the exact ones {self.balls.shape}")
+        with bits(self.bits):
+            apart = self.balls.ravel() - as_balls(given).ravel()
+            least = np.array([math.nextafter(float(x.abs_lower().mid()), 0.0) for x in apart])
+            most = np.array([math.nextafter(float(x.abs_upper().mid()), math.inf) for x in apart])
+        return np.where(least > 0, least, 0.0).reshape(given.shape), most.reshape(given.shape)
+
+
+def exact_values(
+    robot: Robot,
+    verb: str,
+    *arguments: Any,
+    digits: int = 30,
+    truth: Truth | None = None,
+    method: Literal["recursive", "dense"] = "recursive",
+    external_wrenches: Any = None,
+    frame: str | None = None,
+    reference: Reference | None = None,
+    classical: bool = True,
+    **reading: Unpack[ReadingKeywords],
+) -> dict[str, ExactArray]:
+    """What a function of graphdyn would answer if it computed without rounding: its arrays, by name.
+
+    robot: name, path of a URDF, or RobotModel
+    verb: name of the function, such as "joint_torques"; arguments: as it takes them, (…, n). Doubles count as they are;
+        fractions and texts ('0.3', '2/3', '-3pi/4') as what they say
+    digits: so many are proven, relative to the largest entry of an array at a state
+    truth: "file" for the decimals of the URDF, of which no model in memory holds all; "model" for the doubles of the
+        model that was read. The default is that of the file, where there is one
+    method: "dense" solves Eq. (111) in balls instead (forward_dynamics, solve_kkt)
+    external_wrenches, frame, reference, classical: as the functions take them
+    reading: as in urdf.load, for names and paths
+
+    Raises InvalidInput without python-flint, for unknown verbs, robots with couplings or loops, wrong shapes, and what
+    is no number; SingularMassMatrix where the mass matrix is singular, or not proven regular with MAX_BITS;
+    urdf's errors for a file that cannot be read.
+    """
+    if verb not in VERBS:
+        near = closest(verb, VERBS) or ", ".join(VERBS)
+        raise InvalidInput(f"there is no function '{verb}' of graphdyn that has exact values; did you mean {near}?")
+    if not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
+        raise InvalidInput(f"digits is {digits!r}; give an integer from 1 to {MAX_DIGITS}")
+    known = VERBS[verb]
+    source = _Source(robot, truth, Reading.of(exact_values, reading))
+    chosen = None
+    if known.of_frame:
+        if frame is None or reference is None:
+            raise InvalidInput(f"{verb} speaks of a frame; give frame= and reference=")
+        chosen = frame_choice(source.model, frame, reference, classical)
+    if len(arguments) != len(known.inputs):
+        raise InvalidInput(f"{verb} takes {', '.join(known.inputs)}; {len(arguments)} arguments were given")
+    inputs = dict(zip(known.inputs, arguments, strict=True))
+    request = Request(known.recursion, known.outputs, external_wrenches is not None, frame=chosen)
+    if method == "dense" and not set(known.outputs) <= _DENSE_OUTPUTS:
+        raise InvalidInput(f"{verb} is not computed by the dense method; omit method")
+    if external_wrenches is not None:
+        inputs["external_wrenches"] = external_wrenches
+    return _Exact(source, request, method == "dense", digits).answer(_rows(source.model, inputs))
+
+
+_DENSE_OUTPUTS = {"a", "body_accelerations", "multipliers"}
+
+
+class _Source:
+    """A robot at any precision."""
+
+    def __init__(self, robot: Robot, truth: Truth | None, reading: Reading) -> None:
+        known = subject(robot, reading)
+        if truth is not None and truth not in get_args(Truth):
+            raise InvalidInput(f"truth is {truth!r}; use 'file' or 'model'")
+        if truth == "file" and known.file is None:
+            raise InvalidInput(f"robot '{known.name}' is a model: there is no file of it; use truth='model'")
+        self.model = known.model
+        self.truth: Truth = truth or ("model" if known.file is None else "file")
+        self._written = None
+        if self.truth == "file":
+            assert not isinstance(robot, RobotModel)
+            self._written = written(robot, reading=reading)
+
+    @cache  # noqa: B019  # a few precisions
+    def at(self, precision: int) -> ExactRobot:
+        """Its constants with so many bits; to be called inside `bits` of these."""
+        return of_model(self.model) if self._written is None else of_file(self.model, self._written)
+
+
+@dataclass(frozen=True, eq=False)
+class _Exact:
+    """What is asked for, of a robot."""
+
+    source: _Source
+    request: Request
+    dense: bool
+    digits: int
+
+    def answer(self, rows: tuple[tuple[int, ...], list[dict[str, Any]]]) -> dict[str, ExactArray]:
+        """Of all states; each at the precision that it needs."""
+        batch, states = rows
+        first = next(_precisions(self.digits))
+        with bits(first):
+            program = None if self.dense else recorded(self.source.at(first), self.request)
+        found = [self._of_state(program, state) for state in states]
+        shapes = {name: ARRAY_SPECS[name].shape_for(self.source.model) for name in self.request.outputs}
+        answer = {}
+        for name, shape in shapes.items():
+            entries = np.empty((len(found), math.prod(shape)), dtype=object)
+            for row, (arrays, _) in zip(entries, found, strict=True):
+                row[:] = list(arrays[name])
+            whole = entries.reshape((*batch, *shape))
+            precision = max((precision for _, precision in found), default=first)
+            answer[name] = ExactArray(whole, self.digits, precision, self.source.truth)
+        return answer
+
+    def _of_state(self, program: RecordedRequest | None, state: Mapping[str, Any]) -> tuple[dict[str, Any], int]:
+        for precision in _precisions(self.digits):
+            with bits(precision):
+                given = {name: as_balls(values).ravel() for name, values in state.items()}
+                arrays = self._computed(program, self.source.at(precision), given)
+                if arrays is None:
+                    break
+                if all(_is_proven(array, self.digits) for array in arrays.values()):
+                    return arrays, precision
+        raise SingularMassMatrix(
+            f"robot '{self.source.model.name}': {self.digits} digits are not proven with {MAX_BITS} bits; its mass "
+            "matrix is singular at this state, or is not proven regular"
+        )
+
+    def _computed(
+        self, program: RecordedRequest | None, robot: ExactRobot, given: Mapping[str, Any]
+    ) -> dict[str, Any] | None:
+        """Arrays of balls, unbounded where they are not decided; None where a body lacks inertia for certain."""
+        if program is not None:
+            found = program.computed(robot, given)
+            if found is None:
+                return None
+            return {name: np.array(values, dtype=object) for name, values in found.items()}
+        wrenches = given.get("external_wrenches")
+        loads = None if wrenches is None else wrenches.reshape(-1, BODY_DOF)
+        solved = system(robot, given["q"], given["v"], given["tau"], loads).solve()
+        if solved is None:  # perhaps at a higher precision
+            undecided = np.full(1, as_balls(0.0)[()] / 0, dtype=object)
+            return dict.fromkeys(self.request.outputs, undecided)
+        return {"body_accelerations": solved[0].ravel(), "multipliers": solved[1].ravel()}
+
+
+def _precisions(digits: int) -> Iterator[int]:
+    """Those to be tried, each twice the one before."""
+    precision = math.ceil(digits * math.log2(10)) + SPARE_BITS
+    while precision < MAX_BITS:
+        yield precision
+        precision *= 2
+    yield MAX_BITS
+
+
+def _is_proven(values: Balls, digits: int) -> bool:
+    return bool(is_finite(values)) and radius(values) <= 10.0**-digits * min(1.0, magnitude(values) or 1.0)
+
+
+def _rows(model: RobotModel, inputs: Mapping[str, Any]) -> tuple[tuple[int, ...], list[dict[str, Any]]]:
+    """The leading shape of the arguments, and those of each state. Raises InvalidInput for other shapes."""
+    arrays = {}
+    for name, given in inputs.items():
+        array = np.asarray(given, dtype=object)
+        trailing = (model.n_bodies, BODY_DOF) if name == "external_wrenches" else (model.nv,)
+        if array.shape[array.ndim - len(trailing) :] != trailing:
+            raise InvalidInput(f"{name} has shape {array.shape}, expected (…, {', '.join(map(str, trailing))})")
+        arrays[name] = (array, len(trailing))
+    batch = np.broadcast_shapes(*(array.shape[: array.ndim - depth] for array, depth in arrays.values()))
+    full = {name: np.broadcast_to(x, (*batch, *x.shape[x.ndim - depth :])) for name, (x, depth) in arrays.items()}
+    indices: Sequence[tuple[int, ...]] = list(product(*map(range, batch)))
+    return batch, [{name: array[index] for name, array in full.items()} for index in indices]
