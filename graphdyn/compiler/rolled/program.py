@@ -11,7 +11,7 @@ from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Guard, Program
 
 Order = Literal["ground", "outwards", "inwards", "column", "path", "beyond", "frame"]
-"""For which bodies a step is done, one after the other.
+"""The bodies for which a step is done, one after the other.
 
 ground: once, for the ground
 outwards, inwards: for every body, inside bodies before those outside, or after
@@ -39,7 +39,7 @@ class Pass:
 
 
 @dataclass(frozen=True)
-class Columns:
+class ColumnPasses:
     """Passes that are done for every body anew, the body of the column.
 
     of_frame: for the body of the frame alone
@@ -47,6 +47,20 @@ class Columns:
 
     passes: tuple[Pass, ...]
     of_frame: bool = False
+
+
+@dataclass(frozen=True)
+class Product:
+    """±leftᵀ right of arrays that steps before have answered, of which to becomes the product.
+
+    triangular: whether row k of left and right is zero left of column k
+    """
+
+    left: str
+    right: str
+    to: str
+    sign: Literal[1, -1] = 1
+    triangular: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,13 +97,16 @@ class RecordedPass:
 
 
 @dataclass(frozen=True)
-class RecordedColumns:
+class RecordedColumnPasses:
     passes: tuple[RecordedPass, ...]
     of_frame: bool
 
 
+Recorded = RecordedPass | RecordedColumnPasses | Product
+
+
 @dataclass(frozen=True)
-class Layout:
+class Extent:
     """An array in memory: its first vector, its width, and the vectors from one body to the next, by dimension."""
 
     first: int
@@ -110,8 +127,8 @@ class LongProgram:
     prismatic: tuple[bool, ...]
     inside: tuple[int, ...]
     table: Array
-    passes: tuple[RecordedPass | RecordedColumns, ...]
-    arrays: dict[str, Layout]
+    passes: tuple[Recorded, ...]
+    arrays: dict[str, Extent]
     vectors: int
     frame_body: int
     inputs: dict[str, int]
@@ -123,10 +140,15 @@ class LongProgram:
         """Operations of a sample."""
         return sum(
             sum(self._operations(inner, True, each.of_frame) for inner in each.passes)
-            if isinstance(each, RecordedColumns)
+            if isinstance(each, RecordedColumnPasses)
+            else self._multiplications(each)
+            if isinstance(each, Product)
             else self._operations(each, False, False)
             for each in self.passes
         )
+
+    def _multiplications(self, product: Product) -> int:
+        return 2 * len(self.inside) * self.arrays[product.to].width // (3 if product.triangular else 1)
 
     def _operations(self, each: RecordedPass, in_columns: bool, of_frame: bool) -> int:
         if each.order in ("ground", "frame"):

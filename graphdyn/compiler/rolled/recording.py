@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property
 from itertools import product
@@ -47,10 +47,12 @@ NUMBERS = {
 }
 """Shapes of the fields of a link that are numbers, in the order of the table; the pivot's scale follows."""
 
-INPUT_SHAPES: dict[str, tuple[int | str, ...]] = {
+SHAPES: dict[str, tuple[int | str, ...]] = {
     "external_wrenches": ("bodies", BODY_DOF),
     "ground": (GROUND_COLUMNS,),
     "pivots": ("n",),
+    "pushes": ("n", "n"),
+    "released": ("n", "n"),
 }
 """Shapes of arrays that are not among ARRAY_SPECS."""
 
@@ -86,14 +88,21 @@ class Shared:
         self._of_ground: dict[int, Any] = {}
 
     def shape(self, array: str) -> tuple[int | str, ...]:
-        return INPUT_SHAPES[array] if array in INPUT_SHAPES else ARRAY_SPECS[array].shape
+        return SHAPES[array] if array in SHAPES else ARRAY_SPECS[array].shape
 
     def size(self, array: str) -> tuple[int, ...]:
         n = self.model.n_bodies
         return tuple(size if isinstance(size, int) else n * PER_BODY[size] for size in self.shape(array))
 
+    def part(self, array: str) -> tuple[int, ...]:
+        """Columns of an array that belong to the first body, or pair of bodies."""
+        sizes = self.size(array)
+        own = [size if isinstance(size, int) else PER_BODY[size] for size in self.shape(array)]
+        strides = [prod(sizes[k + 1 :]) for k in range(len(sizes))]
+        return tuple(sum(map(int.__mul__, at, strides)) for at in product(*map(range, own)))
+
     def field(self, space: str, name: str, shape: tuple[int, ...] | None = None) -> tuple[int, tuple[int, ...]]:
-        """Where a field begins, and its shape, which the first step that keeps it decides."""
+        """The column where a field begins, and its shape, which the first step that keeps it decides."""
         fields = self.fields[space]
         if name not in fields and shape is not None:
             fields[name] = self.width(space), shape
@@ -249,7 +258,7 @@ class BodyStep:
         """The part of an array, of the outputs or in between, that belongs to this body, or to these."""
         self._shared.arrays.add(array)
         flat = list(np.ravel(np.array(values, dtype=object)))
-        columns = self._part(array)
+        columns = self._shared.part(array)
         assert len(flat) == len(columns), (array, len(flat), len(columns))
         self._writes.append((Write(Place(array, of or self._index(array)), columns), flat))
 
@@ -260,16 +269,9 @@ class BodyStep:
     def _index(self, array: str) -> tuple[Index, ...]:
         return ("body",) if any(isinstance(size, str) for size in self._shared.shape(array)) else ()
 
-    def _part(self, array: str) -> tuple[int, ...]:
-        """Columns of an array that belong to the first body, or pair of bodies."""
-        sizes = self._shared.size(array)
-        own = [size if isinstance(size, int) else PER_BODY[size] for size in self._shared.shape(array)]
-        strides = [prod(sizes[k + 1 :]) for k in range(len(sizes))]
-        return tuple(sum(map(int.__mul__, at, strides)) for at in product(*map(range, own)))
-
     def _array(self, array: str, of: tuple[Index, ...]) -> list[Any]:
         place = Place(array, of)
-        return [self._input(place, column) for column in self._part(array)]
+        return [self._input(place, column) for column in self._shared.part(array)]
 
     def _field(self, space: str, name: str, index: Index | None, known: Mapping[int, float]) -> Scalars:
         first, shape = self._shared.field(space, name)
@@ -309,28 +311,13 @@ class BodyStep:
         }
 
 
-def pruned(passes: Sequence[BodyProgram], outputs: set[str]) -> list[BodyProgram]:
-    """The steps without what no step reads, and no answer needs."""
-    while True:
-        read = {place_column for step in passes for place_column in _read(step)}
-        shorter = [_of_writes(step, read, outputs) for step in passes]
-        if [step.writes for step in shorter] == [step.writes for step in passes]:
-            return shorter
-        passes = shorter
-
-
-def _read(step: BodyProgram) -> Iterator[tuple[str, int]]:
-    for kind, *given in step.program.operations:
-        if kind == "input":
-            yield given[0].array, given[1]
-
-
-def _of_writes(step: BodyProgram, read: set[tuple[str, int]], outputs: set[str]) -> BodyProgram:
+def with_needed(step: BodyProgram, needed: Set[tuple[str, int]], outputs: Set[str]) -> BodyProgram:
+    """The step without what nobody needs. needed: arrays and their columns, beside the outputs"""
     writes: list[Write] = []
     numbers: dict[str, list[int]] = {}
     for k, write in enumerate(step.writes):
         array = write.place.array
-        kept = [place for place, column in enumerate(write.columns) if array in outputs or (array, column) in read]
+        kept = [place for place, column in enumerate(write.columns) if array in outputs or (array, column) in needed]
         if kept:
             numbers[str(len(writes))] = [step.program.outputs[str(k)][place] for place in kept]
             writes.append(replace(write, columns=tuple(write.columns[place] for place in kept)))

@@ -17,10 +17,12 @@ from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, GUARD_KINDS, Vecto
 from graphdyn.compiler.rolled.program import (
     CONSTANTS,
     BodyProgram,
+    Extent,
     LongProgram,
     Order,
     Place,
-    RecordedColumns,
+    Product,
+    RecordedColumnPasses,
     RecordedPass,
 )
 from graphdyn.layout import Array
@@ -41,11 +43,15 @@ def emit_long(program: LongProgram, lanes: int) -> str:
         to = code.element("%vectors", program.arrays[name].first * lanes)
         code.do(f"call void @fetch_{name}(ptr {code.rows_of(name, width)}, ptr {to}, ptr %guards)")
     for number, each in enumerate(program.passes):
-        inner = each.passes if isinstance(each, RecordedColumns) else (each,)
+        if isinstance(each, Product):
+            functions += _product(f"product_{number}", each, program, lanes)
+            code.do(f"call void @product_{number}(ptr %vectors)")
+            continue
+        inner = each.passes if isinstance(each, RecordedColumnPasses) else (each,)
         names = [f"pass_{number}_{place}" for place in range(len(inner))]
         for name, one in zip(names, inner, strict=True):
             functions += _pass(name, one, program, lanes)
-        if isinstance(each, RecordedColumns):
+        if isinstance(each, RecordedColumnPasses):
             functions += _columns(f"columns_{number}", each, names, program)
             code.do(f"call void @columns_{number}({SHARED})")
         else:
@@ -59,7 +65,8 @@ def emit_long(program: LongProgram, lanes: int) -> str:
     header = f"define internal void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})"
     tables = [_table("inside", program.inside), _table("slides", tuple(map(int, program.prismatic)))]
     rows = loop_over_rows(code, header, [])
-    return "\n".join([*code.declarations, *tables, *functions, *rows, *with_table(lanes, 2 + len(names))])
+    minimum = "declare i64 @llvm.smin.i64(i64, i64)"
+    return "\n".join([minimum, *code.declarations, *tables, *functions, *rows, *with_table(lanes, 2 + len(names))])
 
 
 def long_scratch(program: LongProgram, lanes: int) -> Array:
@@ -137,12 +144,12 @@ def _in_blocks(header: str, width: int, lanes: int, block: Callable[[VectorCode,
     ]
 
 
-def _loop(name: str, first: int, last: int, step: int, lines: list[str]) -> Iterator[str]:
+def _loop(name: str, first: int, last: int, step: int, lines: list[str], before: str = "%0") -> Iterator[str]:
     """Lines for name = first, first + step, … up to before last; the lines may have blocks of their own, and end in
-    a block that goes on."""
+    a block that goes on. before: the block that leads here"""
     yield f"  br label %{name}.test"
     yield f"{name}.test:"
-    yield f"  %{name} = phi i64 [ {first}, %0 ], [ %{name}.next, %{name}.after ]"
+    yield f"  %{name} = phi i64 [ {first}, {before} ], [ %{name}.next, %{name}.after ]"
     yield f"  %{name}.more = icmp ne i64 %{name}, {last}"
     yield f"  br i1 %{name}.more, label %{name}.do, label %{name}.done"
     yield f"{name}.do:"
@@ -154,10 +161,73 @@ def _loop(name: str, first: int, last: int, step: int, lines: list[str]) -> Iter
     yield f"{name}.done:"
 
 
+# Products
+
+TILE = 4
+"""Rows and columns of a product that are summed at a time: 16 sums in registers, for each pair of 8 numbers read."""
+
+
+def _product(name: str, product: Product, program: LongProgram, lanes: int) -> Iterator[str]:
+    """product(vectors): tile after tile, the last ones overlapping those before."""
+    left, right, to = (program.arrays[array] for array in (product.left, product.right, product.to))
+    rows, inner = len(program.inside), len(program.inside)
+    columns = right.width // inner
+    high, wide = min(TILE, rows), min(TILE, columns)
+    code, sums = VectorCode(lanes), VectorCode(lanes, "s")
+    i, j = (
+        code.let(f"call i64 @llvm.smin.i64(i64 %{at}, i64 {last})")
+        for at, last in (("row", rows - high), ("column", columns - wide))
+    )
+    reach = str(inner)
+    if product.triangular:
+        reach = code.let(f"add i64 {code.let(f'call i64 @llvm.smin.i64(i64 {i}, i64 {j})')}, {TILE}")
+        reach = code.let(f"call i64 @llvm.smin.i64(i64 {reach}, i64 {inner})")
+    code.do("br label %sum")
+
+    def at(piece: VectorCode, layout: Extent, row: str, column: str) -> str:
+        width = layout.width // inner
+        number = piece.let(f"add i64 {piece.let(f'mul i64 {row}, {width}')}, {column}")
+        first = piece.element("%vectors", layout.first * lanes)
+        return piece.let(f"getelementptr double, ptr {first}, i64 {piece.let(f'mul i64 {number}, {lanes}')}")
+
+    x, y = at(sums, left, "%k", i), at(sums, right, "%k", j)
+    xs = [sums.load(sums.vector, x, place * lanes) for place in range(high)]
+    ys = [sums.load(sums.vector, y, place * lanes) for place in range(wide)]
+    pairs = [(a, b) for a in range(high) for b in range(wide)]
+    found = [sums.call("fma", xs[a], ys[b], f"%sum{a}.{b}") for a, b in pairs]
+    done = VectorCode(lanes, "d")
+    for a in range(high):
+        row = at(done, to, done.let(f"add i64 {i}, {a}"), j)
+        for b in range(wide):
+            value = found[a * wide + b]
+            value = value if product.sign > 0 else done.let(f"fneg nsz {done.vector} {value}")
+            done.store(f"{done.vector} {value}", row, b * lanes)
+    body = [
+        *code.lines,
+        "sum:",
+        "  %k = phi i64 [ 0, %column.do ], [ %k.next, %sum ]",
+        *(
+            f"  %sum{a}.{b} = phi {code.vector} [ zeroinitializer, %column.do ], [ {value}, %sum ]"
+            for (a, b), value in zip(pairs, found, strict=True)
+        ),
+        *sums.lines,
+        "  %k.next = add i64 %k, 1",
+        f"  %k.more = icmp slt i64 %k.next, {reach}",
+        "  br i1 %k.more, label %sum, label %summed",
+        "summed:",
+        *done.lines,
+    ]
+    tiles = list(_loop("column", 0, columns + -columns % wide, wide, body, "%row.do"))
+    yield f"define internal void @{name}(ptr %vectors) {{"
+    yield from _loop("row", 0, rows + -rows % high, high, tiles)
+    yield "  ret void"
+    yield "}"
+
+
 # Steps
 
 
-def _columns(name: str, each: RecordedColumns, passes: list[str], program: LongProgram) -> Iterator[str]:
+def _columns(name: str, each: RecordedColumnPasses, passes: list[str], program: LongProgram) -> Iterator[str]:
     """The passes for one column after the other."""
     first, last = (program.frame_body, program.frame_body + 1) if each.of_frame else (0, len(program.inside))
     yield f"define internal void @{name}({SHARED}) {{"

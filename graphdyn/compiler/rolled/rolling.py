@@ -6,8 +6,9 @@ table, and what later steps need of a body is kept in memory of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from functools import partial
 from math import prod
 
 from graphdyn.compiler.programs import JOINT_ARRAYS, Request, for_joints_only, pivot_scales, reduced_links
@@ -15,15 +16,17 @@ from graphdyn.compiler.rolled.program import (
     CARRIED,
     MEMORY,
     BodyProgram,
-    Columns,
-    Layout,
+    ColumnPasses,
+    Extent,
     LongProgram,
     Pass,
     Place,
-    RecordedColumns,
+    Product,
+    Recorded,
+    RecordedColumnPasses,
     RecordedPass,
 )
-from graphdyn.compiler.rolled.recording import PER_BODY, Shared, pruned
+from graphdyn.compiler.rolled.recording import PER_BODY, Shared, with_needed
 from graphdyn.compiler.rolled.steps import bodies, derivatives, frames, matrices, regressors, sums
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.mechanism.mechanism import links
@@ -31,17 +34,22 @@ from graphdyn.scalars.expressions import Guard
 
 MOST_UNROLLED = {
     **dict.fromkeys((*bodies.PASSES, *sums.PASSES, *frames.PASSES), 24),
-    **dict.fromkeys(matrices.PASSES, 14),
+    "energy_regressor": 16,
+    **dict.fromkeys(matrices.PASSES, 12),
     **dict.fromkeys(derivatives.PASSES, 8),
+    "forward_dynamics_derivatives": 7,
+    "reaction_derivatives": 0,
     **dict.fromkeys(regressors.PASSES, 6),
+    "forward_dynamics_parameter_derivatives": 5,
 }
 """Bodies up to which straight-line code is compiled, by recursion. It leaves out what is zero for single bodies, and is
-up to twice as fast; but beyond, compiling it takes a second and more, and rolled code a tenth of that."""
+up to twice as fast; but beyond, compiling it takes more than half a second, and rolled code a tenth of a second. Rolled
+derivatives of reactions are faster for any robot."""
 
 MOST_UNROLLED_WITH_REACTIONS = 16
 """The same for inverse and forward dynamics of which more is asked than what the joints need."""
 
-PASSES: dict[str, tuple[Pass | Columns, ...]] = {
+PASSES: dict[str, tuple[Pass | ColumnPasses | Product, ...]] = {
     **bodies.PASSES,
     **matrices.PASSES,
     **derivatives.PASSES,
@@ -71,19 +79,13 @@ def most_unrolled(request: Request) -> int:
 def record_long(model: RobotModel, request: Request) -> LongProgram:
     chain = reduced_links(model) if for_joints_only(model, request) else links(model)
     shared = Shared(model, request, chain, pivot_scales(model), at_joint_1=request.recursion not in bodies.PASSES)
-    passes: list[RecordedPass | RecordedColumns] = []
-    for each in PASSES[request.recursion]:
-        if isinstance(each, Pass):
-            passes.append(shared.record(each))
-        else:
-            inner = tuple(shared.record(one, in_columns=True) for one in each.passes)
-            passes.append(RecordedColumns(inner, each.of_frame))
+    passes = [_recorded(shared, each) for each in PASSES[request.recursion]]
     outputs = {name: prod(shared.size(name)) for name in request.outputs}
     inputs = list(shared.recursion.inputs)
     inputs += ["external_wrenches"] * request.external + ["ground"] * request.moving_base
-    passes = _replaced(passes, pruned(list(_steps(passes)), set(outputs)))
-    passes, widths = _dense(passes, shared)
-    arrays, vectors = _layouts(shared, widths, {*inputs, *outputs, *_used(passes)})
+    passes = _pruned(passes, shared, set(outputs))
+    passes, widths = _dense(passes)
+    arrays, vectors = _extents(shared, widths, {*inputs, *outputs, *_answered(passes)})
     n = model.n_bodies
     guarded = any(step.program.guards for step in _steps(passes))
     pivots: tuple[Guard, ...] = ("minimum",) if guarded else ()
@@ -101,46 +103,71 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
     )
 
 
-def _steps(passes: Iterable[RecordedPass | RecordedColumns]) -> Iterable[BodyProgram]:
+def _recorded(shared: Shared, each: Pass | ColumnPasses | Product) -> Recorded:
+    if isinstance(each, Product):
+        return each
+    if isinstance(each, Pass):
+        return shared.record(each)
+    return RecordedColumnPasses(tuple(shared.record(one, in_columns=True) for one in each.passes), each.of_frame)
+
+
+def _steps(passes: Iterable[Recorded]) -> Iterator[BodyProgram]:
     for each in passes:
-        for one in each.passes if isinstance(each, RecordedColumns) else (each,):
-            yield from one.steps.values()
+        if not isinstance(each, Product):
+            for one in each.passes if isinstance(each, RecordedColumnPasses) else (each,):
+                yield from one.steps.values()
 
 
-def _replaced(
-    passes: Iterable[RecordedPass | RecordedColumns], steps: Iterable[BodyProgram]
-) -> list[RecordedPass | RecordedColumns]:
-    """The passes with other steps, in the order of _steps."""
-    pending = iter(steps)
+def _changed(passes: Iterable[Recorded], change: Callable[[BodyProgram], BodyProgram]) -> list[Recorded]:
+    """The passes with their steps changed."""
 
     def of_pass(one: RecordedPass) -> RecordedPass:
-        return RecordedPass(one.order, {kind: next(pending) for kind in one.steps})
+        return RecordedPass(one.order, {kind: change(step) for kind, step in one.steps.items()})
 
     return [
-        RecordedColumns(tuple(map(of_pass, each.passes)), each.of_frame)
-        if isinstance(each, RecordedColumns)
+        RecordedColumnPasses(tuple(map(of_pass, each.passes)), each.of_frame)
+        if isinstance(each, RecordedColumnPasses)
         else of_pass(each)
+        if isinstance(each, RecordedPass)
+        else each
         for each in passes
     ]
 
 
-def _used(passes: Iterable[RecordedPass | RecordedColumns]) -> set[str]:
-    """Arrays in between that steps still write."""
+def _pruned(passes: list[Recorded], shared: Shared, outputs: set[str]) -> list[Recorded]:
+    """The passes without what no answer needs, sums among them to which every body adds its own."""
+    needed: set[tuple[str, int]] = set()
+    while True:
+        shorter = _changed(passes, partial(with_needed, needed=frozenset(needed), outputs=outputs))
+        read = {place for step in _steps(shorter) for place in _read(step)}
+        for each in passes:
+            if isinstance(each, Product) and (each.to in outputs or (each.to, 0) in needed):
+                read |= {(name, column) for name in (each.left, each.right) for column in shared.part(name)}
+        if read <= needed:
+            return [each for each in shorter if not isinstance(each, Product) or (each.left, 0) in needed]
+        needed |= read
+
+
+def _read(step: BodyProgram) -> Iterator[tuple[str, int]]:
+    for kind, *given in step.program.operations:
+        if kind == "input":
+            yield given[0].array, given[1]
+
+
+def _answered(passes: Iterable[Recorded]) -> set[str]:
+    """Arrays that steps and products write."""
     written = {write.place.array for step in _steps(passes) for write in step.writes}
-    return written - {MEMORY, CARRIED}
+    return {*written, *(each.to for each in passes if isinstance(each, Product))} - {MEMORY, CARRIED}
 
 
-def _dense(
-    passes: list[RecordedPass | RecordedColumns], shared: Shared
-) -> tuple[list[RecordedPass | RecordedColumns], dict[str, int]]:
+def _dense(passes: list[Recorded]) -> tuple[list[Recorded], dict[str, int]]:
     """The passes with columns of memory that are used, one after the other; and how many these are."""
     used: dict[str, set[int]] = {MEMORY: set(), CARRIED: set()}
     for step in _steps(passes):
         for write in step.writes:
             used.get(write.place.array, set()).update(write.columns)
-        for kind, *given in step.program.operations:
-            if kind == "input":
-                used.get(given[0].array, set()).add(given[1])
+        for array, column in _read(step):
+            used.get(array, set()).add(column)
     new = {space: {column: k for k, column in enumerate(sorted(columns))} for space, columns in used.items()}
 
     def moved(place: Place, column: int) -> int:
@@ -157,16 +184,16 @@ def _dense(
         )
         return BodyProgram(replace(step.program, operations=operations), writes)
 
-    dense = _replaced(passes, [of_step(step) for step in _steps(passes)])
-    return dense, {space: len(columns) for space, columns in new.items()}
+    # an odd number of vectors, as powers of two would put all bodies in the same few sets of the caches
+    return _changed(passes, of_step), {space: len(columns) | 1 for space, columns in new.items()}
 
 
-def _layouts(shared: Shared, widths: dict[str, int], names: set[str]) -> tuple[dict[str, Layout], int]:
-    """Where the arrays are, and how many vectors they take. Memory has a block for each body and one for the ground."""
+def _extents(shared: Shared, widths: dict[str, int], names: set[str]) -> tuple[dict[str, Extent], int]:
+    """The extents of the arrays, and vectors in all. Memory has a block for each body and one for the ground."""
     n = shared.model.n_bodies
     arrays = {
-        MEMORY: Layout(0, (n + 1) * widths[MEMORY], (widths[MEMORY],)),
-        CARRIED: Layout((n + 1) * widths[MEMORY], widths[CARRIED], ()),
+        MEMORY: Extent(0, (n + 1) * widths[MEMORY], (widths[MEMORY],)),
+        CARRIED: Extent((n + 1) * widths[MEMORY], widths[CARRIED], ()),
     }
     first = arrays[CARRIED].first + arrays[CARRIED].width
     for name in sorted(names):
@@ -174,6 +201,6 @@ def _layouts(shared: Shared, widths: dict[str, int], names: set[str]) -> tuple[d
         strides = tuple(
             PER_BODY[size] * prod(sizes[k + 1 :]) for k, size in enumerate(shared.shape(name)) if isinstance(size, str)
         )
-        arrays[name] = Layout(first, prod(sizes), strides)
+        arrays[name] = Extent(first, prod(sizes), strides)
         first += prod(sizes)
     return arrays, first

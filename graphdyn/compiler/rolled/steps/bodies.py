@@ -30,7 +30,7 @@ from graphdyn.scalars.vectors import Scalars, scalars, symmetric, zeros
 
 
 def ground(x: BodyStep) -> None:
-    """Where the ground frame is and how it moves."""
+    """Place and motion of the ground frame."""
     for name in ("rotation", "omega", "alpha", "compensated"):
         x.keep(name, getattr(x.root, name))
     x.keep("gained", zeros(2, 3))
@@ -57,7 +57,7 @@ def _placed(x: BodyStep, acceleration: Any) -> None:
 
 
 def place_of(x: BodyStep) -> JointPlacement:
-    """From what the way out has kept."""
+    """The placement of the joint, of what the way out has kept."""
     if x.prismatic:
         return places([x.link], [x.joint("q")])[0]
     c, s = x.kept("turn")

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.compiler.rolled.program import Columns, Index, Pass
+from graphdyn.compiler.rolled.program import ColumnPasses, Index, Pass, Product
 from graphdyn.compiler.rolled.recording import BodyStep
-from graphdyn.compiler.rolled.steps.matrices import FORWARD, accelerations, inverse
+from graphdyn.compiler.rolled.steps.matrices import ACCELERATED, inverse
 from graphdyn.compiler.rolled.steps.world import BODIES, along, axis, gathered, ground, moving, per_rate, shifted
 from graphdyn.recursions.inverse import Wrench, added
 from graphdyn.recursions.motion import places
@@ -38,7 +38,7 @@ class Field:
 
 
 def _fields(x: BodyStep) -> dict[str, Field]:
-    """By a unit of q, v and a of the joint, with those of all other joints held."""
+    """What a unit of q, v and a of the joint adds, with those of all other joints held."""
     p, turned = axis(x), x.kept("turned_axis")
     omega, alpha = x.inside("omega"), x.inside("alpha")
     rolling = cross(alpha, p) + cross(omega, turned)
@@ -123,7 +123,7 @@ def _reactions(x: BodyStep, of: Callable[[str], Scalars], by: str, wrench: Any, 
 
 
 def _reacting(x: BodyStep) -> None:
-    """Of the column's joint by its own variables, and what is passed on to the joints inside."""
+    """Reactions of the column's joint by its own variables, and what is passed on to the joints inside."""
     for by, field in _fields(x).items():
         own = _taken(x.kept, field)
         turned = added(own, _follows(x)) if by == "q" else own
@@ -134,7 +134,7 @@ def _reacting(x: BodyStep) -> None:
 
 
 def _reacting_inside(x: BodyStep) -> None:
-    """Of a joint inside by the column's, and of the column's by that joint."""
+    """Reactions of a joint inside by the variables of the column's, and of the column's by those of that joint."""
     arm, change, (force, _) = x.carried("arm"), x.carried("change"), x.column("wrench")
     for by, field in _fields(x).items():
         passed = x.carried(f"by_{by}")
@@ -148,23 +148,23 @@ def _reacting_inside(x: BodyStep) -> None:
     x.carry("change", change + x.kept("change"))
 
 
-_DERIVATIVES = Columns((Pass("column", _disturbed), Pass("path", _changed)))
+_DERIVATIVES = ColumnPasses((Pass("column", _disturbed), Pass("path", _changed)))
 
-PASSES: dict[str, tuple[Pass | Columns, ...]] = {
+PASSES: dict[str, tuple[Pass | ColumnPasses | Product, ...]] = {
     "inverse_dynamics_derivatives": (*BODIES, _DERIVATIVES),
-    "coriolis_matrix": (*BODIES, _DERIVATIVES, Columns((Pass("path", _coriolis),))),
+    "coriolis_matrix": (*BODIES, _DERIVATIVES, ColumnPasses((Pass("path", _coriolis),))),
     "reaction_derivatives": (
         Pass("ground", ground),
         Pass("outwards", _stated),
         Pass("inwards", gathered),
-        Columns((Pass("column", _reacting), Pass("beyond", _reacting_inside))),
+        ColumnPasses((Pass("column", _reacting), Pass("beyond", _reacting_inside))),
     ),
     "forward_dynamics_derivatives": (
-        *FORWARD,
+        *ACCELERATED,
         _DERIVATIVES,
         *inverse("da_dtau"),
-        *accelerations("dtau_dq", "da_dq"),
-        *accelerations("dtau_dv", "da_dv"),
+        Product("da_dtau", "dtau_dq", "da_dq", sign=-1),
+        Product("da_dtau", "dtau_dv", "da_dv", sign=-1),
     ),
 }
 """Passes by recursion."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.compiler.rolled.program import Columns, Pass
+from graphdyn.compiler.rolled.program import ColumnPasses, Pass
 from graphdyn.compiler.rolled.recording import BodyStep
 from graphdyn.compiler.rolled.steps.world import axis, ground, moving
 from graphdyn.recursions.motion import BodyMotion
@@ -15,7 +15,7 @@ from graphdyn.scalars.vectors import Scalars, cross, scalars, zeros
 
 
 def _arm(x: BodyStep) -> Scalars:
-    """From the body's origin to the point that is spoken of, in world axes."""
+    """The point that is spoken of, from the body's origin, in world axes."""
     if x.frame.choice.reference == "world":
         return -x.kept("origin")
     arm: Scalars = x.kept("rotation") @ x.frame.translation
@@ -23,7 +23,7 @@ def _arm(x: BodyStep) -> Scalars:
 
 
 def _axes(x: BodyStep) -> Scalars:
-    """From world axes to those of the reference."""
+    """The rotation from world axes to those of the reference."""
     if x.frame.choice.reference != "local":
         return scalars(np.eye(3))
     axes: Scalars = (x.kept("rotation") @ x.frame.rotation).T
@@ -50,7 +50,7 @@ def _acceleration(x: BodyStep) -> None:
 
 
 def _started(x: BodyStep) -> None:
-    """From the origin of the body to the point, and how fast the point leaves it."""
+    """The point, from the origin of the body, and how fast it leaves that."""
     arm, omega = _arm(x), x.kept("omega")
     x.carry("arm", arm)
     x.carry("axes", _axes(x))
@@ -91,12 +91,12 @@ def _turned(x: BodyStep, linear: Scalars, angular: Scalars) -> list[Any]:
     return [*(axes @ linear), *(axes @ angular)]
 
 
-def _of_joints(step: Callable[[BodyStep], None]) -> tuple[Pass | Columns, ...]:
-    path = Columns((Pass("column", _started), Pass("path", step)), of_frame=True)
+def _of_joints(step: Callable[[BodyStep], None]) -> tuple[Pass | ColumnPasses, ...]:
+    path = ColumnPasses((Pass("column", _started), Pass("path", step)), of_frame=True)
     return Pass("ground", ground), Pass("outwards", moving), path
 
 
-PASSES: dict[str, tuple[Pass | Columns, ...]] = {
+PASSES: dict[str, tuple[Pass | ColumnPasses, ...]] = {
     "frame_jacobian": _of_joints(_column),
     "frame_jacobian_derivative": _of_joints(_rate),
     "frame_velocity": (Pass("ground", ground), Pass("outwards", moving), Pass("frame", _velocity)),

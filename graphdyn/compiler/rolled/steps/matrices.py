@@ -7,23 +7,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from graphdyn.compiler.rolled.program import Columns, Pass
+from graphdyn.compiler.rolled.program import ColumnPasses, Pass, Product
 from graphdyn.compiler.rolled.recording import BodyStep
 from graphdyn.compiler.rolled.steps import bodies
 from graphdyn.compiler.rolled.steps.bodies import entries, inertia_of, place_of
 from graphdyn.compiler.rolled.steps.world import (
     BODIES,
     along,
-    axis,
     ground,
     per_rate,
     placed,
     shifted,
 )
 from graphdyn.recursions.forward import Inertia, seen_through_joint
-from graphdyn.recursions.inverse import Wrench
 from graphdyn.recursions.motion import places
-from graphdyn.scalars.vectors import cross, zeros
+from graphdyn.scalars.vectors import zeros
 
 # Mass matrix: Featherstone, "Rigid Body Dynamics Algorithms", 2008, table 6.2
 
@@ -40,12 +38,13 @@ def _coupled(x: BodyStep) -> None:
     x.carry("momentum", shifted(momentum, x.kept("arm")))
 
 
-# M⁻¹ and what it multiplies: bodies are eliminated from the leaves to the ground, once for all columns; then the
-# torques of a column go inwards and the accelerations outwards. Featherstone, 2008, table 7.1, without velocities.
+# M⁻¹ = Yᵀ D⁻¹ Y. Y_kj is what joint k feels of a unit torque on joint j outside of it when all joints outside of k are
+# free to move. Bodies are eliminated from the leaves to the ground, once for all columns: Featherstone, 2008, table
+# 7.1, without velocities.
 
 
 def _free(x: BodyStep) -> None:
-    """Where the body is, and I^A of it alone, in joint axes."""
+    """Place of the body, and I^A of it alone, in joint axes."""
     (place,) = places([x.link], [x.joint("q")])
     x.keep("turn", [place.c, place.s])
     x.sum("inertia", entries(Inertia.of(x.link)))
@@ -66,79 +65,35 @@ def _in_world_axes(x: BodyStep) -> None:
     x.keep("world_U", [x.kept("rotation") @ part for part in x.kept("U")])
 
 
-def _passed_on(x: BodyStep, load: Any, u: Any) -> Wrench:
-    """What the inside body feels of a load on this one, with its joint free: p + U u / D."""
-    U, gain = x.kept("world_U"), x.kept("gain")[0] * u
-    return shifted((load[0] + U[0] * gain, load[1] + U[1] * gain), x.kept("arm"))
-
-
-def _released(x: BodyStep, u: Any, inside: Any) -> tuple[Any, Wrench]:
-    """The acceleration of the joint, and those of the body; inside: those of the inside body."""
-    linear, angular, U = inside[0] + cross(inside[1], x.kept("arm")), inside[1], x.kept("world_U")
-    a = x.kept("gain")[0] * (u - (U[0] @ linear + U[1] @ angular))
-    moves = axis(x) * a
-    return a, (linear + moves, angular) if x.prismatic else (linear, angular + moves)
-
-
-def _still(x: BodyStep) -> None:
-    x.keep("pushed", zeros(2, 3))
-
-
 def _pushed(x: BodyStep) -> None:
     """A unit torque on the joint of the column."""
-    x.keep("push", 1.0)
-    x.carry("load", _passed_on(x, (zeros(3), zeros(3)), 1.0))
+    _push(x, 1.0, (zeros(3), zeros(3)))
 
 
 def _pushed_back(x: BodyStep) -> None:
     load = x.carried("load")
-    u = -along(x, load)
-    x.keep("push", u)
-    x.carry("load", _passed_on(x, load, u))
+    _push(x, -along(x, load), load)
 
 
-def inverse(array: str) -> tuple[Pass | Columns, ...]:
+def _push(x: BodyStep, u: Any, load: Any) -> None:
+    """u: torque that moves the joint; the inside body feels the load and U u / D."""
+    U, gain = x.kept("world_U"), x.kept("gain")[0] * u
+    x.answer("pushes", u, "body", "column")
+    x.answer("released", gain, "body", "column")
+    x.carry("load", shifted((load[0] + U[0] * gain, load[1] + U[1] * gain), x.kept("arm")))
+
+
+def inverse(array: str) -> tuple[ColumnPasses, Product]:
     """M⁻¹, of eliminated bodies."""
-
-    def released(x: BodyStep) -> None:
-        a, moves = _released(x, x.kept("push"), x.inside("pushed"))
-        x.answer(array, a, "body", "column")
-        x.keep("pushed", moves)
-        x.keep("push", 0.0)  # for the next column
-
-    columns = Columns((Pass("column", _pushed), Pass("beyond", _pushed_back), Pass("outwards", released)))
-    return Pass("ground", _still), columns
+    columns = ColumnPasses((Pass("column", _pushed), Pass("beyond", _pushed_back)))
+    return columns, Product("pushes", "released", array, triangular=True)
 
 
-def accelerations(needed: str, array: str) -> tuple[Pass | Columns, ...]:
-    """-M⁻¹ times the torques that are needed, of eliminated bodies; the columns of one body are done together."""
-    load, push, moved = (f"{what}_{array}" for what in ("load", "push", "moved"))
-
-    def still(x: BodyStep) -> None:
-        (count,) = x.answered(needed, "body", "column").shape
-        x.sum(load, zeros(count, 2, 3))
-        x.keep(moved, zeros(count, 2, 3))
-
-    def pushed(x: BodyStep) -> None:
-        loads = x.kept(load)
-        us = [-(tau + along(x, one)) for tau, one in zip(x.answered(needed, "body", "column"), loads, strict=True)]
-        x.keep(push, us)
-        x.add(load, [_passed_on(x, one, u) for one, u in zip(loads, us, strict=True)])
-        x.sum(load, zeros(*loads.shape))  # for the next column
-
-    def released(x: BodyStep) -> None:
-        found = [_released(x, u, inside) for u, inside in zip(x.kept(push), x.inside(moved), strict=True)]
-        x.answer(array, [a for a, _ in found], "body", "column")
-        x.keep(moved, [moves for _, moves in found])
-
-    return Pass("ground", still), Columns((Pass("inwards", pushed), Pass("outwards", released)))
-
-
-FORWARD = (*bodies.FORWARD, *BODIES, Pass("outwards", _in_world_axes))
+ACCELERATED = (*bodies.FORWARD, *BODIES, Pass("outwards", _in_world_axes))
 """Forward dynamics, and the motion and the sums at the accelerations found."""
 
-PASSES: dict[str, tuple[Pass | Columns, ...]] = {
-    "mass_matrix": (*BODIES, Columns((Pass("column", _momentum), Pass("path", _coupled)))),
+PASSES: dict[str, tuple[Pass | ColumnPasses | Product, ...]] = {
+    "mass_matrix": (*BODIES, ColumnPasses((Pass("column", _momentum), Pass("path", _coupled)))),
     "mass_matrix_inverse": (
         Pass("ground", ground),
         Pass("outwards", _free),

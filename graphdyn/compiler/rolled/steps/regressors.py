@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from graphdyn.compiler.rolled.program import Columns, Pass
+from graphdyn.compiler.rolled.program import ColumnPasses, Pass, Product
 from graphdyn.compiler.rolled.recording import BodyStep
-from graphdyn.compiler.rolled.steps.matrices import FORWARD, accelerations
+from graphdyn.compiler.rolled.steps.matrices import ACCELERATED, inverse
 from graphdyn.compiler.rolled.steps.world import axis, ground, moved, moving
 from graphdyn.layout import ANGULAR, LINEAR
 from graphdyn.recursions.motion import BodyMotion
@@ -48,8 +48,8 @@ def _felt(array: str) -> Callable[[BodyStep], None]:
     return felt
 
 
-def _joint_torques(array: str) -> Columns:
-    return Columns((Pass("column", _taken), Pass("path", _felt(array))))
+def _joint_torques(array: str) -> ColumnPasses:
+    return ColumnPasses((Pass("column", _taken), Pass("path", _felt(array))))
 
 
 def _resting(x: BodyStep) -> None:
@@ -62,7 +62,7 @@ def _starting(x: BodyStep) -> None:
     moved(x, 0.0, x.joint("v"))
 
 
-PASSES: dict[str, tuple[Pass | Columns, ...]] = {
+PASSES: dict[str, tuple[Pass | ColumnPasses | Product, ...]] = {
     "body_regressor": (Pass("ground", ground), Pass("outwards", _of_body)),
     "joint_torque_regressor": (
         Pass("ground", ground),
@@ -71,9 +71,10 @@ PASSES: dict[str, tuple[Pass | Columns, ...]] = {
     ),
     "momentum_regressor": (Pass("ground", _resting), Pass("outwards", _starting), _joint_torques("momentum_regressor")),
     "forward_dynamics_parameter_derivatives": (
-        *FORWARD,
+        *ACCELERATED,
         _joint_torques("joint_torque_regressor"),
-        *accelerations("joint_torque_regressor", "forward_dynamics_parameter_derivatives"),
+        *inverse("mass_matrix_inverse"),
+        Product("mass_matrix_inverse", "joint_torque_regressor", "forward_dynamics_parameter_derivatives", sign=-1),
     ),
 }
 """Passes by recursion."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.compiler.rolled.program import Columns, Pass
+from graphdyn.compiler.rolled.program import ColumnPasses, Pass
 from graphdyn.compiler.rolled.recording import BodyStep
 from graphdyn.compiler.rolled.steps.world import BODIES, ground, moving, per_rate
 from graphdyn.recursions.momentum import of_parameters
@@ -87,7 +87,7 @@ def _of_bodies(step: Any) -> tuple[Pass, ...]:
     return Pass("ground", ground), Pass("outwards", step)
 
 
-PASSES: dict[str, tuple[Pass | Columns, ...]] = {
+PASSES: dict[str, tuple[Pass | ColumnPasses, ...]] = {
     "kinetic_energy": (Pass("ground", _no_energy), Pass("outwards", _kinetic), _energy("kinetic_energy")),
     "potential_energy": (Pass("ground", _no_energy), Pass("outwards", _potential), _energy("potential_energy")),
     "energy_regressor": _of_bodies(_per_parameter),

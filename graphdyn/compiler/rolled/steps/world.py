@@ -45,7 +45,7 @@ SUMS: dict[str, tuple[int, ...]] = {
 
 
 def placed(x: BodyStep) -> None:
-    """Where the body is: its joint axes, and the arm from the origin of the inside body."""
+    """Place of the body: its joint axes, and the arm from the origin of the inside body."""
     (place,) = places([x.link], [x.joint("q")])
     inside = x.inside("rotation")
     arm = inside @ place.translation
@@ -89,7 +89,7 @@ def at_arm(arm: Scalars) -> JointPlacement:
 
 
 def moving(x: BodyStep) -> None:
-    """Where the body is, how it moves, and what it adds to the sums."""
+    """Place and motion of the body, and what it adds to the sums."""
     moved(x, x.joint("v"), x.joint("a"))
     alone(x)
 
