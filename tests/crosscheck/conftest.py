@@ -9,17 +9,22 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pyarrow
 import pytest
 from faults.textbook import TextbookArm
+from identified.study_tables import study_tables
 from planting import PLANTED, Plant, compared, mixed_tree, remember_comparisons, remember_our_answers, with_body
+from pyarrow.parquet import write_table
 from urdf_text import joint, link, robot_text
 
 import crosscheck
 import urdf
 from crosscheck.commands import main
 from crosscheck.commands.program import console, own_process
+from crosscheck.commands.study.report import study_report
 from crosscheck.comparing import compare as comparing
 from crosscheck.paper import errata
+from crosscheck.report.html import page
 
 MY_CODE = """
 import graphdyn, urdf
@@ -145,6 +150,30 @@ def small_comparison(tmp_path_factory):
     path = tmp_path_factory.mktemp("robots") / "small.urdf"
     path.write_text(SMALL_ARM, encoding="utf-8")
     return compared(path)
+
+
+@pytest.fixture(scope="session")
+def study_folder(tmp_path_factory):
+    """Tables of a study of five runs."""
+    folder = tmp_path_factory.mktemp("study")
+    for name, rows in zip(("results", "scenarios", "times"), study_tables(5), strict=True):
+        write_table(pyarrow.Table.from_pylist(rows), folder / f"{name}.parquet")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def studied(study_folder):
+    """Its report."""
+    return study_report(
+        study_folder,
+        [("robot", "ur5: 6 joints")],
+        lambda scenario, run: ["graphdyn", "study", "--only", f"{scenario}:{run}"],
+    )
+
+
+@pytest.fixture(scope="session")
+def study_page(studied):
+    return page(studied, ["graphdyn", "study"], {"graphdyn": "1"})
 
 
 @pytest.fixture(scope="session")

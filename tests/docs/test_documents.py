@@ -65,7 +65,7 @@ def test_every_name_in_the_map_exists(name):
     pytest.fail(f"{name} does not exist")
 
 
-SLOW = ("identification.md", "closed_loop_identification.md")
+SLOW = ("identification.md", "closed_loop_identification.md", "excitation.md")
 """Documents whose blocks take seconds."""
 
 

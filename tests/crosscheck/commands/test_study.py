@@ -17,7 +17,6 @@ from shown.browser import CHROMIUM, document
 
 from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
 from crosscheck.commands.study.report import study_report
-from crosscheck.report.html import page
 from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from crosscheck.study.statistics.grid import grid_of
@@ -33,21 +32,18 @@ def repeat(scenario, run):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    made = tmp_path_factory.mktemp("study")
-    for name, rows in zip(("results", "scenarios", "times"), study_tables(RUNS), strict=True):
-        write_table(pyarrow.Table.from_pylist(rows), made / f"{name}.parquet")
-    return made
+def folder(study_folder):
+    return study_folder
 
 
 @pytest.fixture(scope="module")
-def report(folder):
-    return study_report(folder, [("robot", "ur5: 6 joints")], repeat)
+def report(studied):
+    return studied
 
 
 @pytest.fixture(scope="module")
-def written(report):
-    return page(report, ["graphdyn", "study"], {"graphdyn": "1"})
+def written(study_page):
+    return study_page
 
 
 @pytest.fixture(scope="module")

@@ -3,15 +3,12 @@
 import re
 
 import numpy as np
-import pyarrow
 import pytest
 from identified.study_tables import METHODS, NOISES, TRUTH, study_tables
-from pyarrow.parquet import write_table
 from scipy import stats
 from shown.approved import approve_record, approve_report
 from shown.blocks import blocks, cells, tables
 
-from crosscheck.commands.study.report import study_report
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.records.record import plain
 from crosscheck.report.report import Picture
@@ -104,11 +101,8 @@ def rows():
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("study")
-    for name, rows in zip(("results", "scenarios", "times"), study_tables(RUNS), strict=True):
-        write_table(pyarrow.Table.from_pylist(rows), folder / f"{name}.parquet")
-    return study_report(folder, [("robot", "ur5: 6 joints")], lambda scenario, run: ["graphdyn", "study"])
+def report(studied):
+    return studied
 
 
 @pytest.fixture(scope="module")
@@ -348,6 +342,6 @@ def test_tables_of_runs(rows, report):
                 assert said[7:] == [time_text(row["seconds"]), row["reason"] or ""]
 
 
-def test_whole(report, record):
+def test_whole(report, record, study_page):
     approve_record("study", record, without=("versions",))
-    approve_report("study", report)
+    approve_report("study", report, told=study_page)

@@ -35,6 +35,7 @@ SPREAD = CASES[::16]
 """Some of each group; all of them are the long check of docs/contributing.md."""
 
 QUICK = SPREAD[::2]
+"""Half of them, which the tests of every change have."""
 
 ALIKE = 1e-12
 """Two recursions: some hundred roundings each."""
@@ -54,9 +55,7 @@ def short_arm(short):
     return TextbookArm.of(short)
 
 
-@pytest.mark.parametrize(
-    "case", few(SPREAD, *(case for case in QUICK if case.name not in ("any", "fingers held together"))), ids=str
-)
+@pytest.mark.parametrize("case", few(SPREAD, *QUICK), ids=str)
 def test_cases(case):
     if case.robot in ("vx300s", "kr210"):
         existing(Path(ROBOTS[case.robot]))

@@ -1,5 +1,6 @@
 """The dense 11n equations are the specification; the fast forms, batches and round trips agree with them."""
 
+import functools
 from math import fsum
 
 import numpy as np
@@ -127,6 +128,13 @@ def test_weight_of_a_load_is_an_external_wrench(robot, rng, method):
         assert relative_error(pushed.multipliers, loaded.multipliers, size) < SUM
 
 
+@functools.cache
+def link_jacobians(model):
+    """At the state of the test below, which asks several methods."""
+    q, *_ = random_state(model, 53)
+    return [link_jacobian(model, q, name) for name in model.body_names]
+
+
 def link_jacobian(model, q, name):
     """Twist of a link frame at its origin, in its own axes (6, n), by differences of its pose."""
     rotation, _ = graphdyn.frame_placement(model, q, name)
@@ -145,9 +153,7 @@ def test_external_wrenches_reach_the_joints_through_the_transposed_jacobian(robo
     wrenches = random_wrenches(robot, 54)
     free = graphdyn.inverse_dynamics(robot, q, v, a)
     pushed = graphdyn.inverse_dynamics(robot, q, v, a, wrenches)
-    carried = sum(
-        link_jacobian(robot, q, name).T @ wrench for name, wrench in zip(robot.body_names, wrenches, strict=True)
-    )
+    carried = sum(j.T @ wrench for j, wrench in zip(link_jacobians(robot), wrenches, strict=True))
     assert relative_error(free.tau - pushed.tau, carried, free.joint_wrenches, pushed.joint_wrenches) < STATICS
 
 

@@ -86,7 +86,7 @@ def assert_same_placement(got: Placement, expected: Placement) -> None:
     assert_allclose(got.rotation, expected.rotation, rtol=0, atol=ROUNDING)
 
 
-@examples(60)
+@examples(40)
 @given(model=models())
 def test_round_trip(tmp_path_factory, model):
     again = reload(model, tmp_path_factory.mktemp("round_trip"))

@@ -85,8 +85,13 @@ class TestJudgment:
         first = ["".join(cell.itertext()) for cell in table.find("tbody")[0]]
         assert first[:3] == [tree.joint_names[i], str(j + 1), f"{matrix[i, j]:.9g}"]
 
-    @pytest.mark.parametrize("name", ["inverse_dynamics", "forward_dynamics", "mass_matrix", "joint_torque_regressor"])
-    @pytest.mark.parametrize("reverse", [False, True])
+    @pytest.mark.parametrize(
+        ("name", "reverse"),
+        [
+            ("inverse_dynamics", False), ("inverse_dynamics", True), ("forward_dynamics", True),
+            ("mass_matrix", True), ("joint_torque_regressor", True),
+        ],
+    )  # fmt: skip
     def test_snippet_gives_what_was_expected(self, small_comparison, name, reverse, capsys):
         """Arguments are in the foreign order, answers in that of the model."""
         order = small_comparison.model.joint_names[::-1] if reverse else small_comparison.model.joint_names
