@@ -1,14 +1,25 @@
-"""A rigid-body model as plain numbers, and the format `graphdyn export 1`."""
+"""A rigid-body model as plain numbers, the format `graphdyn export 1`; a folder of exported C, `graphdyn code 1`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from crosscheck.reference.subject import OfReading
-from crosscheck.report.records.record import Count, Index, Keywords, Record, Versions, Warnings, attribute, written
+from crosscheck.report.records.record import (
+    CommandRecord,
+    Count,
+    Index,
+    Keywords,
+    Record,
+    Versions,
+    Warnings,
+    attribute,
+    written,
+)
 from graphdyn import Body, Frame, Joint, RobotModel
+from graphdyn.export import CCode, ExportedFunction
 from urdf import Reading
 
 
@@ -105,3 +116,88 @@ class ExportRecord(Record, of=ExportedModel, only=("robot",), format="graphdyn e
 
 def record(model: ExportedModel) -> dict[str, Any]:
     return written(ExportRecord, model)
+
+
+class CodeArrayRecord(Record):
+    """An argument or a result of a function in C.
+
+    shape: whose numbers stand row by row; empty of one number
+    """
+
+    name: str
+    shape: Sequence[int]
+    unit: str
+
+
+class CodeFunctionRecord(Record):
+    """A function in C. It takes the number of joints, then its arguments, then room for its results.
+
+    name: that of graphdyn's verb
+    symbol: its name in C; that for rows of states ends in _batch
+    frame, reference: that it speaks of; null where it speaks of none
+    """
+
+    name: str
+    symbol: str
+    arguments: Sequence[CodeArrayRecord]
+    results: Sequence[CodeArrayRecord]
+    frame: str | None
+    reference: str | None
+
+
+class CodeRecord(CommandRecord, format="graphdyn code 1"):
+    """A folder of functions of one robot in C.
+
+    files: names of the other files in this folder
+    robot: as given
+    name: with which all names in C begin
+    precision: of all numbers
+    sines: sine and cosine of its own, or those of the C library
+    joint_names: the order of the joints
+    gravity: in world axes (3,) [m/s²]
+    """
+
+    files: Sequence[str]
+    robot: str
+    name: str
+    precision: Literal["double", "single"]
+    sines: Literal["own", "libm"]
+    joint_names: Sequence[str]
+    gravity: Sequence[float]
+    functions: Sequence[CodeFunctionRecord]
+
+
+def code_record(code: CCode, robot: str, command: Sequence[str]) -> dict[str, Any]:
+    """robot: as given"""
+    model = code.functions[0].model
+    return written(
+        CodeRecord,
+        command=command,
+        files=list(code.files),
+        robot=robot,
+        name=code.name,
+        precision=code.precision,
+        sines=code.sines,
+        joint_names=model.independent_joints,
+        gravity=model.gravity,
+        functions=[_function(code, function) for function in code.functions],
+    )
+
+
+def _function(code: CCode, function: ExportedFunction) -> dict[str, Any]:
+    arrays = [
+        [
+            written(CodeArrayRecord, name=name, shape=list(function.shape(name)), unit=spec.unit)
+            for name, spec in specs.items()
+        ]
+        for specs in (function.inputs, function.outputs)
+    ]
+    return written(
+        CodeFunctionRecord,
+        name=function.name,
+        symbol=f"{code.name}_{function.name}",
+        arguments=arrays[0],
+        results=arrays[1],
+        frame=function.frame and function.frame.name,
+        reference=function.frame and function.frame.reference,
+    )

@@ -11,15 +11,17 @@ import numpy as np
 import pytest
 from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
+from long_check import LONG
 from planting import mixed_tree
-from shared_data import REPOSITORY
+from shared_data import ARMS, REPOSITORY, existing
 
 import graphdyn
 import urdf
 from crosscheck.commands.export.languages import c_text, matlab_text
 from crosscheck.commands.export.record import ExportedModel, record
-from crosscheck.commands.program.exits import AGREED, BAD_INPUT
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.report.records.record import plain
+from graphdyn.export import c_code
 from graphdyn.model.spatial import rotation_about
 
 COMPILER = shutil.which("cc") or shutil.which("gcc")
@@ -200,3 +202,119 @@ class TestCommand:
         assert done.code == BAD_INPUT
         assert message in " ".join(done.err.replace("│", " ").split())
         assert not (tmp_path / name).exists()
+
+
+class TestCode:
+    """`graphdyn export --c`."""
+
+    def test_folder(self, program, small_arm, tmp_path):
+        """What is written can be built and tested; the table says what it is."""
+        options = ("--functions", "mass_matrix,frame_velocity", "--frame", "tool", "--reference", "local")
+        done = program("export", small_arm, "--c", tmp_path / "arm", *options, "--no-check", "--to", tmp_path / "arm.m")
+        assert done.code == AGREED
+        assert f"2 functions of {small_arm} in {tmp_path / 'arm'}" in " ".join(done.out.split())
+        assert (tmp_path / "arm.m").exists()
+        table = json.loads((tmp_path / "arm/code.json").read_text("utf-8"))
+        schema = json.loads((REPOSITORY / "docs/schemas/code-1.schema.json").read_text("utf-8"))
+        Draft202012Validator(schema).validate(table)
+        assert {path.name for path in (tmp_path / "arm").iterdir()} == {"code.json", *table["files"]}
+        model = urdf.load(small_arm, mimic="independent")
+        mass_matrix, velocity = table["functions"]
+        assert mass_matrix["results"] == [{"name": "mass_matrix", "shape": [model.nv] * 2, "unit": "kg m², kg m, kg"}]
+        assert [each["name"] for each in velocity["arguments"]] == ["q", "v"]
+        assert (velocity["frame"], velocity["reference"]) == ("tool", "local")
+        assert tuple(table["joint_names"]) == model.joint_names
+        header = (tmp_path / "arm" / f"{table['name']}.h").read_text("utf-8")
+        assert all(f"int {function['symbol']}(int n, " in header for function in table["functions"])
+        again = program("export", small_arm, "--c", tmp_path / "arm", "--functions", "gravity_torque", "--no-check")
+        assert again.code == AGREED
+        assert not list((tmp_path / "arm").glob("*mass_matrix*"))
+
+    @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler (cc or gcc) on this machine")
+    @pytest.mark.parametrize(
+        ("options", "judged"),
+        [
+            (("--functions", "inverse_dynamics", "--precision", "single"), ["inverse_dynamics", "multipliers", "joint_wrenches"]),
+            *(
+                pytest.param(options, judged, marks=LONG)
+                for options, judged in (
+                    (("--external-wrenches",), ["inverse_dynamics", "forward_dynamics", "mass_matrix"]),
+                    (("--functions", "joint_torques", "--moving-base"), []),
+                )
+            ),
+        ],
+    )
+    def test_check(self, program, small_arm, tmp_path, options, judged):
+        """Functions of doubles with one result are judged as they are, others through doubles and one result."""
+        done = program("export", small_arm, "--c", tmp_path / "arm", *options, "--check")
+        assert done.code == AGREED
+        assert "passed, largest error" in done.out
+        assert re.findall(r"^judged (\w+): agrees", done.out, re.MULTILINE) == judged
+        assert judged or "not judged: " in done.out
+
+    @LONG
+    @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler (cc or gcc) on this machine")
+    @pytest.mark.parametrize("robot", ["kr500", "ur5", "ur10", "kinova", "z1", "irb2400.urdf"])
+    def test_arms(self, program, tmp_path, robot):
+        path = existing(ARMS / robot) if robot.endswith(".urdf") else robot
+        done = program("export", path, "--c", tmp_path / "arm", "--check")
+        assert done.code == AGREED
+        assert re.findall(r"^judged (\w+): agrees", done.out, re.MULTILINE) == [
+            "inverse_dynamics",
+            "forward_dynamics",
+            "mass_matrix",
+        ]
+
+    @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler (cc or gcc) on this machine")
+    def test_wrong_code(self, program, small_arm, tmp_path, monkeypatch):
+        """Wrong code is noticed, and nothing is written."""
+        code = c_code(urdf.load(small_arm), ["gravity_torque"])
+        rows = f"{code.name}_gravity_torque_rows.h"
+        wrong = dataclasses.replace(code, files={**code.files, rows: code.files[rows].replace(" - ", " + ")})
+        monkeypatch.setattr("graphdyn.export.c_code", lambda *_arguments, **_keywords: wrong)
+        done = program("export", small_arm, "--c", tmp_path / "arm", "--functions", "gravity_torque")
+        assert done.code == DISAGREED
+        assert "FAILED" in done.out
+        assert re.search(r"^judged gravity_torque: DISAGREES", done.out, re.MULTILINE)
+        assert "the exported code is wrong" in " ".join(done.err.split())
+        assert not (tmp_path / "arm").exists()
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            ((), "nothing to write; give --to FILE for the model, --c FOLDER for functions in C, or both"),
+            (("--c", "arm", "--frame", "tool"), "--frame and --reference belong together; give both"),
+            (("--c", "arm", "--functions", "torque"), "there is no function 'torque' to export"),
+            (("--c", "arm", "--name", "int"), "'int' is no name for functions in C"),
+        ],
+    )
+    def test_refused(self, program, small_arm, tmp_path, monkeypatch, options, message):
+        monkeypatch.chdir(tmp_path)
+        done = program("export", small_arm, *options)
+        assert done.code == BAD_INPUT
+        assert message in " ".join(done.err.replace("│", " ").split())
+        assert not (tmp_path / "arm").exists()
+
+    def test_folder_of_others(self, program, small_arm, tmp_path):
+        (tmp_path / "arm").mkdir()
+        (tmp_path / "arm/thesis.tex").write_text("text")
+        done = program("export", small_arm, "--c", tmp_path / "arm")
+        assert done.code == BAD_INPUT
+        assert "thesis.tex" in done.err
+        assert [path.name for path in (tmp_path / "arm").iterdir()] == ["thesis.tex"]
+
+    def test_without_a_compiler(self, program, small_arm, tmp_path, monkeypatch):
+        monkeypatch.setenv("CC", "no-such-compiler")
+        options = ("export", small_arm, "--functions", "gravity_torque", "--c", tmp_path / "arm")
+        done = program(*options, "--check")
+        assert done.code == BAD_INPUT
+        assert "--check: there is no C compiler; install one, or name it in CC" in " ".join(
+            done.err.replace("│", " ").split()
+        )
+        done = program(*options)
+        assert done.code == AGREED
+        assert "not checked: there is no C compiler" in done.err
+        monkeypatch.setenv("CC", "false")
+        done = program(*options)
+        assert done.code == BAD_INPUT
+        assert "false does not compile the code: exit code 1; name another one in CC" in " ".join(done.err.split())
