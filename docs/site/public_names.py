@@ -18,6 +18,7 @@ FOR_USERS = {
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
     "graphdyn.identification.data_quality": "Data quality of recordings",
+    "graphdyn.export": "Code to take along",
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
     "crosscheck.identifying": "Options of an identification from files",

@@ -78,7 +78,7 @@ class ExportedFunction:
         return self.verb.name
 
     def shape(self, array: str) -> tuple[int, ...]:
-        """Of an input or output."""
+        """Shape of an input or output."""
         return {**self.inputs, **self.outputs}[array].shape_for(self.model)
 
     def size(self, array: str) -> int:

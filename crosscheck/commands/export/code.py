@@ -31,7 +31,7 @@ ALL = "all"
 
 
 @dataclass(frozen=True, kw_only=True)
-class CodeOptions(ReadingOptions):
+class FunctionCodeOptions(ReadingOptions):
     """Which functions, and how they are written."""
 
     PANEL: ClassVar[str] = "Functions in C (docs/export.md)"
@@ -90,14 +90,14 @@ class CodeOptions(ReadingOptions):
     mimic: MimicOption = "independent"
 
 
-def refuse_unfit(options: CodeOptions, folder: Path) -> None:
+def refuse_unfit(options: FunctionCodeOptions, folder: Path) -> None:
     """Raises typer.BadParameter for options and a folder that do not fit, before the work begins."""
     refuse_folder("--c", folder, TABLE)
     if (options.frame is None) != (options.reference is None):
         raise typer.BadParameter("--frame and --reference belong together; give both")
 
 
-def export_code(options: CodeOptions, folder: Path, model: RobotModel) -> None:
+def export_code(options: FunctionCodeOptions, folder: Path, model: RobotModel) -> None:
     """Write the folder; exits with code 1, and without it, where the check finds the code wrong."""
     from crosscheck.commands.export.record import code_record
 
@@ -114,7 +114,7 @@ def export_code(options: CodeOptions, folder: Path, model: RobotModel) -> None:
     out.print(f"{functions} of {options.robot} in {folder}, names begin with {code.name}_")
 
 
-def _code(options: CodeOptions, model: RobotModel) -> CCode:
+def _code(options: FunctionCodeOptions, model: RobotModel) -> CCode:
     from graphdyn.export import USUAL_FUNCTIONS, ExportChoices, c_code, exportable
 
     choices = ExportChoices(
@@ -126,7 +126,7 @@ def _code(options: CodeOptions, model: RobotModel) -> CCode:
     return c_code(model, chosen, choices, name=options.name, precision=options.precision, sines=options.sines)
 
 
-def _checked(options: CodeOptions, code: CCode) -> CheckedCode | None:
+def _checked(options: FunctionCodeOptions, code: CCode) -> CheckedCode | None:
     """None where nothing is checked. Raises typer.BadParameter for --check without a compiler."""
     if options.check is False:
         return None
@@ -142,7 +142,7 @@ def _checked(options: CodeOptions, code: CCode) -> CheckedCode | None:
         return check_code(code, compiler, _setting(options), lambda what: advance(what, 1))
 
 
-def _setting(options: CodeOptions) -> Setting:
+def _setting(options: FunctionCodeOptions) -> Setting:
     from crosscheck.judging.setting import Setting
 
     setting = Setting(

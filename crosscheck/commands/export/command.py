@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from crosscheck.commands.export.code import CodeOptions, export_code, refuse_unfit
+from crosscheck.commands.export.code import FunctionCodeOptions, export_code, refuse_unfit
 from crosscheck.commands.program.console import warn, warnings_shown
 from crosscheck.commands.program.delivery import json_content
 from crosscheck.commands.program.options import EXAMPLES
@@ -27,7 +27,7 @@ EXPORT_SUFFIXES = (".json", ".c", ".h", ".m")
 
 
 @dataclass(frozen=True, kw_only=True)
-class ExportOptions(CodeOptions):
+class ExportOptions(FunctionCodeOptions):
     """What `graphdyn export` is asked for."""
 
     to: Annotated[

@@ -121,7 +121,9 @@ def record(model: ExportedModel) -> dict[str, Any]:
 class CodeArrayRecord(Record):
     """An argument or a result of a function in C.
 
+    name: of the argument or result
     shape: whose numbers stand row by row; empty of one number
+    unit: of its numbers; the second one, after "or", is that of prismatic joints
     """
 
     name: str
@@ -134,6 +136,8 @@ class CodeFunctionRecord(Record):
 
     name: that of graphdyn's verb
     symbol: its name in C; that for rows of states ends in _batch
+    arguments: what it reads, in this order
+    results: what it writes, in this order
     frame, reference: that it speaks of; null where it speaks of none
     """
 
@@ -155,6 +159,7 @@ class CodeRecord(CommandRecord, format="graphdyn code 1"):
     sines: sine and cosine of its own, or those of the C library
     joint_names: the order of the joints
     gravity: in world axes (3,) [m/s²]
+    functions: what the files compute
     """
 
     files: Sequence[str]

@@ -27,8 +27,8 @@ FLAGS = ("-std=c99", "-O2", "-fPIC")
 COMPILERS = ("cc", "gcc", "clang")
 """Looked for in this order where the environment variable CC names none."""
 
-TIME_LIMIT = 30.0
-"""Of each answer [s], the start of the process included."""
+ANSWER_TIME_LIMIT = 30.0
+"""Time for each answer of a judged function, the start of its process included [s]."""
 
 JUDGED_AS = {
     "tau": "inverse_dynamics",
@@ -131,14 +131,14 @@ def _judgment(
     _compile(compiler, ["-shared", "judged.c", *sources, "-o", str(library), "-lm"], folder)
     with ExitStack() as ended:
         functions = {
-            name: ended.enter_context(library_function(library, _symbol(code, name, function), TIME_LIMIT))
+            name: ended.enter_context(library_function(library, _symbol(code, name, function), ANSWER_TIME_LIMIT))
             for name, (function, _) in judged.items()
         }
         return judge_functions(functions, replace(setting, precision=code.precision), progress)
 
 
 def _judged(code: CCode, loaded: bool) -> Iterator[tuple[str, tuple[ExportedFunction, str]]]:
-    """By the name under which it is judged, an exported function that takes the same arguments, and its result."""
+    """Yield names of judged functions, each with the exported function of the same arguments and its result."""
     for function in code.functions:
         for output in function.outputs:
             name = JUDGED_AS.get(output, output)

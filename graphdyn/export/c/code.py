@@ -18,7 +18,7 @@ from graphdyn.export.functions import AS_THEY_ARE, ExportChoices, ExportedFuncti
 from graphdyn.model.robot_model import RobotModel
 
 USUAL_FUNCTIONS = ("joint_torques", "joint_accelerations", "mass_matrix", "solve_kkt")
-"""Those that are exported where none are named."""
+"""The functions that are exported where none are named."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 Precision = Literal["double", "single"]
-"""Of the arguments, the results and all that is between."""
+"""The kind of all numbers: of the arguments, the results and what is between."""
 
 Sines = Literal["own", "libm"]
 """Sine and cosine: in vector instructions, for angles up to 1e6 rad; or those of the C library."""
@@ -24,7 +24,7 @@ class Dialect:
 
     @property
     def upper(self) -> str:
-        """With which the names of constants begin."""
+        """What the names of constants begin with."""
         return self.name.upper()
 
     @property

@@ -14,7 +14,7 @@ from graphdyn.recursions.declarations import ArraySpec
 
 LINE = 110
 
-MEANINGS = {
+ARRAY_MEANINGS = {
     "external_wrenches": "force and moment on each body at the origin of its link, in link axes",
     "base_rotation": "to world axes; the ground frame stands on the moving base",
     "base_translation": "in world axes",
@@ -150,7 +150,7 @@ def _description(function: ExportedFunction) -> Iterator[str]:
         yield f"  frame {comment_text(frame.name)}, reference {frame.reference}{kind}"
     arrays = {**function.inputs, **function.outputs}
     yield from _table(
-        (name, _shape(function.shape(name)), _unit(spec), MEANINGS.get(name, "")) for name, spec in arrays.items()
+        (name, _shape(function.shape(name)), _unit(spec), ARRAY_MEANINGS.get(name, "")) for name, spec in arrays.items()
     )
 
 

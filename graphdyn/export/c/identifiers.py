@@ -22,7 +22,7 @@ tgmath threads time uchar wchar wctype
 RESERVED = frozenset(_RESERVED_WORDS.split())
 """Keywords of C and C++, macros of common compilers, headers of C, and what C++ and CMake keep for themselves."""
 
-NAME = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*")
+IDENTIFIER = re.compile(r"[A-Za-z](?:_?[A-Za-z0-9])*")
 """Identifiers that neither C nor C++ reserves: no underscore at an end, nor two in a row."""
 
 
@@ -35,7 +35,7 @@ def prefix_of(robot: str) -> str:
 
 def checked_prefix(name: str) -> str:
     """The name itself. Raises InvalidInput for one that C, C++ or CMake does not take."""
-    if not NAME.fullmatch(name) or name in RESERVED:
+    if not IDENTIFIER.fullmatch(name) or name in RESERVED:
         raise InvalidInput(
             f"'{name}' is no name for functions in C; begin with a letter, use letters and digits with single _ "
             "between them, and no keyword"

@@ -234,11 +234,12 @@ class TestCode:
     @pytest.mark.parametrize(
         ("options", "judged"),
         [
-            (("--functions", "inverse_dynamics", "--precision", "single"), ["inverse_dynamics", "multipliers", "joint_wrenches"]),
+            (("--functions", "momentum", "--precision", "single"), ["momentum"]),
             *(
                 pytest.param(options, judged, marks=LONG)
                 for options, judged in (
                     (("--external-wrenches",), ["inverse_dynamics", "forward_dynamics", "mass_matrix"]),
+                    (("--functions", "inverse_dynamics"), ["inverse_dynamics", "multipliers", "joint_wrenches"]),
                     (("--functions", "joint_torques", "--moving-base"), []),
                 )
             ),
@@ -254,7 +255,7 @@ class TestCode:
 
     @LONG
     @pytest.mark.skipif(COMPILER is None, reason="there is no C compiler (cc or gcc) on this machine")
-    @pytest.mark.parametrize("robot", ["kr500", "ur5", "ur10", "kinova", "z1", "irb2400.urdf"])
+    @pytest.mark.parametrize("robot", ["kr500", "ur5", "ur10", "kinova", "z1", "kr210_r2700_2.urdf"])
     def test_arms(self, program, tmp_path, robot):
         path = existing(ARMS / robot) if robot.endswith(".urdf") else robot
         done = program("export", path, "--c", tmp_path / "arm", "--check")
