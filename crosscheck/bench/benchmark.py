@@ -136,6 +136,12 @@ def benchmark(
     check_counts(samples, seed)
     if threads is not None and threads < 1:
         raise InvalidInput(f"threads is {threads!r}; give a number from 1, or None for all cores")
+    if model.couplings:
+        coupled = ", ".join(coupling.joint for coupling in model.couplings)
+        raise InvalidInput(
+            f"robot '{robot}': {coupled} is coupled, and the functions of Pinocchio that are measured take independent "
+            "joints; read it with --mimic independent or --mimic locked (urdf.Reading(mimic=…))"
+        )
     effort = QUICK_EFFORT if quick else FULL_EFFORT
     counts = thread_numbers(cores() if threads is None else threads)
     compared = (1, counts[-1]) if counts[-1] > 1 else (1,)

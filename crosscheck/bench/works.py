@@ -79,9 +79,8 @@ WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
 
 
 def works_of(states: States) -> list[str]:
-    """Their names; couplings and loops are not simulated."""
-    tree = not (states.model.couplings or states.model.chords)
-    return [name for name in WORK_DESCRIPTIONS if tree or name != simulations.SIMULATION_NAME]
+    """Their names; loops are not simulated."""
+    return [name for name in WORK_DESCRIPTIONS if not states.model.chords or name != simulations.SIMULATION_NAME]
 
 
 def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Work:

@@ -15,7 +15,7 @@ from crosscheck.commands.program.reading_options import ReadingOptions
 
 EPILOG = f"""{EXAMPLES}  graphdyn bench --quick --samples 1000 --threads 1
   graphdyn bench
-  graphdyn bench --robot panda --samples 10000 --threads 1
+  graphdyn bench --robot panda --mimic independent --samples 10000 --threads 1
   graphdyn bench --native --quick
   graphdyn bench --json bench.json --html bench.html
 """

@@ -38,6 +38,12 @@ class TestRefusals:
         assert done.exit_code == 2
         assert "ur55" in done.output
 
+    def test_coupled_joints(self):
+        done = CliRunner().invoke(app, ["bench", "--robot", "panda", "--quick", "--samples", "2"])
+        assert done.exit_code == 2
+        assert "robot 'panda': panda_finger_joint2 is coupled, and the functions of Pinocchio" in done.output
+        assert "read it with --mimic independent or --mimic locked" in " ".join(done.output.split())
+
     def test_folder_does_not_exist(self, tmp_path):
         done = CliRunner().invoke(app, ["bench", "--json", str(tmp_path / "no" / "bench.json")])
         assert done.exit_code == 2
