@@ -100,15 +100,20 @@ def _least_squares(columns: Array, target: Array, noise: float) -> Array:
     return solution
 
 
+def effects(family: CodeFault, numbers: Array, base: DynamicsCode, observation: Observation) -> Array:
+    """The largest change of an entry if each of the numbers is put right alone (p,)."""
+    here = observation.residuals([family.change(base, numbers)])
+    alone = [np.where(place, family.right, numbers) for place in np.eye(len(numbers), dtype=bool)]
+    largest: Array = np.abs(observation.residuals([family.change(base, x) for x in alone]) - here).max(axis=(1, 2))
+    return largest
+
+
 def sparse(found: Fitted, base: DynamicsCode, observation: Observation, noise: float, bound: float) -> Fitted:
     """The fit with every number at its right value whose effect is below the bound, if that fits too."""
     if len(found.numbers) == 1 or found.left > bound:
         return found
     right = found.family.right
-    here = observation.residuals([found.family.change(base, found.numbers)])
-    alone = [np.where(place, right, found.numbers) for place in np.eye(len(right), dtype=bool)]
-    effect = np.abs(observation.residuals([found.family.change(base, x) for x in alone]) - here).max(axis=(1, 2))
-    kept = np.flatnonzero(effect > bound)
+    kept = np.flatnonzero(effects(found.family, found.numbers, base, observation) > bound)
     if len(kept) == len(right):
         return found
 

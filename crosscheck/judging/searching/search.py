@@ -12,7 +12,7 @@ from crosscheck.judging.faults.catalog import families, faults, limits, smooth_f
 from crosscheck.judging.faults.fault import FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
-from crosscheck.judging.searching.fitting import fitted, root_mean_square, sparse
+from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
@@ -140,6 +140,18 @@ class Search:
             found += self._refitted(self.alone(first)[:N_SECOND_FAULTS])
             smallest = min((x.size for x in found if self.holds(x)), default=np.inf)
         return found
+
+    def without_idle_numbers(self, explanation: Explanation) -> Explanation:
+        """One fault with those of its numbers put right whose effects are below the bound: rounding of a fit to what it
+        does not explain. The same where it would explain fewer parts."""
+        ((fault, numbers),) = explanation.elements
+        if not len(numbers):
+            return explanation
+        idle = effects(fault, numbers, self.own, self.experiments) <= self.bound
+        fewer = np.where(idle, fault.right, numbers)
+        (found,) = self._measured([(((fault, fewer),), fault.change(self.own, fewer))], self.experiments)
+        broken = any(found.by_part[part] > self.bound >= size for part, size in explanation.by_part.items())
+        return explanation if broken else found
 
     def nothing(self) -> Explanation:
         """The code without fault."""

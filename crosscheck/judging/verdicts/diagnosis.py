@@ -222,7 +222,7 @@ def unexplained(
         if not mending:
             continue
         explained.add(part)
-        explanation, *others = sorted(mending, key=preference)
+        explanation, *others = sorted(map(search.without_idle_numbers, mending), key=preference)
         also = [said.message for x in others if x.size == explanation.size for said in x.said]
         left = float(np.abs(search.all_rows.residuals([explanation.code])).max())
         diagnoses += [

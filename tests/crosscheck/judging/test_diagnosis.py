@@ -133,6 +133,18 @@ class TestStandings:
         assert "moving at a = 0, gravity subtracted" in rest.message
         assert part.explains > 1e-3
 
+    def test_a_part_has_the_numbers_alone_that_explain_it(self, short, short_arm):
+        """The other entries of the matrix are rounding of a fit to what it does not explain."""
+        rotors = np.array([[0, 0, 0], [0, 0, 0.01], [0, 0.01, 0]])
+        part, rest = diagnoses(
+            lambda q, v, a: short_arm.inverse_dynamics(q, v, a) + rotors @ a + 0.3 * v**3 * np.sin(q), short
+        )
+        matrix = "a constant matrix, as of coupled rotors, is added to the mass matrix"
+        assert (part.message, part.status) == (f"{matrix}: M[2, 3] + 0.01", "part")
+        assert [(number.name, number.ours) for number in part.numbers] == [("M[2, 3]", 0.0)]
+        assert part.numbers[0].theirs == pytest.approx(0.01, rel=1e-9)
+        assert rest.status == "unknown"
+
     def test_where_an_unknown_deviation_is(self, short, short_arm):
         (diagnosis,) = diagnoses(
             lambda q, v, a: short_arm.inverse_dynamics(q, v, a) + np.sin(3 * q) * (np.arange(3) == 2), short

@@ -14,7 +14,8 @@ from crosscheck.recordings import (
     load_recording,
     mapping_of,
 )
-from crosscheck.recordings.mapping.column_names import meaning
+from crosscheck.recordings.mapping.column_names import candidates, meaning
+from crosscheck.recordings.table import RecordedTable
 
 N = 20
 EPOCH = 1_700_000_000
@@ -300,3 +301,30 @@ def test_a_timetable_of_matlab(tmp_path):
     columns = {"Time": [f"{t:g} sec" for t in T], "q_1": SHOULDER, "q_2": ELBOW}
     recording = load_recording(write(tmp_path / "r.csv", columns))
     assert np.array_equal(recording.t, T)
+
+
+class ComparedName(str):
+    """A name that counts what it is compared with."""
+
+    __slots__ = ()
+    count = 0
+
+    def __eq__(self, other):
+        ComparedName.count += 1
+        return str.__eq__(self, other)
+
+    __hash__ = str.__hash__
+
+
+def test_names_of_joints_in_wide_tables_are_not_sought_column_by_column(tmp_path):
+    """Two comparisons for each column at most, of hundreds; the first of columns of one name gives the name."""
+    joints = 300
+    names = [f"/arm/{field}[{k}]" for field in ("name", "position") for k in range(joints)]
+    texts = {k: {0: f"joint {k}"} for k in range(joints)} | {2 * joints: {0: "another"}}
+    names = [ComparedName(name) for name in (*names, "/arm/name[7]")]
+    table = RecordedTable(tmp_path / "r.csv", tuple(names), np.zeros((1, len(names))), texts)
+    ComparedName.count = 0
+    (family,) = candidates(table, None)["q"].values()
+    assert ComparedName.count <= 2 * len(names)
+    assert list(family) == [f"joint {k}" for k in range(joints)]
+    assert [column.number for column in family.values()] == list(range(joints + 1, 2 * joints + 1))
