@@ -19,6 +19,8 @@ FOR_USERS = {
     "graphdyn.identification.terms": "Terms of the torque",
     "graphdyn.identification.data_quality": "Data quality of recordings",
     "graphdyn.export": "Code to take along",
+    "graphdyn.export.casadi": "Functions for CasADi",
+    "graphdyn.export.jax": "Functions for JAX",
     "urdf": "URDF files",
     "crosscheck": "Cross-check, judge, recordings, identification from files",
     "crosscheck.identifying": "Options of an identification from files",

@@ -13,8 +13,8 @@ from math import prod
 from typing import Any
 
 from graphdyn.errors import InvalidInput
-from graphdyn.export.functions import ExportChoices
-from graphdyn.export.recorded import ARITHMETIC, AS_THEY_ARE, recorded_function
+from graphdyn.export.functions import AS_THEY_ARE, ExportChoices
+from graphdyn.export.recorded import ARITHMETIC, recorded_function
 from graphdyn.model.robot_model import RobotModel
 
 __all__ = ["function"]
@@ -39,8 +39,7 @@ def function(model: RobotModel, name: str, choices: ExportChoices = AS_THEY_ARE)
     except ImportError:
         raise InvalidInput("the package casadi is not installed: pip install 'graphdyn[casadi]'") from None
     recorded = recorded_function(model, name, choices)
-    specs = {**recorded.inputs, **recorded.outputs}
-    shapes = {array: _matrix(spec.shape_for(model)) for array, spec in specs.items()}
+    shapes = {array: _matrix(recorded.shape(array)) for array in (*recorded.inputs, *recorded.outputs)}
     inputs = {array: casadi.SX.sym(array, *shapes[array]) for array in recorded.inputs}
     columns = {array: casadi.vec(matrix.T) for array, matrix in inputs.items()}  # row after row
     operations: dict[str, Callable[..., Any]] = {**ARITHMETIC, "sine": casadi.sin, "cosine": casadi.cos}

@@ -21,8 +21,6 @@ ARITHMETIC: dict[str, Callable[..., Any]] = {
 }
 """Recorded operations on the scalars of any library; sine and cosine are its own."""
 
-AS_THEY_ARE = ExportChoices()
-
 
 def recorded_function(model: RobotModel, name: str, choices: ExportChoices) -> ExportedFunction:
     """The function of this name, of a robot for which it has answers.
@@ -38,6 +36,6 @@ def recorded_function(model: RobotModel, name: str, choices: ExportChoices) -> E
 def _one_state(function: ExportedFunction) -> dict[str, Array]:
     """A state within the limits, without motion; the base stands where it is."""
     q, _ = function.model.random_state(np.random.default_rng(0), 1)
-    rest = {name: np.zeros((1, *spec.shape_for(function.model))) for name, spec in function.inputs.items()}
+    rest = {name: np.zeros((1, *function.shape(name))) for name in function.inputs}
     base = {"base_rotation": np.eye(3)[None]} if "base_rotation" in rest else {}
     return {**rest, **base, "q": q}

@@ -8,7 +8,8 @@ import pytest
 
 import graphdyn.export.casadi
 import graphdyn.export.jax
-from graphdyn.export.recorded import AS_THEY_ARE, recorded_function
+from graphdyn.export.functions import AS_THEY_ARE
+from graphdyn.export.recorded import recorded_function
 
 LIBRARIES = ("casadi", "jax")
 
@@ -29,8 +30,8 @@ def code(name, model, verb, choices=AS_THEY_ARE):
     def answers(*arrays):
         found = exported(*arrays)
         several = found if isinstance(found, tuple) else (found,)
-        shapes = {array: spec.shape_for(model) for array, spec in recorded.outputs.items()}
-        return {array: np.array(x).reshape(shape) for (array, shape), x in zip(shapes.items(), several, strict=True)}
+        named = zip(recorded.outputs, several, strict=True)
+        return {array: np.array(x).reshape(recorded.shape(array)) for array, x in named}
 
     return answers
 
