@@ -11,8 +11,11 @@ there as whole cache lines.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from graphdyn.compiler.llvm.columns import columns_to_rows
 from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, Carried, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, program_of
@@ -47,6 +50,13 @@ def _turns(part: Program, code: VectorCode, row: str) -> tuple[VectorCode, list[
 
 MIN_WIDE_COLUMNS = 16
 """Columns from which rows are assembled first: below, writing whole lines does not pay."""
+
+MIN_COLUMNS_IN_MEMORY = 128
+"""Columns of an array from which they are kept in memory as vectors, and turned into rows in a loop: code that writes
+each of them takes longer to compile than what is computed for it."""
+
+MIN_SHARE_OF_BLOCKS = 0.75
+"""Share of the columns in blocks of as many as lanes that must not be constant: the loop turns whole blocks."""
 
 # few: number by number. deliver, with bypass: numbers until the address is a multiple of a vector (head), vectors past
 # the caches (nontemporal, which asks for such addresses), numbers that are left (tail); without: plain copies.
@@ -131,7 +141,18 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
         width = program.inputs[name]
         return code.columns_of(code.rows_of(f"in.{name}", width), width)
 
-    values = code.values(program, columns, known_turns=turns)
+    in_memory, functions = _columns_in_memory(program, lanes), []
+    places: dict[int, list[int]] = {}
+    for name, column_place in in_memory.items():
+        for column, k in enumerate(program.outputs[name]):
+            if program.constant(k) is None:
+                places.setdefault(k, []).append(column_place + column * lanes)
+
+    def stored(number: int, values: Sequence[str]) -> None:
+        for place in places.get(number, ()):
+            code.store(f"{code.vector} {values[number]}", "%scratch", place)
+
+    values = code.values(program, columns, stored, known_turns=turns)
     first = 0
     for name, numbers in program.outputs.items():
         width = len(numbers)
@@ -139,11 +160,17 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
         # few columns go straight to their place; constants of wide rows are in %scratch from the beginning (scratch)
         if width < MIN_WIDE_COLUMNS:
             code.write_columns(to, width, {column: values[k] for column, k in enumerate(numbers)})
+            continue
+        block, first = code.element("%scratch", first), first + lanes * width
+        if name in in_memory:
+            changing = [column for column, k in enumerate(numbers) if program.constant(k) is None]
+            functions += columns_to_rows(f"rows_of.{name}", width, lanes, changing)
+            of = code.element("%scratch", in_memory[name])
+            code.do(f"call void @rows_of.{name}(ptr {block}, ptr {of})")
         else:
-            block, first = code.element("%scratch", first), first + lanes * width
-            changing = {column: values[k] for column, k in enumerate(numbers) if program.constant(k) is None}
-            code.write_columns(block, width, changing)
-            code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
+            named = {column: values[k] for column, k in enumerate(numbers) if program.constant(k) is None}
+            code.write_columns(block, width, named)
+        code.do(f"call void @deliver(ptr {to}, ptr {block}, i64 {width}, i1 %bypass)")
     seen = [
         code.guard(kind, [values[k] for k in program.guards.get(kind, ())], f"%guard.{kind}") for kind in GUARD_KINDS
     ]
@@ -154,20 +181,37 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
         [
             *code.declarations,
             _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
+            *functions,
             *loop_over_rows(code, header, seen, carried),
             *with_table(lanes, 2 + len(arrays)),
         ]
     )
 
 
+def _columns_in_memory(program: Program, lanes: int) -> dict[str, int]:
+    """Where in scratch the columns of those arrays begin that have too many to be written one by one."""
+    wide = {name: numbers for name, numbers in program.outputs.items() if len(numbers) >= MIN_WIDE_COLUMNS}
+    first, found = lanes * sum(map(len, wide.values())), {}
+    for name, numbers in wide.items():
+        changing = [column for column, k in enumerate(numbers) if program.constant(k) is None]
+        blocks = {column // lanes for column in changing}
+        if len(changing) >= max(MIN_COLUMNS_IN_MEMORY, MIN_SHARE_OF_BLOCKS * lanes * len(blocks)):
+            found[name], first = first, first + lanes * len(numbers)
+    return found
+
+
 def scratch(program: Program, lanes: int) -> Array:
-    """Rows of wide arrays, one array after the other, with their constant columns."""
+    """Rows of wide arrays, one array after the other, with their constant columns; then columns of those with many."""
     rows = [
         np.tile([program.constant(k) or 0.0 for k in numbers], lanes)
         for numbers in program.outputs.values()
         if len(numbers) >= MIN_WIDE_COLUMNS
     ]
-    return np.concatenate([np.empty(0), *rows])
+    columns = [
+        np.repeat([program.constant(k) or 0.0 for k in program.outputs[name]], lanes)
+        for name in _columns_in_memory(program, lanes)
+    ]
+    return np.concatenate([np.empty(0), *rows, *columns])
 
 
 def with_table(lanes: int, count: int) -> list[str]:

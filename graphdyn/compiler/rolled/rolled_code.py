@@ -7,10 +7,11 @@ last one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
+from graphdyn.compiler.llvm.columns import columns_to_rows, loop_over, rows_to_columns
 from graphdyn.compiler.llvm.emitter import with_table
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, GUARD_KINDS, VectorCode, loop_over_rows
@@ -39,7 +40,8 @@ def emit_long(program: LongProgram, lanes: int) -> str:
     code.do(f"%vectors = getelementptr double, ptr %scratch, i64 {program.table.shape[0] * _row(program)}")
     functions: list[str] = []
     for name, width in program.inputs.items():
-        functions += _fetch(name, width, lanes)
+        guards: tuple[Guard, ...] = ("finite", "squares") if name == "q" else ("finite",)
+        functions += rows_to_columns(f"fetch_{name}", width, lanes, guards)
         to = code.element("%vectors", program.arrays[name].first * lanes)
         code.do(f"call void @fetch_{name}(ptr {code.rows_of(name, width)}, ptr {to}, ptr %guards)")
     for number, each in enumerate(program.passes):
@@ -57,7 +59,7 @@ def emit_long(program: LongProgram, lanes: int) -> str:
         else:
             code.do(f"call void @{names[0]}({SHARED}, i64 0)")
     for name, columns in program.outputs.items():
-        functions += _deliver(name, len(columns), lanes)
+        functions += columns_to_rows(f"deliver_{name}", len(columns), lanes)
         of = code.element("%vectors", program.arrays[name].first * lanes)
         code.do(f"call void @deliver_{name}(ptr {code.rows_of(name, len(columns))}, ptr {of})")
     names = [*program.inputs, *program.outputs]
@@ -83,82 +85,6 @@ def _row(program: LongProgram) -> int:
 
 def _table(name: str, values: tuple[int, ...]) -> str:
     return f"@{name} = internal constant [{len(values)} x i64] [{', '.join(f'i64 {value}' for value in values)}]"
-
-
-# Rows and columns
-
-
-def _fetch(name: str, width: int, lanes: int) -> list[str]:
-    """fetch(rows, to, guards): rows become vectors. Guards see every number, and squares of positions."""
-    kinds: tuple[Guard, ...] = ("finite", "squares") if name == "q" else ("finite",)
-
-    def block(code: VectorCode, rows: str, to: str, count: int) -> None:
-        if count == lanes:
-            columns = code.transposed([code.load(code.vector, rows, lane * width) for lane in range(lanes)])
-        else:
-            columns = code.columns_of(rows, count, width)
-        for k, column in enumerate(columns):
-            code.store(f"{code.vector} {column}", to, k * lanes)
-        for kind in kinds:
-            place = GUARD_KINDS.index(kind) * lanes
-            seen = code.guard(kind, columns, code.load(code.vector, "%guards", place))
-            code.store(f"{code.vector} {seen}", "%guards", place)
-
-    header = f"define internal void @fetch_{name}(ptr noalias %rows, ptr noalias %columns, ptr %guards)"
-    return _in_blocks(header, width, lanes, block)
-
-
-def _deliver(name: str, width: int, lanes: int) -> list[str]:
-    """deliver(rows, of): vectors become rows."""
-
-    def block(code: VectorCode, rows: str, of: str, count: int) -> None:
-        columns = [code.load(code.vector, of, k * lanes) for k in range(count)]
-        if count == lanes:
-            for lane, row in enumerate(code.transposed(columns)):
-                code.store(f"{code.vector} {row}", rows, lane * width)
-        else:
-            code.write_columns(rows, width, dict(enumerate(columns)))
-
-    return _in_blocks(
-        f"define internal void @deliver_{name}(ptr noalias %rows, ptr noalias %columns)", width, lanes, block
-    )
-
-
-def _in_blocks(header: str, width: int, lanes: int, block: Callable[[VectorCode, str, str, int], None]) -> list[str]:
-    """A function that does as many columns at a time as lanes, and those that are left."""
-    whole = width // lanes
-    loop, rest = VectorCode(lanes), VectorCode(lanes, "r")
-    rows = loop.let("getelementptr double, ptr %rows, i64 %column")
-    columns = loop.let(f"getelementptr double, ptr %columns, i64 {loop.let(f'mul i64 %column, {lanes}')}")
-    if whole:
-        block(loop, rows, columns, lanes)
-    if width % lanes:
-        first = whole * lanes
-        block(rest, rest.element("%rows", first), rest.element("%columns", first * lanes), width % lanes)
-    return [
-        f"{header} {ALIGNED_STACK} {{",
-        *_loop("column", 0, whole * lanes, lanes, loop.lines if whole else []),
-        *rest.lines,
-        "  ret void",
-        "}",
-    ]
-
-
-def _loop(name: str, first: int, last: int, step: int, lines: list[str], before: str = "%0") -> Iterator[str]:
-    """Lines for name = first, first + step, … up to before last; the lines may have blocks of their own, and end in
-    a block that goes on. before: the block that leads here"""
-    yield f"  br label %{name}.test"
-    yield f"{name}.test:"
-    yield f"  %{name} = phi i64 [ {first}, {before} ], [ %{name}.next, %{name}.after ]"
-    yield f"  %{name}.more = icmp ne i64 %{name}, {last}"
-    yield f"  br i1 %{name}.more, label %{name}.do, label %{name}.done"
-    yield f"{name}.do:"
-    yield from lines
-    yield f"  br label %{name}.after"
-    yield f"{name}.after:"
-    yield f"  %{name}.next = add i64 %{name}, {step}"
-    yield f"  br label %{name}.test"
-    yield f"{name}.done:"
 
 
 # Products
@@ -217,9 +143,9 @@ def _product(name: str, product: Product, program: LongProgram, lanes: int) -> I
         "summed:",
         *done.lines,
     ]
-    tiles = list(_loop("column", 0, columns + -columns % wide, wide, body, "%row.do"))
+    tiles = list(loop_over("column", 0, columns + -columns % wide, wide, body, "%row.do"))
     yield f"define internal void @{name}(ptr %vectors) {{"
-    yield from _loop("row", 0, rows + -rows % high, high, tiles)
+    yield from loop_over("row", 0, rows + -rows % high, high, tiles)
     yield "  ret void"
     yield "}"
 
@@ -231,7 +157,7 @@ def _columns(name: str, each: RecordedColumnPasses, passes: list[str], program: 
     """The passes for one column after the other."""
     first, last = (program.frame_body, program.frame_body + 1) if each.of_frame else (0, len(program.inside))
     yield f"define internal void @{name}({SHARED}) {{"
-    yield from _loop("of", first, last, 1, [f"  call void @{one}({SHARED}, i64 %of)" for one in passes])
+    yield from loop_over("of", first, last, 1, [f"  call void @{one}({SHARED}, i64 %of)" for one in passes])
     yield "  ret void"
     yield "}"
 
@@ -251,7 +177,7 @@ def _pass(name: str, each: RecordedPass, program: LongProgram, lanes: int) -> It
         yield from _call(name, each, "%of")
     elif each.order in ("outwards", "inwards"):
         first, last, following = (0, n, 1) if each.order == "outwards" else (n - 1, -1, -1)
-        yield from _loop("body", first, last, following, list(_call(name, each, "%body")))
+        yield from loop_over("body", first, last, following, list(_call(name, each, "%body")))
     else:
         yield from _along_path(each.order, n, list(_call(name, each, "%body")))
     yield "  ret void"

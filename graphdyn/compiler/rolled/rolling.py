@@ -39,8 +39,9 @@ MOST_UNROLLED = {
     **dict.fromkeys(derivatives.PASSES, 8),
     "forward_dynamics_derivatives": 7,
     "reaction_derivatives": 0,
-    **dict.fromkeys(regressors.PASSES, 6),
-    "forward_dynamics_parameter_derivatives": 5,
+    **dict.fromkeys(regressors.PASSES, 10),
+    "body_regressor": 6,
+    "forward_dynamics_parameter_derivatives": 7,
 }
 """Bodies up to which straight-line code is compiled, by recursion. It leaves out what is zero for single bodies, and is
 up to twice as fast; but beyond, compiling it takes more than half a second, and rolled code a tenth of a second. Rolled
