@@ -16,10 +16,12 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.forward import Drives, forward_dynamics
 from graphdyn.recursions.inverse import inverse_dynamics
+from graphdyn.recursions.loops.chords import rows_of_chords
 from graphdyn.recursions.loops.closed_motions import closed_accelerations, closed_motions
 from graphdyn.recursions.loops.couplings import driven, everywhere, projected
 from graphdyn.recursions.mechanism.mechanism import Link, links
 from graphdyn.scalars.expressions import Expression, Program
+from graphdyn.scalars.vectors import scalars
 
 Law = Literal["pd", "computed_torque"]
 
@@ -71,6 +73,23 @@ def record_accelerations(model: RobotModel, inputs: Inputs, least_distance: floa
     else:
         found = forward_dynamics(bodies, sample.root, sample.q, v, tau, sample.external, drives=drives)
     return _program(sample, {name: found[name] for name in ("a", "required")})
+
+
+def record_rows(model: RobotModel) -> Program:
+    """Of all rows of chords that some joint moves, in their units: jacobian (k n), bias (k), gaps (k) at q and v.
+
+    agreeing: above zero unless an end is flipped
+    """
+    sample = Sample(model, Request("forward_dynamics", ("a",)))
+    rows = rows_of_chords(model, sample.links, sample.q, sample.of_joints("v"))
+    jacobian = np.concatenate([row.jacobian for row in rows]) @ scalars(model.degrees_of_freedom.matrix)
+    outputs = {
+        "jacobian": list(jacobian.ravel()),
+        "bias": [x for row in rows for x in row.bias],
+        "gaps": [x for row in rows for x in row.gap],
+        "agreeing": [x for row in rows for x in row.agreeing],
+    }
+    return _program(sample, outputs)
 
 
 def record_closing(model: RobotModel, least_distance: float, last_gap: float) -> tuple[Program, Program]:

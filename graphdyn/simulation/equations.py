@@ -9,7 +9,10 @@ singular poses, which the linkage passes in an instant.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
 from typing import Any, NamedTuple
 from weakref import WeakKeyDictionary
 
@@ -24,6 +27,7 @@ from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.assembly import refuse_infinitesimal
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import apply
+from graphdyn.simulation.loop_rows import LoopRows, loop_rows
 from graphdyn.simulation.plant import PlantConstants
 from graphdyn.verbs.compiled import compile as compiled
 from graphdyn.verbs.dynamics import joint_torques
@@ -163,14 +167,33 @@ class LoopEquations(Equations):
         of_loops = geometry or plant.model
         self._loops = of_loops.loops
         self._rank, self.usual_distance = _usual(of_loops)
-        self.distance = self.usual_distance
+        self.distance, self._geometry = self.usual_distance, of_loops
+        self._plain = False
+
+    @cached_property
+    def _compiled_rows(self) -> LoopRows:
+        return loop_rows(self._geometry)
+
+    @property
+    def _rows(self) -> LoopRows:
+        return LoopRows(self._loops) if self._plain else self._compiled_rows
+
+    @contextmanager
+    def plain(self) -> Iterator[None]:
+        """Inside, rows are computed as the equations read, without fused multiplications: near a singular pose these
+        leave rounding errors where terms cancel exactly, and choose another branch."""
+        self._plain = True
+        try:
+            yield
+        finally:
+            self._plain = False
 
     def rates(self, t: float, q: Array, v: Array, tau: Array, contact: Contact) -> Rates:
         """Rates at the torque of the actuators."""
         passive = self._passive(q, v, contact.sign)
-        links = self._loops.links(q, v)
-        inverse, motions = self._spaces(self._loops.jacobian(links))
-        start = inverse @ self._loops.bias(links)
+        rows = self._rows.at(q, v)
+        inverse, motions = self._spaces(rows.jacobian)
+        start = inverse @ rows.bias
         mass = self._verbs.mass_matrix(q) + self._rotor
         driving = tau + passive - self._bias(t, q, v) - mass @ start
         a = start + motions @ np.linalg.solve(motions.T @ mass @ motions, motions.T @ driving)
@@ -208,27 +231,30 @@ class LoopEquations(Equations):
     def _projected(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
         """The states (…, n) after Newton steps, and by how much, in units, they were open before the last (…)."""
         for _ in range(MAX_PROJECTION_STEPS):
-            gaps = self._loops.gaps(q)
-            inverse, _ = self._spaces(self._loops.jacobian(self._loops.links(q)))
-            q = q - apply(inverse, gaps)
-            gap = self._loops.widest(gaps)
+            rows = self._rows.at(q, v)
+            inverse, _ = self._spaces(rows.jacobian)
+            q = q - apply(inverse, rows.gaps)
+            gap = np.abs(rows.gaps).max(axis=-1, initial=0.0)
             if np.all(gap < LAST_STEP_GAP):
                 break
-        jacobian = self._loops.jacobian(self._loops.links(q))
+        jacobian = self._rows.at(q, v).jacobian
         inverse, _ = self._spaces(jacobian)
         return q, v - apply(inverse, apply(jacobian, v)), gap
 
     def _spaces(self, jacobian: Array) -> tuple[Array, Array]:
-        """J⁺ (…, n, m) of the usual rank, and the motions that keep the loops closed (…, n, n - rank)."""
-        of_rows, of_columns = self._loops.row_units, self._loops.column_units[:, None]
-        left, values, right = np.linalg.svd(self._loops.in_units(jacobian))
+        """J⁺ (…, n, k) of the usual rank, and the motions that keep the loops closed (…, n, n - rank).
+
+        jacobian: J (…, k, n), rows in their units
+        """
+        of_columns = self._loops.column_units[:, None]
+        left, values, right = np.linalg.svd(jacobian * of_columns.T)
         rank = self._rank
         self.distance = _distance(values, rank)
         kept = values[..., :rank] > SINGULAR_DIRECTION_SHARE * values[..., :1]
         factors = np.where(kept, 1.0 / np.where(kept, values[..., :rank], 1.0), 0.0)
         along, motions = np.swapaxes(right, -1, -2)[..., :rank], np.swapaxes(right, -1, -2)[..., rank:]
         inverse = (along * factors[..., None, :]) @ np.swapaxes(left[..., :rank], -1, -2)
-        return of_columns * inverse / of_rows, of_columns * motions
+        return of_columns * inverse, of_columns * motions
 
 
 _usually: WeakKeyDictionary[RobotModel, tuple[int, float]] = WeakKeyDictionary()

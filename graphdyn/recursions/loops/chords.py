@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from graphdyn.model.chord import Chord
+from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.inverse import Wrench
 from graphdyn.recursions.mechanism.mechanism import Link, Links, path, rounded
-from graphdyn.recursions.motion import JointPlacement
+from graphdyn.recursions.motion import JointPlacement, places
 from graphdyn.scalars.vectors import E_Z, PerJoint, Scalars, cross, is_known, scalars, turn_back, zeros
 
 
@@ -49,6 +50,15 @@ class ChordRows:
     on_i: list[Wrench]
     on_j: list[Wrench]
     agreeing: list[Any]
+
+
+def rows_of_chords(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> list[ChordRows]:
+    """Rows of all chords at q, v of all joints, in their units (Loops.row_units)."""
+    at, rows, first = places(links, q), list[ChordRows](), 0
+    for chord in model.chords:
+        own = slice(first, first := first + len(chord.rows))
+        rows.append(chord_rows(links, at, chord, v, model.loops.row_units[own].tolist()))
+    return rows
 
 
 def chord_rows(

@@ -20,10 +20,10 @@ import numpy as np
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.inertia import inverted, mass_matrix
 from graphdyn.recursions.inverse import Loads
-from graphdyn.recursions.loops.chords import ChordRows, chord_rows
+from graphdyn.recursions.loops.chords import ChordRows, rows_of_chords
 from graphdyn.recursions.loops.couplings import everywhere, projected, torques
 from graphdyn.recursions.mechanism.mechanism import Links
-from graphdyn.recursions.motion import Root, places
+from graphdyn.recursions.motion import Root
 from graphdyn.scalars.expressions import Expression
 from graphdyn.scalars.vectors import PerJoint, Scalars, is_known, scalars, zeros
 
@@ -112,11 +112,8 @@ class ClosedMotions:
 
 def closed_motions(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> ClosedMotions:
     """The closed motions at q, v of all joints."""
-    loops, at, rows, first = model.loops, places(links, q), list[ChordRows](), 0
-    for chord in model.chords:
-        own = slice(first, first := first + len(chord.rows))
-        rows.append(chord_rows(links, at, chord, v, loops.row_units[own].tolist()))
-    units, of_free = scalars(loops.column_units), scalars(model.degrees_of_freedom.matrix)
+    rows = rows_of_chords(model, links, q, v)
+    units, of_free = scalars(model.loops.column_units), scalars(model.degrees_of_freedom.matrix)
     jacobian = (np.concatenate([row.jacobian for row in rows]) @ of_free) * units
     dependent = list(model.dependent_joints)
     independent = [j for j in range(model.nv) if j not in dependent]

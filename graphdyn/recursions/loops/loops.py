@@ -18,7 +18,7 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions.declarations import Recursion, with_chords
 from graphdyn.recursions.inertia import inverted, mass_matrix
 from graphdyn.recursions.inverse import Loads, along_pins, transmitted
-from graphdyn.recursions.loops.chords import ChordRows, chord_rows
+from graphdyn.recursions.loops.chords import ChordRows, rows_of_chords
 from graphdyn.recursions.loops.couplings import torques
 from graphdyn.recursions.mechanism.mechanism import Links
 from graphdyn.recursions.motion import Root, inertial_wrench, motions, places
@@ -69,11 +69,7 @@ class Closing:
 
 def closing(model: RobotModel, links: Links, q: PerJoint, v: PerJoint) -> Closing:
     """The closing at q, v of all joints that no couplings drive."""
-    at = places(links, q)
-    rows, first = list[ChordRows](), 0
-    for chord in model.chords:
-        own = slice(first, first := first + len(chord.rows))
-        rows.append(chord_rows(links, at, chord, v, model.loops.row_units[own].tolist()))
+    rows = rows_of_chords(model, links, q, v)
     jacobian = np.concatenate([row.jacobian for row in rows])
     dependent = list(model.dependent_joints)
     independent = [j for j in range(len(links)) if j not in dependent]

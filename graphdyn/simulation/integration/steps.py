@@ -187,7 +187,10 @@ class LoopSteps:
         """The closed state a time h later. Raises IntegrationFailed where the numbers do not stay finite."""
         try:
             step = self._stepped(t, y, h, torque, careful=False)
-            return step if step.distance > self.wary else self._best_divided(t, y, h, torque)
+            if step.distance > self.wary:
+                return step
+            with self.equations.plain():
+                return self._best_divided(t, y, h, torque)
         except np.linalg.LinAlgError as error:
             raise IntegrationFailed(f"at {t:g} s the numbers are no longer finite; {SMALLER_STEPS_REMEDY}") from error
 
@@ -228,7 +231,11 @@ class LoopSteps:
         """What is recorded of a state."""
         q, v = joints_of(y)
         tau = torque(t, q, v)
-        return recorded(y, tau, self.equations.rates(t, q, v, tau, self._contact(v)))
+        rates = self.equations.rates(t, q, v, tau, self._contact(v))
+        if self.equations.distance <= self.wary:
+            with self.equations.plain():
+                rates = self.equations.rates(t, q, v, tau, self._contact(v))
+        return recorded(y, tau, rates)
 
     def _divided(self, t: float, y: Array, parts: list[float], torque: Torque) -> Stepped:
         nearest, errors = np.inf, np.zeros((len(self._errors), len(y)))

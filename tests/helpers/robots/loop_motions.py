@@ -6,12 +6,12 @@ import json
 from typing import Any
 
 import numpy as np
-from robots.mechanisms import andrews, bricard, n_four_bar
+from robots.mechanisms import andrews, bricard, n_four_bar, palletizer
 from scipy.integrate import solve_ivp
 from shared_data import DATA
 
 import graphdyn
-from graphdyn import Simulation, simulate
+from graphdyn import PDControl, Simulation, simulate
 
 G = 9.81
 
@@ -65,6 +65,17 @@ def space_linkage(**settings: Any) -> tuple[Simulation, float]:
     return motion, float(np.abs(origin + rotation @ [0, 0, 1.0] - given["P3"]["1"]).max())
 
 
+def held_palletizer(duration: float, **settings: Any) -> tuple[Simulation, float]:
+    """The palletizing arm, whose motors hold a pose, and how far its joints are from those that four of them give."""
+    model, k = palletizer(DATA)
+    u, gains = np.array([0.3, 0.2, -0.1, 0.5]), np.zeros(10)
+    gains[[model.joint_names.index(name) for name in model.actuated or ()]] = [5e4, 5e4, 5e4, 500]
+    control = PDControl(gains, gains / 10, k @ u, period=2e-3)
+    motion = simulate(model, k @ u, k @ [0.5, -0.4, 0.3, 1.0], duration, torque=control, **settings)
+    followed = np.linalg.lstsq(k, motion.q.T, rcond=None)[0].T @ k.T
+    return motion, float(np.abs(motion.q - followed).max())
+
+
 CASES = (
     ("Andrews 0.03 s", squeezed, {"method": "rk8", "step": 1e-4}),
     ("Andrews 0.03 s", squeezed, {"method": "rk8", "step": 2e-4}),
@@ -78,4 +89,7 @@ CASES = (
     ("N-four-bar 10 s", four_bars, {"duration": 10.0, "method": "rk4", "step": 1e-3}),
     ("N-four-bar 10 s", four_bars, {"duration": 10.0, "rtol": 1e-10, "atol": 1e-10}),
     ("N-four-bar 10 s", four_bars, {"duration": 10.0, "rtol": 1e-12, "atol": 1e-12}),
+    ("palletizer 10 s", held_palletizer, {"duration": 10.0, "method": "rk4", "step": 1e-3}),
+    ("palletizer 10 s", held_palletizer, {"duration": 10.0, "method": "rk8", "step": 1e-3}),
+    ("palletizer 10 s", held_palletizer, {"duration": 10.0}),
 )
