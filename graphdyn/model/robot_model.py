@@ -206,16 +206,17 @@ class RobotModel:
 
         Raises UnknownFrame with the known names.
         """
-        own = [Frame(self.base_name, 0, Placement())]
-        own += [Frame(body.name, i, Placement()) for i, body in enumerate(self.bodies, start=1)]
-        candidates = [*own, *self.frames]
-        for frame in candidates:
+        own = (self.base_name, *self.body_names)
+        if name in own:
+            return Frame(name, own.index(name), Placement())
+        for frame in self.frames:
             if frame.name == name:
                 return frame
-        for frame in candidates:
+        for frame in self.frames:
             if name in frame.aliases:
                 return frame
-        raise UnknownFrame(f"robot '{self.name}' has no frame '{name}'; known: {', '.join(f.name for f in candidates)}")
+        known = ", ".join((*own, *(frame.name for frame in self.frames)))
+        raise UnknownFrame(f"robot '{self.name}' has no frame '{name}'; known: {known}")
 
     def body_joint_vectors(self) -> Array:
         """C (n, n, 3): S_ij c_ij, c_ij from the center of mass of body i to joint j, in axes of body i. Eq. (11) [m].
