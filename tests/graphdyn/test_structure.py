@@ -31,9 +31,10 @@ ROUNDING = 1e-14
 
 
 def test_import_stays_light():
-    """graphdyn takes arrays: no file format, no Pinocchio, and no scipy at import."""
+    """graphdyn takes arrays: no file format, no Pinocchio, and no scipy at import, nor at the sight of any name."""
     heavy = ("scipy", "pinocchio", "yourdfpy", "lxml", "typer", "rich")
-    program = f"import sys, graphdyn; print([name for name in {heavy} if name in sys.modules], graphdyn.__file__)"
+    names = "import graphdyn.excitation, graphdyn.identification; [getattr(graphdyn, x) for x in graphdyn.__all__]"
+    program = f"import sys; {names}; print([name for name in {heavy} if name in sys.modules], graphdyn.__file__)"
     root = str(Path(graphdyn.__file__).parents[1])
     result = subprocess.run(
         [sys.executable, "-c", program],

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from crosscheck.judging.faults.arguments import angles, arguments, orders, units
 from crosscheck.judging.faults.fault import COMPLEX_STEP, CodeFault
@@ -108,6 +107,8 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
 
 
 def _fitted(law: Law, p: int, v: Array, deviation: Array) -> Array:
+    from scipy.optimize import least_squares  # imported where first used: most judgments fit no friction
+
     largest = np.abs(v).max()
     size = np.abs(deviation).max()
 

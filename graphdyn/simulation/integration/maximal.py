@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from graphdyn.equations.joint_readings import project_accelerations, read_joints
 from graphdyn.equations.kinematics import MaximalState, bias_acceleration, maximal_state
@@ -79,6 +78,8 @@ class _MaximalRun:
     def __init__(
         self, problem: InitialValueProblem, method: Tableau, step: float, hold: int, stabilization: Stabilization
     ) -> None:
+        from scipy.spatial.transform import Rotation  # imported where first used: import graphdyn stays light
+
         self._plant, self._source, self._method, self._step = problem.plant, problem.source, method, step
         self._hold, self._equations, self._stabilization = hold, Equations(problem.plant), stabilization
         self._q, self._tau = problem.start[0], np.zeros(len(problem.start[0]))
@@ -158,6 +159,8 @@ class _MaximalRun:
         return self._equations.clamped(self._source.tau_at(t, *self._joints(state)))
 
     def _state(self, pose: Pose) -> MaximalState:
+        from scipy.spatial.transform import Rotation
+
         rotation = Rotation.from_quat(pose.quaternion).as_matrix()
         return MaximalState(self._plant.model, pose.position, rotation, pose.velocity)
 
