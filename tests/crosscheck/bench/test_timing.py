@@ -156,8 +156,8 @@ class TestTimes:
 
 def test_note_on_long_chains():
     """It names the number of bodies whatever lengths are measured; nothing is said where all code is alike."""
-    assert long_notes((2, 60)) == ("beyond 24 bodies, code for one body after the other",)
-    assert long_notes((2, 24)) == ()
+    assert long_notes((2, 60)) == ("beyond 16 bodies, code for one body after the other",)
+    assert long_notes((2, 16)) == ()
     with interpreted():
         assert long_notes((2, 60)) == ()
 
