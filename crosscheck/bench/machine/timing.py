@@ -104,9 +104,6 @@ def in_turns(
 ) -> list[list[float]]:
     """Seconds per call of each run, for every repeat.
 
-    Runs of several threads come last in a repeat, because threads of some libraries wait busily for a moment after
-    their work, and this would count as processor time of the next run.
-
     shortest: time below which a run is several calls in a row [s]; disturbance: is told of every repeat
     """
     rows: list[list[float]] = [[] for _ in runs]
@@ -117,11 +114,11 @@ def in_turns(
             least = max(shortest, STEPS_PER_RUN * clock_step()) if run.clock == "processor" else shortest
             in_a_row.append(max(1, round(least / _seconds(run.call, run.clock))))
     for _ in range(repeats):
-        for k in sorted(range(len(runs)), key=lambda k: runs[k].threads):
-            with linear_algebra_threads(runs[k].threads):
-                taken = elapsed(runs[k].call, in_a_row[k])
-            rows[k].append(taken.by(runs[k].clock) / in_a_row[k])
-            if disturbance and runs[k].threads == 1:
+        for row, run, calls in zip(rows, runs, in_a_row, strict=True):
+            with linear_algebra_threads(run.threads):
+                taken = elapsed(run.call, calls)
+            row.append(taken.by(run.clock) / calls)
+            if disturbance and run.threads == 1:
                 disturbance.add(taken)
         if disturbance:
             disturbance.copy()
