@@ -118,15 +118,14 @@ def places(links: Links, q: PerJoint) -> list[JointPlacement]:
     return [
         JointPlacement(link.rotation, 1.0, 0.0, link.translation + link.rotation @ (E_Z * x))
         if link.prismatic
-        else JointPlacement(link.rotation, *_cosine_and_sine(x + link.offset, link.quarters), link.translation)
+        else JointPlacement(link.rotation, *_cosine_and_sine(x, *link.at_zero), link.translation)
         for link, x in zip(links, q, strict=True)
     ]
 
 
-def _cosine_and_sine(angle: Any, quarters: int) -> tuple[Any, Any]:
-    """Cosine and sine of the angle plus this many quarter turns, 0 … 3."""
-    c, s = angle.cosine, angle.sine
-    return ((c, s), (-s, c), (-c, -s), (s, -c))[quarters]
+def _cosine_and_sine(angle: Any, c: Any, s: Any) -> tuple[Any, Any]:
+    """Cosine and sine of the angle plus that of cosine c and sine s."""
+    return angle.cosine * c - angle.sine * s, angle.sine * c + angle.cosine * s
 
 
 def motions(links: Links, at: Sequence[JointPlacement], root: Root, v: PerJoint, a: PerJoint) -> list[BodyMotion]:

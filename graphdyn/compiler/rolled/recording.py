@@ -43,7 +43,6 @@ NUMBERS = {
     "tensor": (3, 3),
     "mass": (),
     "slide": (),
-    "offset": (),
 }
 """Shapes of the fields of a link that are numbers, in the order of the table; the pivot's scale follows."""
 
@@ -73,7 +72,7 @@ class Shared:
         self.arm = links[0].translation if at_joint_1 else None
         if at_joint_1:
             links, _ = rooted(links, fixed_root(model))
-        self.links = [_without_quarters(link) for link in links]
+        self.links = [_turned_to_zero(link) for link in links]
         self.table = np.array([[*_numbers(link), 1.0 / scale] for link, scale in zip(self.links, scales, strict=True)])
         self.frame: FixedFrame | None = None
         if request.frame is not None:
@@ -329,8 +328,8 @@ def _numbers(link: Link) -> list[float]:
     return [float(x) for name in NUMBERS for x in np.ravel(getattr(link, name))]
 
 
-def _without_quarters(link: Link) -> Link:
-    """The quarter turns of its angle become part of its rotation: Rz(q + offset + quarters) = Rz(quarters) Rz(…)."""
-    c, s = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[link.quarters]
-    quarter = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]], dtype=object)
-    return replace(link, rotation=link.rotation @ quarter, quarters=0)
+def _turned_to_zero(link: Link) -> Link:
+    """The angle at q = 0 becomes part of its rotation."""
+    c, s = link.at_zero
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]], dtype=object)
+    return replace(link, rotation=link.rotation @ turn, at_zero=(1.0, 0.0))

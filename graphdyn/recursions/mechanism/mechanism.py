@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ class Link:
     link_axes: Q, from joint axes to link axes
     mass, center_of_mass, first_moment, tensor: m, c, m c, I about O_j
     slide: how far O_j lies along p_j from the link origin
-    quarters, offset: the angle is q + offset + quarters π/2
+    at_zero: cosine and sine of the angle at q = 0; adding an angle to q would round it
     """
 
     inside: int
@@ -45,8 +46,7 @@ class Link:
     first_moment: Scalars
     tensor: Scalars
     slide: float = 0.0
-    quarters: int = 0
-    offset: float = 0.0
+    at_zero: tuple[Any, Any] = (1.0, 0.0)
 
 
 Links = Sequence[Link]

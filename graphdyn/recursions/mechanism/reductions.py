@@ -154,10 +154,10 @@ def _towards_inside(link: Link, inside: float) -> float:
 
 
 def turned(links: Links) -> tuple[Link, ...]:
-    """Joint axes turned about p_j, so that most joints are Rx(α) Rz(q + offset).
+    """Joint axes turned about p_j, so that most joints are Rx(α) Rz(q + θ).
 
     x_j points along the common normal with the first joint outside. What a file rounds in a turn about the axis,
-    1.5707963 for π/2, becomes part of the offset. Quarter turns are kept apart: they cost nothing.
+    1.5707963 for π/2, becomes part of θ. Quarter turns cost nothing.
     """
     done: list[Link] = []
     axes: list[Array] = []  # Rz of every body, from the new axes to the old ones
@@ -167,14 +167,15 @@ def turned(links: Links) -> tuple[Link, ...]:
         place = before.T @ link.rotation.astype(float)
         own = _own_axes(links, j)
         tilt, rest = (place, np.eye(3)) if link.inside < 0 else _tilt_and_turn(place)
-        quarters, offset = 0, 0.0
+        at_zero = 1.0, 0.0
         if link.inside < 0:  # seen from the ground every direction is a constant
             own = np.eye(3) if own is None else own
             tilt = rounded(tilt @ own)
         elif link.prismatic or own is None:
             own = rest.T
         else:
-            quarters, offset = _quarters_and_offset(rounded(rest @ own))
+            turn = rounded(rest @ own)
+            at_zero = float(turn[0, 0]), float(turn[1, 0])
         axes.append(own)
         done.append(
             replace(
@@ -184,8 +185,7 @@ def turned(links: Links) -> tuple[Link, ...]:
                 link_axes=scalars(rounded(link.link_axes.astype(float) @ own)),
                 first_moment=scalars(own.T @ link.first_moment.astype(float)),
                 tensor=scalars(own.T @ link.tensor.astype(float) @ own),
-                quarters=quarters,
-                offset=offset,
+                at_zero=at_zero,
             )
         )
     return tuple(done)
@@ -217,10 +217,3 @@ def _turn(x: float, y: float) -> Array:
     """Rz that takes the x axis to the direction (x, y)."""
     c, s = rounded(np.array([x, y]) / np.hypot(x, y))
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
-def _quarters_and_offset(turn: Array) -> tuple[int, float]:
-    """An angle as a whole number of quarter turns, or as it is."""
-    angle = float(np.arctan2(turn[1, 0], turn[0, 0]))
-    whole = bool(np.all(np.isin(turn, (-1.0, 0.0, 1.0))))
-    return (round(angle / (np.pi / 2)) % 4, 0.0) if whole else (0, angle)
