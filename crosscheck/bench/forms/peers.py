@@ -5,7 +5,6 @@ On request Pinocchio in C++ too.
 
 from __future__ import annotations
 
-import operator
 import shutil
 import subprocess
 from collections.abc import Callable, Sequence
@@ -19,9 +18,8 @@ from crosscheck.bench.forms.native_pinocchio import NativePinocchio
 from crosscheck.bench.states import States
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import GraphDynError
-from graphdyn.compiler import Request, trace
+from graphdyn.export.casadi import function as casadi_function
 from graphdyn.layout import Array
-from graphdyn.scalars import Program
 
 MUJOCO_LOOP, MUJOCO_ROLLOUT = "mujoco loop", "mujoco rollout"
 CASADI_NAME = "casadi code generation"
@@ -37,14 +35,13 @@ class CasadiRefuses(GraphDynError):
 
 def casadi_dynamics(forward: bool, states: States, folder: Path) -> list[Contender]:
     """Joint accelerations, or joint torques. folder: of the compiled code. Raises CasadiRefuses."""
-    recursion, output = ("forward_dynamics", "a") if forward else ("inverse_dynamics", "tau")
-    program, (_, errors) = trace(states.model, Request(recursion, (output,))), states.dynamics(forward)
-    run = _compiled(program, output, [getattr(states, name) for name in program.inputs], folder)
+    _, errors = states.dynamics(forward)
+    run = _compiled("joint_accelerations" if forward else "joint_torques", states, folder)
     return [Contender(CASADI_NAME, 1, run, errors, CASADI_NOTE, least=AMORTIZED_SAMPLES)]
 
 
-def _compiled(program: Program, output: str, inputs: Sequence[Array], folder: Path) -> Callable[[int], Array]:
-    """run(count) on the first rows of the inputs. Raises CasadiRefuses."""
+def _compiled(name: str, states: States, folder: Path) -> Callable[[int], Array]:
+    """run(count) of this verb on the first states. Raises CasadiRefuses."""
     try:
         import casadi
     except ImportError:
@@ -52,8 +49,7 @@ def _compiled(program: Program, output: str, inputs: Sequence[Array], folder: Pa
     compiler = shutil.which("cc")
     if compiler is None:
         raise CasadiRefuses("CasADi generates C code, and there is no C compiler (cc)")
-    name = f"{output}_of_one_state"
-    function = casadi_function(casadi, program, output, name)
+    function = casadi_function(states.model, name)
     generator = casadi.CodeGenerator(f"{name}.c")
     generator.add(function)
     source, library = folder / f"{name}.c", folder / f"{name}.so"
@@ -64,7 +60,8 @@ def _compiled(program: Program, output: str, inputs: Sequence[Array], folder: Pa
     if done.returncode:
         raise CasadiRefuses(f"the C compiler fails on CasADi's code: {' '.join(done.stderr.split())}")
     native = casadi.external(name, str(library))
-    out = np.empty((len(inputs[0]), len(program.outputs[output])))
+    inputs = [getattr(states, array) for array in function.name_in()]
+    out = np.empty((len(inputs[0]), function.nnz_out(0)))
     prepared: dict[int, Callable[[], object]] = {}
 
     def run(count: int) -> Array:
@@ -74,31 +71,6 @@ def _compiled(program: Program, output: str, inputs: Sequence[Array], folder: Pa
         return out[:count]
 
     return run
-
-
-def casadi_function(casadi: Any, program: Program, output: str, name: str) -> Any:
-    """A recorded program as a CasADi function: the same operations on CasADi's scalars."""
-    inputs = {array: casadi.SX.sym(array, width) for array, width in program.inputs.items()}
-    apply: dict[str, Callable[..., Any]] = {
-        "constant": casadi.SX,
-        "+": operator.add,
-        "-": operator.sub,
-        "*": operator.mul,
-        "/": operator.truediv,
-        "negate": operator.neg,
-        "sine": casadi.sin,
-        "cosine": casadi.cos,
-    }
-    values: list[Any] = []
-    for kind, *operands in program.operations:
-        if kind == "input":
-            array, column = operands
-            values.append(inputs[array][column])
-        elif kind == "constant":
-            values.append(apply[kind](*operands))
-        else:
-            values.append(apply[kind](*(values[k] for k in operands)))
-    return casadi.Function(name, list(inputs.values()), [casadi.vertcat(*(values[k] for k in program.outputs[output]))])
 
 
 def _on_buffers(function: Any, arguments: list[Array], result: Array) -> Callable[[], object]:

@@ -11,13 +11,11 @@ import graphdyn
 from crosscheck.bench.calls import CallWork, contenders
 from crosscheck.bench.curves import chain
 from crosscheck.bench.forms import graphdyn_forms, peers, simulations
-from crosscheck.bench.machine.floor import REQUESTS
 from crosscheck.bench.states import SINGLE_STATE_SAMPLES, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, PINOCCHIO_FORMS, WORK_DESCRIPTIONS
 from crosscheck.reference.mujoco_model import MujocoModel
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import kr500
-from graphdyn.compiler.programs import trace
 
 needs_a_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler (cc)")
 
@@ -160,8 +158,7 @@ class TestForms:
 
     @needs_a_compiler
     def test_casadi_function(self, states):
-        casadi = pytest.importorskip("casadi")
-        program = trace(states.model, REQUESTS["inverse_dynamics"])
-        function = peers.casadi_function(casadi, program, "tau", "f")
+        pytest.importorskip("casadi")
+        function = peers.casadi_function(states.model, "joint_torques")
         tau = np.array(function(states.q[0], states.v[0], states.a[0])).ravel()
         assert states.torque_errors(tau[None]).max() < PEERS
