@@ -21,6 +21,10 @@ USUAL_FUNCTIONS = ("joint_torques", "joint_accelerations", "mass_matrix", "solve
 """The functions that are exported where none are named."""
 
 
+MAX_OPERATIONS = 40_000
+"""Operations of a function for which a compiler takes a minute; it takes longer than in proportion."""
+
+
 @dataclass(frozen=True, eq=False)
 class CCode:
     """Functions of one robot in C99, which need nothing but a compiler.
@@ -56,15 +60,18 @@ def c_code(
     sines: "own" sine and cosine make vector instructions of several angles or states, for angles up to 1e6 rad; "libm"
         takes those of the C library
 
-    As in graphdyn.compile, NaN, infinity, singular mass matrices and open loops are not looked for.
+    As in graphdyn.compile, NaN, infinity and open loops are not looked for.
 
-    Raises InvalidInput for a function that is none, has no compiled form for this robot, or speaks of a frame where
-    none is chosen, and for a name that is no identifier; UnknownFrame; InconsistentState where loops cannot be closed.
+    Raises InvalidInput for a function that is none, has no compiled form for this robot, speaks of a frame where none
+    is chosen, or is too long for compilers, and for a name that is no identifier; UnknownFrame; SingularMassMatrix and
+    InconsistentState for robots whose accelerations are not determined, or whose loops cannot be closed.
     """
     for what, given, known in (("precision", precision, get_args(Precision)), ("sines", sines, get_args(Sines))):
         if given not in known:
             raise InvalidInput(f"{what} is {given!r}; use one of {', '.join(known)}")
     chosen = exported_functions(model, functions, choices)
+    for function in chosen:
+        _refuse_long(function)
     dialect = Dialect(prefix_of(model.name) if name is None else checked_prefix(name), precision, sines)
     prefix = dialect.name
     files = {
@@ -78,3 +85,12 @@ def c_code(
     files[f"{prefix}_test.c"] = test_program(chosen, dialect)
     files["CMakeLists.txt"] = cmake_lists(chosen, dialect)
     return CCode(prefix, precision, sines, files, tuple(chosen))
+
+
+def _refuse_long(function: ExportedFunction) -> None:
+    count = function.program.arithmetic
+    if count > MAX_OPERATIONS:
+        raise InvalidInput(
+            f"{function.name} of robot '{function.model.name}' is {count} operations in a row, for which C compilers "
+            f"take minutes; {MAX_OPERATIONS} are written at most: leave it out, or lock joints"
+        )

@@ -8,16 +8,22 @@ from graphdyn.export.c.dialect import Dialect
 from graphdyn.export.c.headers import declaration
 from graphdyn.export.functions import ExportedFunction
 
+MAX_VECTORIZED_OPERATIONS = 8_000
+"""Operations up to which a batch computes several rows at once. Beyond, compilers take more than ten seconds for it,
+and its numbers do not fit into the first-level cache."""
+
 
 def source(function: ExportedFunction, dialect: Dialect) -> str:
-    """The file of a function: it includes its rows twice, and deals them out."""
-    return "\n".join([*_rows(function, dialect), *_one(function, dialect), *_batch(function, dialect)])
+    """The file of a function: it includes its rows for one lane and for many, and deals rows out to them."""
+    vectorized = function.program.arithmetic <= MAX_VECTORIZED_OPERATIONS
+    batch = _batch if vectorized else _row_after_row
+    return "\n".join([*_rows(function, dialect, vectorized), *_one(function, dialect), *batch(function, dialect)])
 
 
-def _rows(function: ExportedFunction, dialect: Dialect) -> Iterator[str]:
+def _rows(function: ExportedFunction, dialect: Dialect, vectorized: bool) -> Iterator[str]:
     whole = f"{dialect.name}_{function.name}"
     yield f'#include "{dialect.name}_internal.h"\n'
-    for what, lanes in (("one", "1"), ("many", f"{dialect.upper}_LANES")):
+    for what, lanes in (("one", "1"), *([("many", f"{dialect.upper}_LANES")] if vectorized else [])):
         yield f"#define ROWS {whole}_{what}\n#define LANES {lanes}"
         yield f'#include "{whole}_rows.h"\n#undef ROWS\n#undef LANES\n'
 
@@ -48,6 +54,19 @@ def _batch(function: ExportedFunction, dialect: Dialect) -> Iterator[str]:
         size = function.size(array)
         yield f"        {dialect.name}_scatter(lanes_{array}, count, {size}, {array} + {size} * row);"
     yield "    }"
+    yield "    return status;"
+    yield "}\n"
+
+
+def _row_after_row(function: ExportedFunction, dialect: Dialect) -> Iterator[str]:
+    """A batch without lanes."""
+    each = (f"{array} + {function.size(array)} * row" for array in (*function.inputs, *function.outputs))
+    yield declaration(function, dialect, batch=True)
+    yield "{"
+    yield f"    int status = {dialect.upper}_OK;"
+    yield _refusal(dialect)
+    yield "    for (size_t row = 0; row < rows; ++row)"
+    yield f"        status |= {dialect.name}_{function.name}_one({', '.join(each)});"
     yield "    return status;"
     yield "}\n"
 

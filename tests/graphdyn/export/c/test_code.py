@@ -158,6 +158,23 @@ def test_answers(built):
 
 
 @needs_compiler
+def test_long_functions(tmp_path, monkeypatch):
+    """Batches of long ones take row after row; those for which compilers take minutes are refused."""
+    monkeypatch.setattr("graphdyn.export.c.sources.MAX_VECTORIZED_OPERATIONS", 10)
+    code = c_code(awkward_tree(), ["gravity_torque"], name="arm")
+    assert "arm_gravity_torque_many" not in code.files["arm_gravity_torque.c"]
+    build(code, tmp_path, "-O0")
+    errors, exit_code = outcome(tmp_path)
+    assert (len(errors), exit_code) == (2, 0)
+    monkeypatch.setattr("graphdyn.export.c.code.MAX_OPERATIONS", 20)
+    with pytest.raises(
+        InvalidInput, match=r"^gravity_torque of robot '7.* is \d+ operations in a row, for which C "
+    ) as error:
+        c_code(awkward_tree(), ["gravity_torque"])
+    assert str(error.value).endswith("compilers take minutes; 20 are written at most: leave it out, or lock joints")
+
+
+@needs_compiler
 def test_singular(tmp_path):
     """Two joints about one axis, the body between them almost without mass."""
     heavy, light = (
