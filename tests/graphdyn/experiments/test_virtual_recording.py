@@ -131,6 +131,33 @@ def test_sampled_by_rows_and_by_rate():
     assert len(x.sampled(every=9).time) == 1
 
 
+@pytest.mark.parametrize(("first", "scale"), [(0.0, 1.0), (-3.0, 1e-3), (1.7e9, 100.0), (-500.0, 1e3)])
+def test_rows_are_those_of_the_nearest_times_and_of_no_others(first, scale):
+    """Whatever the times begin with: all times are looked at, and the largest of them says what is the same."""
+    rng = np.random.default_rng(int(abs(first)))
+    x = recording(9, time=first + scale * np.cumsum(rng.uniform(1, 9, 9)))
+    same = 1e-9 * max(abs(x.time))
+    for part in (-0.9, -0.1, 0.0, 0.1, 0.9):
+        asked = np.sort(rng.choice(x.time, 6, replace=False)) + part * same
+        wanted = [min(range(9), key=lambda k, t=t: abs(x.time[k] - t)) for t in asked]
+        found = x.at(asked)
+        for name in ("time", *CHANNELS):
+            assert np.array_equal(getattr(found, name), getattr(x, name)[wanted]), name
+    for row in range(9):
+        for part in (-1.5, 1.5):
+            with pytest.raises(InvalidInput, match=r"was not recorded \(nearest: .*, 9 times from "):
+                x.at(x.time[row] + part * same)
+
+
+def test_every_so_many_rows_from_the_first_on():
+    x = recording(7)
+    for every in range(1, 9):
+        assert np.array_equal(x.sampled(every=every).a, [row for k, row in enumerate(x.a) if k % every == 0])
+    late = recording(7, time=100 + np.arange(7) / 4)
+    assert np.array_equal(late.sampled(rate=2.0).time, [100, 100.5, 101, 101.5])
+    assert np.array_equal(late.sampled(rate=4 / 3).v, late.v[::3])
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
