@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from graphdyn import InvalidInput, VirtualRecording
@@ -44,6 +44,7 @@ def test_rotation_is_that_of_the_cardano_angles():
 
 
 @given(st.floats(-1e300, 1e300), st.integers(1, 17))
+@example(-0.0, 7)
 def test_rounded_prints_like_c(number, digits):
     rounded = recording(**with_value("tau", number)).rounded(digits).tau[3, 1]
     assert np.array([rounded]).tobytes() == np.array([float(f"{number:.{digits - 1}e}")]).tobytes()

@@ -56,7 +56,7 @@ def course(rng, share, joints=2, count=500):
         width = 1e-7 * float(rng.uniform(0.2, 3)) * (rng.random() > 0.05)
         if rng.random() < share:
             a, j = a.copy(), rng.integers(joints)
-            a[j] = rng.choice([-a[j], 1.005 * a[j], 1.02 * a[j], 0.5 * rng.normal(), 50 * rng.normal()])
+            a[j] = rng.choice([-a[j], 1.01005 * a[j], 1.02 * a[j], 0.5 * rng.normal(), 50 * rng.normal()])
         t, v = t + width, v + a * width
         steps.append((t, v))
     return steps
