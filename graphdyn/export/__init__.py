@@ -1,6 +1,7 @@
 """The functions of a robot as code to take along, which computes without graphdyn.
 
-Public are the names in `__all__` here. Other modules may change without notice.
+Public are the names in `__all__` here, and in those of the modules casadi and jax. Other modules may change without
+notice.
 """
 
 from graphdyn.export.c.code import USUAL_FUNCTIONS, CCode, c_code
