@@ -35,7 +35,7 @@ def pytest_collection_finish():
     gc.set_threshold(50_000, 10, 10)
 
 
-TOGETHER = ("bench", "paper", "crosscheck/identifying", "commands/test_study")
+TOGETHER = ("bench", "paper", "identify", "commands/test_study")
 """Parts of the paths of files that share a result which takes seconds."""
 
 

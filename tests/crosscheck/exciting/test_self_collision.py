@@ -80,10 +80,22 @@ def folding_arm(tmp_path_factory):
     return path
 
 
+COVERS = {}
+
+
+def remembered_cover(triangles, excess):
+    """Of shapes that several tests have, computed once."""
+    key = triangles.tobytes(), excess
+    if key not in COVERS:
+        COVERS[key] = sphere_cover(triangles, excess)
+    return COVERS[key]
+
+
 @pytest.fixture(autouse=True)
 def few_poses(monkeypatch):
     """Enough for three pairs, and faster."""
     monkeypatch.setattr(pairing, "PAIR_POSES", 100)
+    monkeypatch.setattr(pairing, "sphere_cover", remembered_cover)
 
 
 @cache

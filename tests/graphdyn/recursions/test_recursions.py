@@ -36,7 +36,7 @@ SUM = 1e-13
 """The same sum in another order, relative to its largest term: measured 3.7e-15."""
 
 many = examples(25)
-few = examples(3)
+few = examples(2)
 """Compiling a robot's programs takes a second."""
 
 
