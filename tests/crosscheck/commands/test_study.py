@@ -1,6 +1,7 @@
 """The report of a study: page, terminal and record say the same, and every point leads to its run."""
 
 import json
+from itertools import product
 
 import numpy as np
 import pyarrow
@@ -15,12 +16,15 @@ from shown import pages
 from shown.approved import approve_result
 from shown.browser import CHROMIUM, document
 
+from crosscheck.commands.study import errors_report, scenarios_report
 from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
 from crosscheck.commands.study.report import study_report
+from crosscheck.commands.study.scenarios_report import ShownRuns
 from crosscheck.report.records.record import plain
+from crosscheck.report.report import Picture
 from crosscheck.report.text import as_text
 from crosscheck.study.statistics.grid import grid_of
-from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
+from crosscheck.study.statistics.outcomes import ERRORS, outcomes, read_outcomes
 from crosscheck.study.statistics.summary import summarized
 
 SCHEMA = REPOSITORY / "docs/schemas/study-1.schema.json"
@@ -34,6 +38,11 @@ def repeat(scenario, run):
 @pytest.fixture(scope="module")
 def folder(study_folder):
     return study_folder
+
+
+@pytest.fixture(scope="module")
+def summary(folder):
+    return summarized(read_outcomes(folder))
 
 
 @pytest.fixture(scope="module")
@@ -51,34 +60,34 @@ def shown(written):
     return html.fromstring(written)
 
 
-def test_whole(folder):
-    approve_result("study", summarized(read_outcomes(folder)))
+def test_whole(summary):
+    approve_result("study", summary)
 
 
-def test_record(report, folder):
+def test_record(report, summary):
     """It follows the schema, and has the numbers of the statistics."""
     record = plain(report.record(["study"]))
     Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
-    found = summarized(read_outcomes(folder))
+    found = summary
     ranking = found.rankings["torques", "torque_error"]
     said = next(one for one in record["rankings"] if one["error"] == "torque_error")
     assert [one["method"] for one in said["methods"]] == list(ranking.methods)
     assert said["leaders"] == list(ranking.leaders)
     assert said["methods"][0]["better_than"] == [m for k, m in enumerate(ranking.methods) if ranking.better(0, k)] != []
-    for scenario, summary in zip(record["scenarios"], found.scenarios, strict=True):
+    for scenario, told in zip(record["scenarios"], found.scenarios, strict=True):
         by_name = {one["method"]: one for one in scenario["results"]}
         assert ("graph" in by_name) == (scenario["axes"]["motion"] == "Fourier"), (
             "takes part where wrenches are measured"
         )
-        for one in summary.methods:
+        for one in told.methods:
             if one.runs:
                 assert by_name[one.method.name]["bias"] == pytest.approx(one.parameters.bias.value.tolist())
 
 
-def test_terminal(report, folder):
+def test_terminal(report, summary):
     """Who leads, with what right; the median torque errors; why methods failed."""
     text = as_text(report, 200)
-    ranking = summarized(read_outcomes(folder)).rankings["torques", "torque_error"]
+    ranking = summary.rankings["torques", "torque_error"]
     assert f"{', '.join(ranking.leaders)} lead without a significant difference, by torque error" in " ".join(
         text.split()
     )
@@ -134,6 +143,120 @@ def test_ranks_in_numbers(written):
     cells = [[" ".join(cell.text_content().split()) for cell in row] for row in shown]
     for name, mean in zip(methods, means, strict=True):
         assert any(row[0] == name and any(cell.startswith(f"{mean:.2f} (") for cell in row) for row in cells), name
+
+
+def test_pictures_of_errors_have_the_numbers_of_the_rows(summary):
+    """Every run in percent, the median and the ends of its interval over all runs, and the anchor of each run."""
+    rows, found = study_tables(RUNS)[0], summary
+    grid, page = grid_of(found.outcomes.scenarios), ShownRuns(RUNS - 1)
+    lines = 0
+    for measures, error in product(("torques", "wrenches"), ERRORS):
+        columns = found.methods(measures)
+        names = [found.outcomes.methods[k].name for k in columns]
+        for view in grid.views():
+            for k, (name, numbers) in enumerate(view.lines):
+                line = errors_report._line(found, view, k, columns, error, page)
+                places = []
+                for place, number in enumerate(numbers):
+                    if number is None:
+                        continue
+                    scenario = found.outcomes.scenarios[number].name
+                    of_scenario = [row for row in rows if row["scenario"] == scenario]
+                    if not set(names) <= {row["method"] for row in of_scenario}:
+                        continue
+                    table = np.array(
+                        [
+                            [
+                                np.inf if row[error] is None else 100 * row[error]
+                                for row in of_scenario
+                                if row["method"] == m
+                            ]
+                            for m in names
+                        ]
+                    )
+                    at = len(places)
+                    places.append(place)
+                    np.testing.assert_allclose(line.errors[at], table[:, : RUNS - 1].T)
+                    np.testing.assert_allclose(line.middle[at], np.median(table, axis=1))
+                    np.testing.assert_allclose(line.low[at], table.min(axis=1))
+                    np.testing.assert_allclose(line.high[at], table.max(axis=1))
+                    assert line.links[at] == [f"#run-{number + 1}-{run}" for run in range(RUNS - 1)]
+                assert (line.name, line.places, line.joined) == (name, places, view.numeric)
+                lines += len(places)
+    assert lines == 18
+
+
+def test_tables_of_runs_have_the_numbers_of_the_rows(summary):
+    """Each method of each run: errors in percent, rank by torque error within its class, time, reason; σ as stated."""
+    rows, _, times = study_tables(RUNS)
+    found = summary
+    seconds = {(row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in times}
+    for number, of_scenario in enumerate(found.scenarios):
+        scenario = of_scenario.outcomes
+        shown = scenarios_report._runs(number, scenario, found, ShownRuns(3), repeat)
+        assert shown.blocks[-1].text == f"results.parquet has {RUNS - 3} more."
+        for run, group in enumerate(shown.blocks[:-1]):
+            of_run = {row["method"]: row for row in rows if (row["scenario"], row["run"]) == (scenario.name, run)}
+            table, command = group.blocks
+            failed = sum(row["status"] == "failed" for row in of_run.values())
+            assert (group.title, group.key) == (
+                f"run {run}{f': {failed} failed' if failed else ''}",
+                f"run-{number + 1}-{run}",
+            )
+            assert f"{scenario.name}:{run}" in command.text
+            ranks = {}
+            for measures in ("torques", "wrenches"):
+                names = [name for name, row in of_run.items() if row["measures"] == measures]
+                errors = [of_run[name]["torque_error"] or np.inf for name in names]
+                ranks |= dict(zip(names, scipy.stats.rankdata(np.round(errors, 9)), strict=True)) if names else {}
+            assert {row.cells[0] for row in table.rows} == set(of_run)
+            for row in table.rows:
+                name, measures, *errors, rank, real, iterations, time, reason = row.cells
+                own = of_run[name]
+                assert errors == pytest.approx([own[e] and 100 * own[e] for e in ERRORS])
+                assert (measures, rank) == (own["measures"], ranks[name])
+                assert real == {True: "yes", False: "no", None: None}[own["consistent"]]
+                assert (iterations == own["iterations"]) or (own["iterations"] is None and np.isnan(iterations))
+                assert time == seconds[scenario.name, run, name]
+                assert (reason, row.state) == (
+                    own["reason"] or "",
+                    "plain" if own["status"] == "found" else "disagrees",
+                )
+        results = scenarios_report._results(scenario, [one for one in of_scenario.methods if one.runs])
+        for row in results.rows:
+            own = [r for r in rows if (r["scenario"], r["method"]) == (scenario.name, row.cells[0]) and r["base"]]
+            if len(own) > 1:
+                stated = np.sqrt(np.mean(np.square([r["sigma"] for r in own]), axis=0))
+                spread = np.std([r["base"] for r in own], axis=0, ddof=1)
+                assert row.cells[6] == pytest.approx(np.median(stated / spread))
+
+
+def test_pictures_of_parameters_are_parts_of_the_usual_spread(summary):
+    """The median over the methods of the standard deviations over the runs."""
+    rows, found = study_tables(RUNS)[0], summary
+    for scenario in found.scenarios:
+        of = {
+            one.method.name: np.std(
+                [
+                    row["base"]
+                    for row in rows
+                    if (row["scenario"], row["method"]) == (scenario.outcomes.name, one.method.name) and row["base"]
+                ],
+                axis=0,
+                ddof=1,
+            )
+            for one in scenario.methods
+            if one.found > 1
+        }
+        drawn = [
+            block.draw.keywords
+            for block in scenarios_report._parameters(scenario.outcomes, scenario.methods)
+            if isinstance(block, Picture)
+        ]
+        assert sorted(one.method.name for picture in drawn for one in picture["methods"]) == sorted(of)
+        for picture in drawn:
+            np.testing.assert_allclose(picture["scale"], np.median(list(of.values()), axis=0))
+            assert len({one.method.measures for one in picture["methods"]}) == 1
 
 
 def interval(value, low, high):
@@ -258,8 +381,9 @@ def test_efficient():
 
 
 def test_bars_of_groups():
-    """Groups that overlap stand beside each other."""
+    """Groups that overlap stand beside each other, those that share one method too."""
     assert bar_columns([(0, 2), (1, 3), (3, 5), (4, 6)]) == [0, 1, 0, 1]
+    assert bar_columns([(0, 2), (2, 4), (3, 5), (5, 6)]) == [0, 1, 0, 1]
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
