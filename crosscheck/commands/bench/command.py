@@ -43,7 +43,7 @@ class BenchOptions(ReadingOptions, ReportOptions):
             "--native", help="Pinocchio in C++ too, compiled for this machine: minutes, a C++ compiler and Eigen."
         ),
     ] = False
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: less than a minute.")] = False
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: about a minute.")] = False
 
 
 def run(options: BenchOptions) -> None:
