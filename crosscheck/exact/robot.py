@@ -70,7 +70,7 @@ class ExactRobot:
 
 def of_model(model: RobotModel) -> ExactRobot:
     """The doubles of a model. Rotations are replaced by the nearest orthogonal matrix, axes by unit vectors."""
-    _refuse(model)
+    _refuse_loops(model)
     bodies = []
     for body, joint in zip(model.bodies, model.joints, strict=True):
         tensor = as_balls(body.inertia)
@@ -96,7 +96,12 @@ def of_model(model: RobotModel) -> ExactRobot:
 
 def of_file(model: RobotModel, written: WrittenRobot) -> ExactRobot:
     """The decimals of a file. model: what was read from it; of gravity and base its doubles count."""
-    _refuse(model)
+    _refuse_loops(model)
+    if model.couplings:
+        raise InvalidInput(
+            f"robot '{model.name}' has joints that others drive: there are exact values of its model only; use "
+            "truth='model', or mimic='independent'"
+        )
     places: dict[str, tuple[int, ExactPlacement]] = {written.root: (0, ExactPlacement(eye(), zeros(3)))}
     members: list[list[str]] = [[written.root]]
     joints = []
@@ -122,13 +127,10 @@ def of_file(model: RobotModel, written: WrittenRobot) -> ExactRobot:
     return ExactRobot(model, tuple(bodies), base, as_balls(model.gravity), _with_bodies(model, frames))
 
 
-def _refuse(model: RobotModel) -> None:
-    """Raises InvalidInput for robots that have no exact form yet."""
-    if model.chords or model.couplings:
-        what = "loops" if model.chords else "joints that others drive"
-        raise InvalidInput(
-            f"robot '{model.name}' has {what}: there are no exact values of it; give a tree of free joints"
-        )
+def _refuse_loops(model: RobotModel) -> None:
+    """Raises InvalidInput for robots with loops, whose files close them only to the digits that they write."""
+    if model.chords:
+        raise InvalidInput(f"robot '{model.name}' has loops: there are no exact values of it; give a tree without")
 
 
 def _with_bodies(

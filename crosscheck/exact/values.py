@@ -118,9 +118,9 @@ def exact_values(
     external_wrenches, frame, reference, classical: as the functions take them
     reading: as in urdf.load, for names and paths
 
-    Raises InvalidInput without python-flint, for unknown verbs, robots with couplings or loops, wrong shapes, and what
-    is no number; SingularMassMatrix where the mass matrix is singular, or not proven regular with MAX_BITS;
-    urdf's errors for a file that cannot be read.
+    Raises InvalidInput without python-flint, for unknown verbs, robots with loops, files of robots with couplings
+    (their models have exact values), wrong shapes, and what is no number; SingularMassMatrix where the mass matrix is
+    singular, or not proven regular with MAX_BITS; urdf's errors for a file that cannot be read.
     """
     if verb not in VERBS:
         near = closest(verb, VERBS) or ", ".join(VERBS)
@@ -138,8 +138,8 @@ def exact_values(
         raise InvalidInput(f"{verb} takes {', '.join(known.inputs)}; {len(arguments)} arguments were given")
     inputs = dict(zip(known.inputs, arguments, strict=True))
     request = Request(known.recursion, known.outputs, external_wrenches is not None, frame=chosen)
-    if method == "dense" and not set(known.outputs) <= _DENSE_OUTPUTS:
-        raise InvalidInput(f"{verb} is not computed by the dense method; omit method")
+    if method == "dense" and (source.model.couplings or not set(known.outputs) <= _DENSE_OUTPUTS):
+        raise InvalidInput(f"{verb} of robot '{source.model.name}' is not computed by the dense method; omit method")
     if external_wrenches is not None:
         inputs["external_wrenches"] = external_wrenches
     return _Exact(source, request, method == "dense", digits).answer(_rows(source.model, inputs))

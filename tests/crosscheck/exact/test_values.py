@@ -1,12 +1,14 @@
 """Exact values: closed forms to sixty digits, two formulations that share no line, and what doubles are off by."""
 
 import sys
+from dataclasses import replace
 from fractions import Fraction
 
 import mpmath
 import numpy as np
 import pytest
 from random_trees import NAMED, random_state, random_wrenches
+from robots.mechanisms import four_bar
 
 import crosscheck
 import graphdyn
@@ -151,6 +153,19 @@ def test_every_function_is_off_by_rounding_alone(name):
         assert array.balls.shape == np.shape(doubles[output])
 
 
+def test_joints_that_others_drive():
+    """Torques and mass matrix are those of the joints without their couplings, times their ratios."""
+    model = NAMED["revolute_chain"]
+    coupled = replace(model, couplings=(Coupling("joint3", {"joint1": 0.5}, 0.25),))
+    (q, v, a), ratios = np.random.default_rng(2).normal(size=(3, 3)), coupled.degrees_of_freedom.matrix
+    positions = [q[0], q[1], Fraction(q[0]) / 2 + Fraction(1, 4), q[2]]
+    free = crosscheck.exact_values(model, "joint_torques", positions, ratios @ v, ratios @ a)["tau"]  # halves are exact
+    found = crosscheck.exact_values(coupled, "joint_torques", q, v, a)["tau"]
+    expected = (ratios.T * Fraction(1)) @ np.array([Fraction(text) for text in free.decimals(28)])
+    apart = [abs(Fraction(x) - y) for x, y in zip(found.decimals(28), expected, strict=True)]
+    assert max(apart) < Fraction(1, 10**24)
+
+
 class TestErrors:
     def test_bounds_of_a_planted_error(self):
         model = NAMED["mixed_chain"]
@@ -202,13 +217,14 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match=r"exact values need python-flint, .*'graphdyn\[exact\]'"):
             crosscheck.exact_values(NAMED["one_revolute"], "gravity_torque", [0.1])
 
-    def test_robots_without_an_exact_form(self):
-        model = NAMED["revolute_chain"]
-        coupled = graphdyn.RobotModel(
-            "coupled", model.bodies, model.joints, couplings=(Coupling("joint2", {"joint1": 0.5}),)
+    def test_robots_without_an_exact_form(self, beam):
+        beam.write_text(
+            BEAM.replace("WELD", "revolute").replace("<limit", '<mimic joint="turn" multiplier="0.1"/><limit')
         )
-        with pytest.raises(InvalidInput, match="robot 'coupled' has joints that others drive: there are no exact"):
-            crosscheck.exact_values(coupled, "gravity_torque", np.zeros(3))
+        with pytest.raises(InvalidInput, match=r"robot 'beam' has joints that others drive: .* truth='model', or"):
+            crosscheck.exact_values(beam, "gravity_torque", [0], mimic="coupled")
+        with pytest.raises(InvalidInput, match="robot 'four-bar' has loops: there are no exact values of it"):
+            crosscheck.exact_values(four_bar(), "gravity_torque", np.zeros(3))
 
     @pytest.mark.parametrize(
         ("verb", "arguments", "options", "said"),
@@ -218,7 +234,12 @@ class TestRefusals:
             ("gravity_torque", [[0.1]], {"digits": 3.5}, "digits is 3.5"),
             ("gravity_torque", [[0.1]], {"truth": "doubles"}, "truth is 'doubles'; use 'file' or 'model'"),
             ("gravity_torque", [[0.1]], {"truth": "file"}, "is a model: there is no file of it; use truth='model'"),
-            ("gravity_torque", [[0.1]], {"method": "dense"}, "gravity_torque is not computed by the dense method"),
+            (
+                "gravity_torque",
+                [[0.1]],
+                {"method": "dense"},
+                "of robot .* is not computed by the dense method",
+            ),
             ("gravity_torque", [[0.1], [0.2]], {}, "gravity_torque takes q; 2 arguments were given"),
             ("gravity_torque", [[0.1, 0.2]], {}, r"q has shape \(2,\), expected \(…, 1\)"),
             ("gravity_torque", [["a"]], {}, "'a' is no number; give a decimal, a fraction, or a multiple of π"),
