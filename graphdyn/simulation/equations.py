@@ -180,8 +180,8 @@ class LoopEquations(Equations):
 
     @contextmanager
     def plain(self) -> Iterator[None]:
-        """Inside, rows are computed as the equations read, without fused multiplications: near a singular pose these
-        leave rounding errors where terms cancel exactly, and choose another branch."""
+        """Inside, rows are computed as the equations read: in singular poses rounding errors choose the branch, and
+        these cancel in symmetric linkages, whose branches meet there."""
         self._plain = True
         try:
             yield

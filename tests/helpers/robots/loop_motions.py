@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from shared_data import DATA
 
 import graphdyn
-from graphdyn import PDControl, Simulation, simulate
+from graphdyn import PDControl, RobotModel, Simulation, simulate
 
 G = 9.81
 
@@ -65,13 +65,18 @@ def space_linkage(**settings: Any) -> tuple[Simulation, float]:
     return motion, float(np.abs(origin + rotation @ [0, 0, 1.0] - given["P3"]["1"]).max())
 
 
-def held_palletizer(duration: float, **settings: Any) -> tuple[Simulation, float]:
-    """The palletizing arm, whose motors hold a pose, and how far its joints are from those that four of them give."""
+def held_pose() -> tuple[RobotModel, np.ndarray, np.ndarray, PDControl, np.ndarray]:
+    """The palletizing arm, q and v at the start, motors that hold this pose, and K with all joint angles K u."""
     model, k = palletizer(DATA)
-    u, gains = np.array([0.3, 0.2, -0.1, 0.5]), np.zeros(10)
+    q, gains = k @ [0.3, 0.2, -0.1, 0.5], np.zeros(10)
     gains[[model.joint_names.index(name) for name in model.actuated or ()]] = [5e4, 5e4, 5e4, 500]
-    control = PDControl(gains, gains / 10, k @ u, period=2e-3)
-    motion = simulate(model, k @ u, k @ [0.5, -0.4, 0.3, 1.0], duration, torque=control, **settings)
+    return model, q, k @ [0.5, -0.4, 0.3, 1.0], PDControl(gains, gains / 10, q, period=2e-3), k
+
+
+def held_palletizer(duration: float, **settings: Any) -> tuple[Simulation, float]:
+    """The motion from there, and how far its joints are from those that follow from four angles."""
+    model, q, v, control, k = held_pose()
+    motion = simulate(model, q, v, duration, torque=control, **settings)
     followed = np.linalg.lstsq(k, motion.q.T, rcond=None)[0].T @ k.T
     return motion, float(np.abs(motion.q - followed).max())
 
