@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from graphdyn.compiler.batch import ground_columns
+from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.native import compiling, host_lanes
 from graphdyn.compiler.running import MAX_COMPILED_LENGTH, chosen_backend, in_threads
 from graphdyn.compiler.simulated import Inputs, in_joint_axes, record_accelerations, record_closing, record_law
@@ -21,9 +22,9 @@ from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import Program
 from graphdyn.simulation.equations import LAST_STEP_GAP, MAX_PROJECTION_STEPS, LoopEquations
 from graphdyn.simulation.integration.events import COURSE_COLUMNS
-from graphdyn.simulation.integration.steps import Tableau, Take, near_pose, tableau
+from graphdyn.simulation.integration.steps import Compiled, Stepped, Tableau, Take, near_pose, tableau
 from graphdyn.simulation.plant import PlantConstants
-from graphdyn.simulation.torques import ComputedTorqueControl, Controller
+from graphdyn.simulation.torques import CONSTANT_TORQUE_STEPS, ComputedTorqueControl, Controller
 
 BLOCK_BYTES = 1 << 26
 """Bytes of torques, noise and records of the blocks that a thread has in hand at once, roughly."""
@@ -180,6 +181,34 @@ def run_blocks(
 
 Otherwise = Callable[[int, float, Array, float, Array], tuple[Array, Array]]
 """A function of the number of a run, t, y, h and the torque: y a time h later, and the row of COURSE_COLUMNS before."""
+
+
+def single_steps(plant: PlantConstants, method: str, errors: Array) -> Compiled:
+    """Compiled steps of robots with loops, one after the other: their widths may differ.
+
+    errors: further weights of the stages                   (k, s)
+    """
+    steps = compiled_steps(plant, method, None, lanes=fitting_lanes(1))
+    n, columns, stages, lost = plant.model.nv, steps.what.record, tableau(method).c, list[int]()
+    first = places(steps.what.memory)["rates"]
+    state, record = aligned((1, 2 * n + 2, steps.lanes)), aligned((1, 1, sum(columns.values()), steps.lanes))
+    constants, memory, control = constants_of(steps, plant, None, 1), steps.memory(1), aligned((1, 1, n, steps.lanes))
+
+    def taken(t: float, y: Array, h: float, tau: Array) -> tuple[Stepped, dict[str, Array]] | None:
+        lost.clear()
+        state[:], control[:] = y[:, None], tau[:, None]
+        times, ground = t + stages * h, None
+        if plant.base:
+            ground = ground_columns(plant.model, base_motion(plant.base, times), times.shape)[None]
+        stretch = StepRange(0, 1, 1, CONSTANT_TORQUE_STEPS, h)
+        steps.run(stretch, state, constants, control, None, ground, record, memory, lambda *step: lost.append(0))
+        if lost:
+            return None
+        rates = memory[0, first:, 0].reshape(len(stages), -1)
+        row = {name: rows[0, 0] for name, rows in out_of_blocks(record.copy(), columns, 1).items()}
+        return Stepped(state[0, :, 0].copy(), np.inf, h * errors @ rates), row
+
+    return taken
 
 
 class LostSteps:

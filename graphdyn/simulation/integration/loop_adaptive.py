@@ -14,11 +14,12 @@ import numpy as np
 from graphdyn.errors import IntegrationFailed
 from graphdyn.layout import Array
 from graphdyn.simulation.equations import LoopEquations
+from graphdyn.simulation.integration.compiled import can_compile, single_steps
 from graphdyn.simulation.integration.crossings import Pieces, crossings
 from graphdyn.simulation.integration.events import InitialValueProblem, Occurrence, Rows, SimulatedCourse, watches
 from graphdyn.simulation.integration.pace import Pace
 from graphdyn.simulation.integration.sketches import RowSteps
-from graphdyn.simulation.integration.steps import LoopSteps, Stepped, Torque, joints_of, tableau
+from graphdyn.simulation.integration.steps import Held, LoopSteps, Stepped, Torque, joints_of, tableau
 
 STEP_SAFETY, MIN_STEP_RATIO, MAX_STEP_RATIO, ERROR_ORDER = 0.9, 0.2, 10.0, 8
 """Constants of the choice of the next width, as in scipy.integrate."""
@@ -28,6 +29,9 @@ MIN_STEP_NEAR_POSE = 1 / 8
 
 MIN_STEP_WIDTH_SHARE = 1e-14
 """Smallest width of a step, as a part of the duration: narrower ones would be lost in the rounding of the time."""
+
+PYTHON_STEPS = 100
+"""Steps before compiled ones: these in Python, of one to three milliseconds, take as long as compiling."""
 
 FIRST_STEP_SHARE = 1e-3
 """Width of the first step that is tried, as a part of the duration."""
@@ -93,6 +97,7 @@ class _LoopRun:
         errors = np.array([DOP853.E3[: DOP853.n_stages], DOP853.E5[: DOP853.n_stages]])
         closed_stages = problem.source.function is not None
         self._steps = LoopSteps(self._equations, tableau("rk8"), closed_stages, errors)
+        self._plant, self._errors, self._taken = problem.plant, errors, 0
         self._tick, self._duration = -1, problem.duration
         self._far_width = self._width = FIRST_STEP_SHARE * problem.duration
         self.t, self.y = 0.0, problem.state
@@ -119,6 +124,7 @@ class _LoopRun:
                     f"the integration failed at {self.t:g} s: steps have become too narrow; the torques may be too "
                     "stiff or too large"
                 )
+            self._compile_soon()
             step = self._tried(h)
             error = np.inf if step is None else self._error(step)
             # error < 1 is within the tolerances; the error of a step of order 8 grows with the width to the 8th power
@@ -140,6 +146,12 @@ class _LoopRun:
         self._pace.step(self.t, joints_of(self.y)[1])
         self._hold()
         return taken
+
+    def _compile_soon(self) -> None:
+        """Compiles the steps when those in Python have taken about as long as that takes, if their torques are held."""
+        self._taken += 1
+        if self._taken == PYTHON_STEPS and isinstance(self._tau, Held) and can_compile(self._plant):
+            self._steps.compiled = single_steps(self._plant, "rk8", self._errors)
 
     def _tried(self, h: float) -> Stepped | None:
         try:
@@ -163,10 +175,12 @@ class _LoopRun:
     def _hold(self) -> None:
         """Asks for the torque of the next tick, where it is held."""
         source, period = self._source, self._source.period
-        if period is None:
+        if period is None and source.values is not None:
+            self._tau = Held(self._equations.clamped(source.values[0]))
+        elif period is None:
             self._tau = lambda t, q, v: self._equations.clamped(source.tau_at(t, q, v))
         elif self.t >= (self._tick + 1) * period:
             self._tick += 1
             self._pace.restart(joints_of(self.y)[1])
             held = self._equations.clamped(source.tau_from(self._tick * period, *joints_of(self.y)))
-            self._tau = lambda t, q, v: held
+            self._tau = Held(held)

@@ -170,12 +170,29 @@ def near_pose(equations: LoopEquations) -> float:
     return NEAR_POSE_SHARE * equations.usual_distance
 
 
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A torque that stays the same for a while, as a Torque."""
+
+    tau: Array
+
+    def __call__(self, t: float, q: Array, v: Array) -> Array:
+        return self.tau
+
+
+Compiled = Callable[[float, Array, float, Array], tuple[Stepped, dict[str, Array]] | None]
+"""A function of t, y, h and a held torque: the step and the row before, or None where only Python takes the step."""
+
+
 class LoopSteps:
     """Steps of one method.
 
     closed_stages: whether every stage is closed, as functions that call verbs need it
     errors: further weights of the stages                   (k, s)
+    compiled: takes steps of torques that are held, where it can
     """
+
+    compiled: Compiled | None = None
 
     def __init__(
         self, equations: LoopEquations, tableau: Tableau, closed_stages: bool = False, errors: Array | None = None
@@ -185,6 +202,9 @@ class LoopSteps:
 
     def advanced(self, t: float, y: Array, h: float, torque: Torque) -> Stepped:
         """The closed state a time h later. Raises IntegrationFailed where the numbers do not stay finite."""
+        found = self.compiled(t, y, h, torque.tau) if self.compiled and isinstance(torque, Held) else None
+        if found is not None:
+            return found[0]
         try:
             step = self._stepped(t, y, h, torque, careful=False)
             if step.distance > self.wary:
@@ -229,6 +249,9 @@ class LoopSteps:
 
     def row(self, t: float, y: Array, torque: Torque) -> dict[str, Array]:
         """What is recorded of a state."""
+        found = self.compiled(t, y, 0.0, torque.tau) if self.compiled and isinstance(torque, Held) else None
+        if found is not None:
+            return found[1]
         q, v = joints_of(y)
         tau = torque(t, q, v)
         rates = self.equations.rates(t, q, v, tau, self._contact(v))

@@ -31,7 +31,7 @@ from graphdyn import (
 from graphdyn.motion_laws import ConstantAcceleration, FourierSeries, Rail, Turntable
 from graphdyn.simulation import many_robots
 from graphdyn.simulation.equations import LoopEquations
-from graphdyn.simulation.integration import compiled, fixed
+from graphdyn.simulation.integration import compiled, fixed, loop_adaptive
 from graphdyn.simulation.loop_rows import LoopRows, loop_rows
 from graphdyn.simulation.plant import make_plant
 
@@ -262,3 +262,31 @@ def test_limits_and_events_within_compiled_steps(lost):
     assert motion.occurrences[0].q[0] == pytest.approx(middle, abs=1e-13)
     again = simulate(CRANK, *CRANK_START, float(motion.time[-1]), rtol=1e-12, atol=1e-12)
     assert np.abs(again.q[-1] - motion.q[-1]).max() < 1e-8
+
+
+SWAYING = [Rail((1, 0, 0), FourierSeries(1, [0.1], [0.2]))]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [{"torque": PDControl([50.0, 0, 0], [10.0, 0, 0], CRANK_START[0], period=0.01)}, {"base": SWAYING}],
+    ids=["control", "constant torque, base"],
+)
+def test_steps_that_adapt_agree_with_python(more, monkeypatch):
+    """Compiled from the third on, with the same rows and events."""
+    passing = Event(lambda t, q, v: q[0] - 0.715, "passing", stop=False)
+    settings = {"friction": Friction(0.1), "events": passing, "at": np.linspace(0, 0.1, 9), **more}
+    numbers, compiled_steps = [], loop_adaptive.single_steps
+
+    def counted(*arguments):
+        steps = compiled_steps(*arguments)
+        return lambda *state: numbers.append(1) or steps(*state)
+
+    monkeypatch.setattr(loop_adaptive, "single_steps", counted)
+    there = simulate(CRANK, *CRANK_START, 0.1, **settings)
+    assert not numbers  # too few steps to be worth compiling
+    monkeypatch.setattr(loop_adaptive, "PYTHON_STEPS", 3)
+    here = simulate(CRANK, *CRANK_START, 0.1, **settings)
+    assert numbers
+    agree(here, there)
+    assert here.occurrences[0].time == pytest.approx(there.occurrences[0].time, rel=1e-12)
