@@ -149,7 +149,7 @@ def benchmark(
     before = load()
 
     with TemporaryDirectory(prefix="graphdyn-bench-") as folder:
-        done("compiling Pinocchio, minutes" if native else "machine", 0)
+        done("compiling Pinocchio, half a minute" if native else "machine", 0)
         peers, works = Peers(states, Path(folder), native), []
         done("machine", 0)
         machines = tuple(measured for used in compared if (measured := machine(used)) is not None)

@@ -40,7 +40,7 @@ class BenchOptions(ReadingOptions, ReportOptions):
     native: Annotated[
         bool,
         typer.Option(
-            "--native", help="Pinocchio in C++ too, compiled for this machine: minutes, a C++ compiler and Eigen."
+            "--native", help="Pinocchio in C++ too, compiled here in half a minute: needs a C++ compiler and Eigen."
         ),
     ] = False
     quick: Annotated[bool, typer.Option("--quick", help="Fewer repeats and points: about a minute.")] = False

@@ -42,7 +42,7 @@ class ExportOptions(FunctionCodeOptions):
 
 
 def run(options: ExportOptions) -> None:
-    """Write the model of a robot as JSON, C or MATLAB, or its functions in C.
+    """Write the model of a robot to a file, or its functions in C.
 
     --to writes joint placements and axes, masses, centers of mass, tensors, parents, gravity, named frames: as JSON, as
     constants in C (and C++), or as a function for MATLAB and Octave. Units and frames are said in the file. Mimic

@@ -5,6 +5,7 @@ import os
 import shutil
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -98,6 +99,12 @@ def test_numbers_of_the_robot(compiled, axis):
         assert (form.threads, form.ours) == (1, False)
         assert form.errors(form.run(5)).max() < 1e-15
     assert NATIVE_NAME not in {form.name for form in peers.contenders("solve_kkt", (1,))}
+
+
+def test_versions_and_flags_are_reported():
+    peers = SimpleNamespace(native=SimpleNamespace(description="headers of Pinocchio, gcc, -O3"))
+    assert benchmark._peers([], peers)[NATIVE_NAME] == "headers of Pinocchio, gcc, -O3"
+    assert NATIVE_NAME not in benchmark._peers([], SimpleNamespace(native=None))
 
 
 class TestRefusals:
