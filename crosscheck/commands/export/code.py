@@ -42,7 +42,7 @@ class FunctionCodeOptions(ReadingOptions):
         typer.Option(
             "--c",
             metavar="FOLDER",
-            help="Write functions in C99 with headers for C and C++, CMakeLists.txt and a test; FOLDER may exist from "
+            help="Folder for functions in C99, with headers for C and C++, CMakeLists.txt and a test; it may exist from "
             "an earlier run.",
         ),
     ] = None
