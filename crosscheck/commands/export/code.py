@@ -42,8 +42,8 @@ class FunctionCodeOptions(ReadingOptions):
         typer.Option(
             "--c",
             metavar="FOLDER",
-            help="Folder for functions in C99, with headers for C and C++, CMakeLists.txt and a test; it may exist from "
-            "an earlier run.",
+            help="Folder for functions in C99, with headers for C and C++, CMakeLists.txt and a test; it may exist "
+            "from an earlier run.",
         ),
     ] = None
     functions: Annotated[

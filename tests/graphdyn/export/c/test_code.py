@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from long_check import LONG
 from random_trees import random_tree
+from robots.mechanisms import four_bar
 
 import graphdyn
 from graphdyn import InvalidInput
@@ -27,6 +28,9 @@ AWKWARD = 'a*/b/*c\\d"??/\n é'
 
 FUNCTIONS = ("joint_torques", "joint_accelerations", "mass_matrix", "kinetic_energy", "frame_velocity")
 CHOICES = ExportChoices(external_wrenches=True, moving_base=True, frame="tool", reference="local_world_aligned")
+
+LOOP_ROUNDING = 1e-10
+"""Of poses that may be near singular ones."""
 
 DOUBLE, SINGLE = 1e-14, 2e-6
 """Some hundred operations of a well-conditioned robot, each rounded to 53 or 24 bits."""
@@ -188,6 +192,18 @@ def test_singular(tmp_path):
     )
     assert outcome(tmp_path) == ({}, 0)  # no state is compared
     assert call(library.arm_joint_accelerations, 2, *np.zeros((4, 2))) == 4
+
+
+@needs_compiler
+def test_loops(tmp_path):
+    """A four-bar linkage: NAN where redundant rows leave a reaction undetermined, and the torque of its one motor."""
+    code = c_code(four_bar(), ["inverse_dynamics", "joint_accelerations"], name="bars")
+    build(code, tmp_path, "-O0")
+    errors, exit_code = outcome(tmp_path)
+    assert exit_code == 0
+    assert len(errors) == 2 * (5 + 1)  # tau, body accelerations, multipliers, joint wrenches, those of the chord; a
+    assert max(errors.values()) <= LOOP_ROUNDING, errors
+    assert "= NAN;" in code.files["bars_inverse_dynamics_rows.h"]
 
 
 SINE_CALL = """
