@@ -21,7 +21,11 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "graphdyn"))
 
 
 def pytest_configure(config):
-    """All processes of one run share what one of them has compiled; nothing is taken from earlier runs."""
+    """All processes of one run share what one of them has compiled; nothing is taken from earlier runs.
+
+    Thousands of tests live to the end, and recording a program makes 100,000 objects: sweep seldom, past both.
+    """
+    gc.set_threshold(50_000, 10, 10)
     if not hasattr(config, "workerinput"):
         folder = tempfile.TemporaryDirectory(prefix="graphdyn-code-")
         config.add_cleanup(folder.cleanup)
@@ -29,10 +33,9 @@ def pytest_configure(config):
 
 
 def pytest_collection_finish():
-    """Thousands of tests live to the end, and recording a program makes 100,000 objects: sweep seldom, past both."""
+    """What lives to the end need not be looked through again."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 10, 10)
 
 
 TOGETHER = ("bench", "paper", "identify", "commands/test_study")
