@@ -82,7 +82,7 @@ class ExactArray:
         return np.array(right).reshape(self.balls.shape)
 
     def errors(self, values: ArrayLike) -> tuple[Array, Array]:
-        """By how much doubles (…) are wrong: at least, and at most. Raises InvalidInput for another shape, and NaN."""
+        """What doubles (…) are wrong by: at least, and at most. Raises InvalidInput for another shape, and NaN."""
         given = np.asarray(values, dtype=float)
         if given.shape != self.balls.shape:
             raise InvalidInput(f"the values have shape {given.shape}, the exact ones {self.balls.shape}")
@@ -180,7 +180,7 @@ class _Exact:
     digits: int
 
     def answer(self, rows: tuple[tuple[int, ...], list[dict[str, Any]]]) -> dict[str, ExactArray]:
-        """Of all states; each at the precision that it needs."""
+        """The arrays of all states, each at the precision that it needs."""
         batch, states = rows
         first = next(_precisions(self.digits))
         with bits(first):
@@ -230,7 +230,7 @@ class _Exact:
 
 
 def _precisions(digits: int) -> Iterator[int]:
-    """Those to be tried, each twice the one before."""
+    """The numbers of bits to be tried, each twice the one before."""
     precision = math.ceil(digits * math.log2(10)) + SPARE_BITS
     while precision < MAX_BITS:
         yield precision

@@ -76,7 +76,7 @@ def record_accelerations(model: RobotModel, inputs: Inputs, least_distance: floa
 
 
 def record_rows(model: RobotModel) -> Program:
-    """Of all rows of chords that some joint moves, in their units: jacobian (k n), bias (k), gaps (k) at q and v.
+    """The rows of all chords that some joint moves, in their units: jacobian (k n), bias (k), gaps (k) at q and v.
 
     agreeing: above zero unless an end is flipped
     """

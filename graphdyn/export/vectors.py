@@ -10,7 +10,7 @@ from graphdyn.export.functions import ExportedFunction
 from graphdyn.layout import Array
 from graphdyn.verbs.assembly import assemble
 
-TEST_STATES = 20
+VECTOR_STATES = 20
 """States of a test: two batches and a half in double precision."""
 
 TOLERANCE = {"double": 1e-9, "single": 1e-4}
@@ -26,11 +26,11 @@ def vectors(function: ExportedFunction, rng: np.random.Generator) -> tuple[dict[
     from scipy.spatial.transform import Rotation  # imported where first used: import graphdyn stays light
 
     model = function.model
-    q, v = model.random_state(rng, TEST_STATES)
+    q, v = model.random_state(rng, VECTOR_STATES)
     x: dict[str, Array] = {}
     for name in function.inputs:
-        x[name] = rng.normal(scale=SPREAD, size=(TEST_STATES, *function.shape(name)))
-    known: Mapping[str, Array] = {"q": q, "v": v, "base_rotation": Rotation.random(TEST_STATES, rng).as_matrix()}
+        x[name] = rng.normal(scale=SPREAD, size=(VECTOR_STATES, *function.shape(name)))
+    known: Mapping[str, Array] = {"q": q, "v": v, "base_rotation": Rotation.random(VECTOR_STATES, rng).as_matrix()}
     x |= {name: array for name, array in known.items() if name in x}
     if model.chords and "a" in x:
         *_, x["a"] = assemble(model, q, v, x["a"])

@@ -32,7 +32,7 @@ WIDTH, ROW, AXIS = 7.6, 0.235, 0.62
 """Sizes of the picture, of one row, of what the axis needs [inches]."""
 
 TITLE_DISTANCE = 3.5
-"""Of the name of a row from the axes [points]."""
+"""Distance of the name of a row from the axes [points]."""
 
 WITHIN_COLOR, BEYOND_COLOR = BAR, CURVES[1]
 
@@ -117,7 +117,7 @@ def _draw(axes: Axes, rows: Sequence[SpreadRow]) -> None:
 
 
 def _write_titles(axes: Axes, rows: Sequence[SpreadRow]) -> None:
-    """Where labels of ticks would stand, which take half of the time of a picture of many rows."""
+    """Write the names of rows in place of labels of ticks, which take half of the time of a picture of many rows."""
     beside, vertical, horizontal = axes.get_yaxis_text1_transform(TITLE_DISTANCE)
     for k, row in enumerate(rows):
         weight = "normal" if row.agrees else "bold"

@@ -189,7 +189,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
 
 
 def _columns_in_memory(program: Program, lanes: int) -> dict[str, int]:
-    """Where in scratch the columns of those arrays begin that have too many to be written one by one."""
+    """Places in scratch where the columns of those arrays begin that have too many to be written one by one."""
     wide = {name: numbers for name, numbers in program.outputs.items() if len(numbers) >= MIN_WIDE_COLUMNS}
     first, found = lanes * sum(map(len, wide.values())), {}
     for name, numbers in wide.items():

@@ -9,7 +9,7 @@ import numpy as np
 from graphdyn.export.c.dialect import Dialect
 from graphdyn.export.c.identifiers import comment
 from graphdyn.export.functions import ExportedFunction
-from graphdyn.export.vectors import TEST_STATES, TOLERANCE, vectors
+from graphdyn.export.vectors import TOLERANCE, VECTOR_STATES, vectors
 from graphdyn.layout import Array
 
 _HEAD = """#include <math.h>
@@ -62,7 +62,7 @@ def test_program(functions: Sequence[ExportedFunction], dialect: Dialect) -> str
     rng = np.random.default_rng(0)
     parts = [
         comment(["Tests the functions of this folder with numbers that graphdyn computed from the equations."]),
-        dialect.filled(_HEAD, states=TEST_STATES, tolerance=TOLERANCE[dialect.precision]),
+        dialect.filled(_HEAD, states=VECTOR_STATES, tolerance=TOLERANCE[dialect.precision]),
     ]
     for function in functions:
         x, expected = vectors(function, rng)

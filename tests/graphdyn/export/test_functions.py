@@ -11,7 +11,7 @@ from graphdyn import Coupling, Frame, InvalidInput, Placement
 from graphdyn.compiler.interpreter import Interpreter
 from graphdyn.export import ExportChoices, exportable
 from graphdyn.export.functions import exported_functions
-from graphdyn.export.vectors import TEST_STATES, vectors
+from graphdyn.export.vectors import VECTOR_STATES, vectors
 
 ROUNDING = 1e-12
 """Share of the largest entry: a few hundred operations, and the condition of the mass matrix."""
@@ -39,11 +39,11 @@ def test_programs_compute_what_the_equations_say(tree, choices, coupled):
     for function in exported_functions(model, names, choices):
         x, expected = vectors(function, np.random.default_rng(0))
         assert list(x) == list(function.inputs) == list(function.program.inputs)
-        given = {name: array.reshape(TEST_STATES, -1) for name, array in x.items()}
-        found = {name: np.empty((TEST_STATES, function.size(name))) for name in function.outputs}
-        Interpreter(function.program).bind(given, found)(0, TEST_STATES)
+        given = {name: array.reshape(VECTOR_STATES, -1) for name, array in x.items()}
+        found = {name: np.empty((VECTOR_STATES, function.size(name))) for name in function.outputs}
+        Interpreter(function.program).bind(given, found)(0, VECTOR_STATES)
         for name, array in expected.items():
-            error = np.abs(found[name] - array.reshape(TEST_STATES, -1)).max()
+            error = np.abs(found[name] - array.reshape(VECTOR_STATES, -1)).max()
             assert error <= ROUNDING * max(np.abs(array).max(), 1.0), (function.name, name)
 
 
