@@ -109,6 +109,23 @@ def test_compiled_steps_agree_with_python(name, monkeypatch, lost):
     assert here.closure_error().max() < 1e-14
 
 
+@pytest.mark.parametrize(
+    "chord",
+    [Chord("closing", "hinge", 2, at(2.0), 0, at(2.2)), Chord("closing", "hinge", 1, at(0.0), 0, at(0.0))],
+    ids=["all", "nothing"],
+)
+def test_a_chord_that_holds_all_or_nothing(chord, monkeypatch, lost):
+    """A triangle stands still, and a second hinge beside the first changes nothing."""
+    model = replace(CRANK, bodies=CRANK.bodies[:2], joints=CRANK.joints[:2], chords=(chord,))
+    start = (model.closed_pose, np.zeros(2))
+    motion = simulate(model, *start, 0.05, method="rk4", step=1e-2)
+    agree(motion, in_python(monkeypatch, simulate, model, *start, 0.05, method="rk4", step=1e-2))
+    assert not lost
+    free = simulate(model.opened, *start, 0.05, method="rk4", step=1e-2)
+    expected = start[0] if chord.body_i == 2 else free.q[-1]
+    assert np.abs(motion.q[-1] - expected).max() < 1e-14
+
+
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_compiled_rows_are_those_of_the_loops(name):
     """But for rows that nothing moves; gaps where they are small, with their signs."""
