@@ -34,16 +34,16 @@ def _taken(x: BodyStep) -> None:
     """Force and moment per parameter, in world axes."""
     to_world, regressor = x.kept("rotation") @ x.link.link_axes.T, _regressor(x)
     x.carry("force", to_world @ regressor[LINEAR, :WITH_FORCE])
-    x.carry("moment", to_world @ regressor[ANGULAR])
+    x.carry("moment", to_world @ regressor[ANGULAR, :WITH_FORCE])
+    x.carry("moment_alone", to_world @ regressor[ANGULAR, WITH_FORCE:])
 
 
 def _felt(array: str) -> Callable[[BodyStep], None]:
     def felt(x: BodyStep) -> None:
-        force, moment, arm, p = x.carried("force"), x.carried("moment"), x.kept("arm"), axis(x)
-        row = np.concatenate([p @ force, zeros(len(moment.T) - WITH_FORCE)]) if x.prismatic else p @ moment
+        force, moment, alone, arm, p = *map(x.carried, ("force", "moment", "moment_alone")), x.kept("arm"), axis(x)
+        row = [*(p @ force), *zeros(alone.shape[1])] if x.prismatic else [*(p @ moment), *(p @ alone)]
         x.answer(array, row, "body", "column")
-        shift = np.array([cross(arm, column) for column in force.T], dtype=object).T
-        x.carry("moment", np.concatenate([moment[:, :WITH_FORCE] + shift, moment[:, WITH_FORCE:]], axis=1))
+        x.carry("moment", moment + np.array([cross(arm, column) for column in force.T], dtype=object).T)
 
     return felt
 
