@@ -116,7 +116,9 @@ class Extent:
 
 @dataclass(frozen=True, eq=False)
 class LongProgram:
-    """prismatic, inside: of every body; inside is the number of bodies for the ground
+    """Passes over the bodies of a robot, in their order, and where all arrays are.
+
+    prismatic, inside: of every body; inside is the number of bodies for the ground
     table: constants of every body (bodies, …)
     arrays: where they are in memory, by name: inputs, outputs, and what steps keep
     vectors: of memory in all

@@ -73,7 +73,7 @@ def test_rolled_code_agrees_with_the_equations_and_with_straight_line_code(name,
 
 
 def test_every_recursion_but_these_has_rolled_code():
-    """Second derivatives are n³ numbers; the robot with chords has no tree."""
+    """Second derivatives are n³ numbers."""
     assert set(RECURSIONS) - set(rolling.PASSES) == {"inverse_dynamics_second_derivatives"}
 
 
