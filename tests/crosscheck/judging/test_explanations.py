@@ -14,6 +14,7 @@ from crosscheck.judging.verdicts.diagnosis import (
     _distinct,
     _explained,
     _no_worse,
+    _tilt,
     merged,
     precision_said,
     same_code,
@@ -162,6 +163,7 @@ def test_what_tells_explanations_apart(own, ur5):
         )
         == torques
     )
+    assert not _tilt(explanation(fault("a"), code=aside), explanation(fault("b"), code=sideways), search)
 
 
 def test_no_part_is_worse_than_before():

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from random_trees import random_tree
+from scipy.spatial.transform import Rotation
 
 import graphdyn
 from graphdyn import InvalidInput, Placement
+from graphdyn.experiments.experiment import base_motion
 from graphdyn.motion_laws import ConstantAcceleration, FourierSeries, Locked, Polynomial, Rail, Turntable
 
 BALANCE = 1e-13
@@ -130,6 +132,21 @@ def test_a_turned_carriage_is_a_turned_robot():
 
 
 # The paper's experiment
+
+
+def test_a_base_moves_along_and_about_the_axes_of_its_laws():
+    """The turn by exp(θ axis×), with rates along the axis; rails add, and neither of them turns."""
+    times = np.array([0.0, 0.4, 1.1])
+    course, turn = Polynomial((0.2, 0.5, -1.0)), np.array(TURN_ABOUT) / np.linalg.norm(TURN_ABOUT)
+    slides = [np.array([3.0, -4.0, 0.0]) / 5, np.array([0.0, 0.0, -1.0])]
+    laws = [*(Rail(axis, course) for axis in slides), Turntable(TURN_ABOUT, course)]
+    found, (theta, rate, acceleration) = base_motion(laws, times), course(times)
+    np.testing.assert_allclose(found.rotation, Rotation.from_rotvec(theta[:, None] * turn).as_matrix(), atol=1e-15)
+    along = sum(slides)
+    np.testing.assert_allclose(found.translation, theta[:, None] * along, atol=1e-15)
+    for told, size in ((found.velocity, rate), (found.acceleration, acceleration)):
+        np.testing.assert_allclose(told[:, :3], size[:, None] * along, atol=1e-15)
+        np.testing.assert_allclose(told[:, 3:], size[:, None] * turn, atol=1e-15)
 
 
 @pytest.fixture(scope="module")
