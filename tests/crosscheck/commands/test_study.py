@@ -17,7 +17,7 @@ from shown.approved import approve_result
 from shown.browser import CHROMIUM, document
 
 from crosscheck.commands.study import errors_report, scenarios_report
-from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient
+from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient, trades
 from crosscheck.commands.study.report import study_report
 from crosscheck.commands.study.scenarios_report import ShownRuns
 from crosscheck.report.records.record import plain
@@ -257,6 +257,21 @@ def test_pictures_of_parameters_are_parts_of_the_usual_spread(summary):
         for picture in drawn:
             np.testing.assert_allclose(picture["scale"], np.median(list(of.values()), axis=0))
             assert len({one.method.measures for one in picture["methods"]}) == 1
+
+
+def test_trades_have_the_times_and_failures_of_the_rows(summary):
+    """Median of all processor times; hollow where a record has no answer; the best of the ranking has the ratio one."""
+    rows, _, times = study_tables(RUNS)
+    rankings = {error: summary.rankings["torques", error] for error in ERRORS}
+    pictures = [block.draw.keywords for block in trades(summary, rankings) if isinstance(block, Picture)]
+    assert len(pictures) == len(ERRORS)
+    for picture in pictures:
+        found = {trade.name: trade for trade in picture["trades"]}
+        assert found[picture["best"]].ratio == 1
+        assert set(found) == {name for name in METHODS if METHODS[name][0] == "torques"}
+        for name, trade in found.items():
+            assert trade.seconds == np.median([row["processor_seconds"] for row in times if row["method"] == name])
+            assert trade.whole == all(row["status"] == "found" for row in rows if row["method"] == name)
 
 
 def interval(value, low, high):
