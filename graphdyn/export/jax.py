@@ -9,7 +9,7 @@ The operations are those of the recorded recursion, on JAX arrays of all samples
 from __future__ import annotations
 
 from collections import namedtuple
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from functools import cache, partial
@@ -22,6 +22,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.export.c.dialect import Precision
 from graphdyn.export.functions import AS_THEY_ARE, ExportChoices, ExportedFunction
 from graphdyn.export.recorded import ARITHMETIC, recorded_function
+from graphdyn.export.steps import KINDS, Steps, in_steps
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import operands
 
@@ -32,6 +33,13 @@ PART_OPERATIONS = 300
 share: of the 1565 operations of solve_kkt of a UR5 it would make 44,000, and take seven times as long for a batch.
 Measured with joint_accelerations in parts of 100, 300 and 600: the gradient takes 7.4, 5.3 and 4.7 s to compile, and
 then 1.4, 2.2 and 3.7 µs a state."""
+
+LONG_PROGRAM = 2000
+"""Operations from which XLA gets equal steps in a loop (graphdyn.export.steps). These compile in a second however many
+they are, and take some ten times as long for each state, a hundred times for gradients of many states. In parts,
+reaction_derivatives of a UR5 compiles for minutes."""
+
+STEP_OPERATIONS = 64
 
 
 def function(
@@ -88,18 +96,16 @@ class _Replay:
         self._operations = {**ARITHMETIC, "sine": jax.numpy.sin, "cosine": jax.numpy.cos}
         numbers = range(len(recorded.program.operations))
         self._constants = {k: value for k in numbers if (value := recorded.program.constant(k)) is not None}
-        self._parts = self._in_parts()
+        self._steps = (
+            in_steps(recorded.program, STEP_OPERATIONS) if recorded.program.arithmetic >= LONG_PROGRAM else None
+        )
+        self._parts = [] if self._steps else self._in_parts()
 
     def __call__(self, arrays: Sequence[Any]) -> Any:
         batch, values = self._inputs(arrays)
-        for part in self._parts:
-            with self._apart():
-                found = part.compute(*(values[k] for k in part.needed))
-            values.update(zip(part.given, found, strict=True))
-        numpy, recorded, outputs = self._jax.numpy, self.recorded, []
-        for array, numbers in recorded.program.outputs.items():
-            columns = [numpy.broadcast_to(numpy.asarray(values[k], self.dtype()), batch) for k in numbers]
-            outputs.append(numpy.stack(columns, axis=-1).reshape(*batch, *recorded.shape(array)))
+        columns = self._in_loop(self._steps, values, batch) if self._steps else self._part_by_part(values, batch)
+        recorded = self.recorded
+        outputs = [columns[array].reshape(*batch, *recorded.shape(array)) for array in recorded.outputs]
         return outputs[0] if len(outputs) == 1 else _answer(recorded.name, tuple(recorded.outputs))(*outputs)
 
     def dtype(self) -> Any:
@@ -137,6 +143,43 @@ class _Replay:
                 name, column = of
                 values[number] = columns[name][..., column]
         return batch, values
+
+    def _part_by_part(self, values: Mapping[int, Any], batch: tuple[int, ...]) -> dict[str, Any]:
+        """The outputs, a column for each entry."""
+        known = dict(values)
+        for part in self._parts:
+            with self._apart():
+                found = part.compute(*(known[k] for k in part.needed))
+            known.update(zip(part.given, found, strict=True))
+        return {array: self._stacked(known, ks, batch, -1) for array, ks in self.recorded.program.outputs.items()}
+
+    def _stacked(self, known: Mapping[int, Any], numbers: Sequence[int], batch: tuple[int, ...], axis: int) -> Any:
+        numpy, dtype = self._jax.numpy, self.dtype()
+        return numpy.stack([numpy.broadcast_to(numpy.asarray(known[k], dtype), batch) for k in numbers], axis)
+
+    def _in_loop(self, steps: Steps, values: Mapping[int, Any], batch: tuple[int, ...]) -> dict[str, Any]:
+        """The same outputs. The values of all samples are a row."""
+        numpy, lax = self._jax.numpy, self._jax.lax
+        computed = self._computed(steps.before, tuple(values), steps.before, *values.values())
+        known = {**values, **dict(zip(steps.before, computed, strict=True))}
+        first = self._stacked(known, steps.first, batch, 0)
+        rows = numpy.zeros((steps.rows, *batch), self.dtype()).at[: len(steps.first)].set(first)
+
+        def step(state: tuple[Any, Any], operations: Any) -> tuple[tuple[Any, Any], None]:
+            rows, place = state
+            left, right, kind = operations
+            kind = numpy.broadcast_to(kind.reshape(-1, *(1 for _ in batch)), (STEP_OPERATIONS, *batch))
+            x, y = rows[left], rows[right]
+            divisor = numpy.where(kind == KINDS.index("/"), y, 1.0)  # else 0 / 0 of others spoils derivatives
+            found = lax.select_n(kind, x * y, x + y, x - y, x / divisor, -x)
+            return (lax.dynamic_update_slice_in_dim(rows, found, place, 0), place + STEP_OPERATIONS), None
+
+        start = numpy.asarray(len(steps.first), numpy.int32)
+        (rows, _), _ = lax.scan(step, (rows, start), (steps.left, steps.right, steps.kind))
+        outputs = self.recorded.program.outputs
+        return {
+            array: numpy.moveaxis(rows[np.array([steps.row[k] for k in ks])], 0, -1) for array, ks in outputs.items()
+        }
 
     def _apart(self) -> AbstractContextManager[None]:
         """Keeps XLA from merging the parts again, where it compiles for a processor."""

@@ -90,9 +90,14 @@ class TestDerivatives:
             for array, by in zip(found, vars(expected).values(), strict=True):
                 assert_same(array.full(), by)
 
-    @pytest.mark.parametrize("mode", ["jacfwd", "jacrev"])
-    def test_jax(self, mode):
+    @pytest.mark.parametrize(
+        ("mode", "long"), [("jacfwd", False), ("jacrev", False), ("jacfwd", True), ("jacrev", True)]
+    )
+    def test_jax(self, mode, long, monkeypatch):
+        """In parts, and in the equal steps of long programs."""
         jax = library("jax")
+        if long:
+            monkeypatch.setattr(graphdyn.export.jax, "LONG_PROGRAM", 0)
         q, v, a = random_state(MODEL, 6, (2,))
         for name, derivatives in (
             ("joint_torques", graphdyn.inverse_dynamics_derivatives),
