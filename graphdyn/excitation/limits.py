@@ -237,6 +237,6 @@ def share_of(stated: float | None, share: float) -> float:
 
 def _each(name: str, given: ArrayLike | None, stated: list[float], n: int) -> Array:
     array = np.array(stated) if given is None else as_floats(name, given)
-    if array.shape not in ((), (n,)) or np.isnan(array).any():
+    if array.shape not in ((), (n,)):
         raise InvalidInput(f"{name} has shape {array.shape}; give one number, or {n}")
     return np.array(np.broadcast_to(array, (n,)))

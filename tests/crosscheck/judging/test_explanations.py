@@ -89,6 +89,22 @@ def test_a_second_fault_is_added_to_those_that_mend_whole_parts_and_to_those_tha
     assert _differing([least[0], same, least[1]]) == [least[0], least[1]]
 
 
+@pytest.mark.parametrize(("holds", "asked"), [(2, ["small"]), (3, ["small", "large"]), (9, ["small", "large", "huge"])])
+def test_pairs_are_sought_from_the_smallest_on_until_none_can_be_as_small(holds, asked):
+    """holds: size of the first pair that explains all."""
+    seen = []
+
+    def alone(first):
+        seen.append(first.said[0].message)
+        return [explanation(*(one for one, _ in first.elements), fault("second"))]
+
+    search = SimpleNamespace(alone=alone, _refitted=list, holds=lambda x: x.size >= holds)
+    started = [explanation(fault(name, size=size)) for name, size in (("large", 2), ("huge", 3), ("small", 1))]
+    found = Search.together(search, started)
+    assert seen == asked
+    assert [x.size for x in found] == [2, 3, 4][: len(asked)]
+
+
 def test_experiments_at_the_first_and_the_last_states():
     """Rows in any order of states; of an odd number one more of the first."""
     q = np.array([[5.0, 0], [1.0, 2], [5.0, 0], [3.0, 1], [0.0, 7], [1.0, 2]])

@@ -374,8 +374,9 @@ def test_origins_that_stay_on_their_side_of_planes_are_those_of_all_moving_frame
     model = mixed_tree()
     tool, flange = Placement(np.eye(3), [0.1, 0.2, 0.3]), Placement()
     frames = (Frame("tool", 3, tool), Frame("same", 3, tool), Frame("flange", 2, flange), Frame("table", 0, tool))
+    frames += (Frame("lamp", 1, Placement(np.eye(3), [0.0, 0.5, 0.0])),)
     found = [(one.body, *one.center.tolist(), one.radius) for one in frame_origins(replace(model, frames=frames))]
-    assert found == [(1, 0, 0, 0, 0), (2, 0, 0, 0, 0), (3, 0, 0, 0, 0), (3, 0.1, 0.2, 0.3, 0)]
+    assert found == [(1, 0, 0, 0, 0), (2, 0, 0, 0, 0), (3, 0, 0, 0, 0), (3, 0.1, 0.2, 0.3, 0), (1, 0, 0.5, 0, 0)]
 
 
 @pytest.mark.parametrize(
@@ -387,7 +388,11 @@ def test_origins_that_stay_on_their_side_of_planes_are_those_of_all_moving_frame
         (lambda: Plane((0, 0, 0)), r"a plane has normal .*; give three finite numbers, not all zero"),
         (lambda: problem_of(velocity=np.inf), r"joint '.*' has no limit of velocity; give one"),
         (lambda: problem_of(lower=3.0), r"joint '.*' may move from 3 to 2; lock it, or give other limits"),
+        (lambda: problem_of(lower=2.0), r"joint '.*' may move from 2 to 2; lock it, or give other limits"),
+        (lambda: problem_of(upper=np.nan), r"joint '.*' may move from .* to nan; lock it, or give other limits"),
         (lambda: problem_of(jerk=-1.0), r"a limit of jerk is -1; give numbers above zero"),
+        (lambda: problem_of(acceleration=[1.0, np.nan, 2.0]), r"a limit of acceleration is nan; give numbers above"),
+        (lambda: problem_of(torque=np.nan), r"a limit of torque is nan; give numbers above zero"),
         (lambda: problem_of(torque=0.0), r"a limit of torque is 0; give numbers above zero"),
         (lambda: problem_of(upper=[1.0, 2.0]), r"upper limit has shape \(2,\); give one number, or 3"),
         (lambda: replace(problem_of(), noise=np.array(0.0)), r"noise is 0\.; give one positive number, or 3"),
