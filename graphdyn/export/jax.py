@@ -22,7 +22,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.export.c.dialect import Precision
 from graphdyn.export.functions import AS_THEY_ARE, ExportChoices, ExportedFunction
 from graphdyn.export.recorded import ARITHMETIC, recorded_function
-from graphdyn.export.steps import KINDS, Steps, in_steps
+from graphdyn.export.steps import KINDS, EqualSteps, in_steps
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import operands
 
@@ -157,7 +157,7 @@ class _Replay:
         numpy, dtype = self._jax.numpy, self.dtype()
         return numpy.stack([numpy.broadcast_to(numpy.asarray(known[k], dtype), batch) for k in numbers], axis)
 
-    def _in_loop(self, steps: Steps, values: Mapping[int, Any], batch: tuple[int, ...]) -> dict[str, Any]:
+    def _in_loop(self, steps: EqualSteps, values: Mapping[int, Any], batch: tuple[int, ...]) -> dict[str, Any]:
         """The same outputs. The values of all samples are a row."""
         numpy, lax = self._jax.numpy, self._jax.lax
         computed = self._computed(steps.before, tuple(values), steps.before, *values.values())

@@ -17,7 +17,7 @@ KINDS = ("*", "+", "-", "/", "negate")
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class EqualSteps:
     """before: operations to be computed one by one, sines, cosines and what they need
     first: operations in the first rows: inputs, constants and these
     left, right: rows of the operands (steps, width); of one operand, twice the same
@@ -37,7 +37,7 @@ class Steps:
         return len(self.first) + self.kind.size
 
 
-def in_steps(program: Program, width: int) -> Steps:
+def in_steps(program: Program, width: int) -> EqualSteps:
     """The program in steps of this width: an operation comes in the first step with room after its operands."""
     operations = program.operations
     needed = set[int]()
@@ -64,4 +64,4 @@ def in_steps(program: Program, width: int) -> Steps:
             name, *arguments = operations[k]
             left[at, place], right[at, place] = row[arguments[0]], row[arguments[-1]]
             kind[at, place] = KINDS.index(name)
-    return Steps(before, first, left, right, kind, row)
+    return EqualSteps(before, first, left, right, kind, row)
