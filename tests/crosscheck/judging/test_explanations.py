@@ -8,6 +8,7 @@ import pytest
 from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import Diagnosis
+from crosscheck.judging.searching import search as search_room
 from crosscheck.judging.searching.fitting import _least_squares
 from crosscheck.judging.searching.search import Explanation, Search, _differing, _of_states, firsts, preference
 from crosscheck.judging.verdicts.diagnosis import (
@@ -103,6 +104,47 @@ def test_pairs_are_sought_from_the_smallest_on_until_none_can_be_as_small(holds,
     found = Search.together(search, started)
     assert seen == asked
     assert [x.size for x in found] == [2, 3, 4][: len(asked)]
+
+
+@pytest.mark.parametrize(
+    ("worst", "is_sought"),
+    [([0, 0, 0, 1], True), ([0, 0, 0, 0], False), ([0, 1, 0, 1], False), ([0, 0, 1, 1], False), ([1, 0, 0, 0], False)],
+)
+@pytest.mark.parametrize("less", [-1, 0])
+def test_smooth_friction_is_sought_where_answers_deviate_in_motion_alone(worst, is_sought, less, monkeypatch):
+    """From what is left of the answers of a known scale; not from those of one part, of which another was taken."""
+    seen = {}
+
+    def friction(*given):
+        seen["friction"] = given
+        return [fault("friction")]
+
+    def bounds(*given):
+        seen["limits"] = given
+        return iter([fault("limit")])
+
+    monkeypatch.setattr(search_room, "limits", bounds)
+    monkeypatch.setattr(search_room, "smooth_friction", friction)
+    judged = SimpleNamespace(
+        less=np.array([-1, less]),
+        torques=lambda: np.ones((2, 3)),
+        state=("q", "v", "a"),
+        scale=np.array([[2.0], [5.0]]),
+        residuals=lambda codes: np.array([[[1.0, 2, 3], [4, 5, 6]]]) * len(codes),
+    )
+    experiments = SimpleNamespace(torques=lambda: np.zeros((1, 3)))
+    search = SimpleNamespace(model="arm", judged=judged, experiments=experiments, bound=BOUND)
+    found = Search._from_answers(search, explanation(worst=[*worst, 0, 0]))
+    if less >= 0:
+        assert not found
+        assert not seen
+        return
+    assert [one.say(np.zeros(0))[0].message for one in found] == ["limit", "friction"][: 1 + is_sought]
+    np.testing.assert_array_equal(seen["limits"][1], [[0, 0, 0], [1, 1, 1], [1, 1, 1]])
+    if is_sought:
+        model, v, deviation, bound = seen["friction"]
+        assert (model, v, bound) == ("arm", "v", 5 * BOUND)
+        np.testing.assert_array_equal(deviation, [[-2, -4, -6], [-20, -25, -30]])
 
 
 def test_experiments_at_the_first_and_the_last_states():
