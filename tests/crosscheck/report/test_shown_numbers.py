@@ -376,6 +376,10 @@ class TestPictures:
         assert extents[1].height == pytest.approx(extents[0].height / 2)
         assert axes.patches[0].get_facecolor() != axes.patches[1].get_facecolor()
         assert [text.get_text() for text in axes.texts] == ["✗ torque"]
+        axes = drawn(spread, "spread", [spread.SpreadRow("beside", np.array([9e-11, 1.1e-10]), 1e-10)])
+        within, beyond = axes.patches  # bins on both sides of the bound
+        assert [bar.get_path().get_extents().x0 for bar in (within, beyond)] == [-10.25, -10.0]
+        assert within.get_facecolor() != beyond.get_facecolor()
 
     def test_spread_of_errors_without_a_logarithm(self, drawn):
         """Zero at its tick left of all decades, infinity right of them; a bound of zero just right of the zeros."""
