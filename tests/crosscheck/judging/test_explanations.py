@@ -16,6 +16,7 @@ from crosscheck.judging.verdicts.diagnosis import (
     _explained,
     _no_worse,
     _tilt,
+    evidence_of,
     merged,
     precision_said,
     same_code,
@@ -176,6 +177,20 @@ def test_numbers_of_any_unit_are_fitted():
 )
 def test_what_noise_means(relative, said):
     assert precision_said(relative) == said
+
+
+def test_evidence_has_the_errors_of_the_parts_how_they_grow_and_noise_that_matters():
+    """Noise from a tenth of the tolerance on: ten times it is what a fault may leave."""
+    quiet, noisy = (SimpleNamespace(bound=BOUND, noise=noise, tolerance=BOUND) for noise in (0.9e-10, 2e-10))
+    assert evidence_of(quiet, {"gravity": BOUND}, None, None) == "at rest (v = 0, a = 0): agrees"
+    assert evidence_of(noisy, {"gravity": 2e-9}, None, None) == (
+        "at rest (v = 0, a = 0): relative error 2.0e-09; the answers scatter by 2.0e-10 from one state to the next"
+    )
+    own = SimpleNamespace(velocity=np.array([1.0, 2.0]), doubled=np.array([4.0, 8.0]))
+    observed = SimpleNamespace(velocity=np.array([1.5, 2.25]), doubled=np.array([6.0, 9.0]))
+    assert evidence_of(quiet, {"velocity": 0.1}, observed, own).endswith(
+        "; at twice the velocity the error is 4 times as large"
+    )
 
 
 @pytest.fixture(scope="module")
