@@ -223,7 +223,7 @@ def _best(work: Callable[[int, int], Any], threads: int) -> float:
     """Seconds of the fastest of several runs."""
     ranges: Sequence[tuple[int, int]] = [(k, k + 1) for k in range(threads)]
     _, *others = (elapsed(lambda: in_threads(work, ranges, threads)) for _ in range(N_MEASUREMENTS + 1))
-    return min(run.by(clock_of(threads)) for run in others)
+    return min(run.of_one(clock_of(threads)) for run in others)
 
 
 def _code(lanes: int) -> str:

@@ -81,7 +81,7 @@ def fitting_count(run: Callable[[int], object], least: int, most: int, duration:
     """The number of samples, between least and most, that run takes about the duration for [s]."""
     count = max(least, min(FIRST_RUN_SAMPLES, most))
     while True:
-        seconds = min(_seconds(partial(run, count), clock) for _ in range(2))  # the first run is slower
+        seconds = min(elapsed(partial(run, count)).of_one(clock) for _ in range(2))  # the first run is slower
         if count == most or seconds > duration / 4:
             return max(least, min(most, int(count * duration / seconds)))
         count = min(4 * count, most)
@@ -112,7 +112,7 @@ def in_turns(
         with linear_algebra_threads(run.threads):
             run.call()
             least = max(shortest, STEPS_PER_RUN * clock_step()) if run.clock == "processor" else shortest
-            in_a_row.append(max(1, round(least / _seconds(run.call, run.clock))))
+            in_a_row.append(max(1, round(least / elapsed(run.call).of_one(run.clock))))
     for _ in range(repeats):
         for row, run, calls in zip(rows, runs, in_a_row, strict=True):
             with linear_algebra_threads(run.threads):
@@ -136,12 +136,6 @@ def _libraries() -> Any:
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
-
-
-def _seconds(run: Callable[[], object], clock: Clock) -> float:
-    """The time of a call, to plan runs; in wall time if it is too short for the clock of processor time."""
-    taken = elapsed(run)
-    return taken.wall if taken.processor < STEPS_PER_RUN * clock_step() else taken.by(clock)
 
 
 def _quartiles(values: Sequence[float]) -> tuple[float, float]:

@@ -32,6 +32,7 @@ class Machine:
         monkeypatch.setattr(time, "process_time", lambda: self.processor + self.elsewhere)
         monkeypatch.setattr(time, "perf_counter", lambda: self.wall)
         monkeypatch.setattr(timing, "clock_step", lambda: 1e-9)
+        monkeypatch.setattr(clocks, "clock_step", lambda: 1e-9)
 
     def works(self, seconds, waits=0.0):
         self.processor += seconds
@@ -107,7 +108,9 @@ class TestTimes:
 
     def test_a_clock_of_coarse_steps(self, machine, monkeypatch):
         """Runs last two hundred steps of 10 ms: a thousand calls of 2 ms, in processor time alone."""
-        monkeypatch.setattr(timing, "clock_step", lambda: 0.01)
+        for module in (timing, clocks):
+            monkeypatch.setattr(module, "clock_step", lambda: 0.01)
+        assert [Elapsed(processor, 3.0).of_one("processor") for processor in (0.0, 1.9, 2.5)] == [3.0, 3.0, 2.5]
         counts = [0, 0]
 
         def run(k):
