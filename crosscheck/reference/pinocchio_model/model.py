@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -118,11 +119,12 @@ class PinocchioModel:
         self, q: Array, v: Array, a: Array, external_wrenches: Array | None = None
     ) -> tuple[Array, Array]:
         """rnea's τ (N, n) and joint wrenches, data.f (N, n, 6), at N states."""
-        external_wrenches = np.zeros((*q.shape, 6)) if external_wrenches is None else external_wrenches
+        none = self.forces(np.zeros((q.shape[-1], 6)))
+        loads = repeat(none, len(q)) if external_wrenches is None else map(self.forces, external_wrenches)
         torques, wrenches = [], []
-        for q_k, v_k, a_k, external in zip(q, v, a, external_wrenches, strict=True):
+        for q_k, v_k, a_k, forces in zip(q, v, a, loads, strict=True):
             state = self.configuration(q_k), self.there(v_k), self.there(a_k)
-            torques.append(pin.rnea(self.native, self.data, *state, self.forces(external))[self.columns])
+            torques.append(pin.rnea(self.native, self.data, *state, forces)[self.columns])
             wrenches.append(self.joint_wrenches())
         return np.array(torques).reshape(q.shape), np.array(wrenches).reshape(*q.shape, 6)
 
