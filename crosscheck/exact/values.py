@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 from itertools import product
 from typing import Any, Literal, Unpack, get_args
 
@@ -159,15 +158,19 @@ class _Source:
             raise InvalidInput(f"robot '{known.name}' is a model: there is no file of it; use truth='model'")
         self.model = known.model
         self.truth: Truth = truth or ("model" if known.file is None else "file")
+        self._known: dict[int, ExactRobot] = {}
         self._written = None
         if self.truth == "file":
             assert not isinstance(robot, RobotModel)
             self._written = written(robot, reading=reading)
 
-    @cache  # noqa: B019  # a few precisions
     def at(self, precision: int) -> ExactRobot:
         """Its constants with so many bits; to be called inside `bits` of these."""
-        return of_model(self.model) if self._written is None else of_file(self.model, self._written)
+        if precision not in self._known:
+            self._known[precision] = (
+                of_model(self.model) if self._written is None else of_file(self.model, self._written)
+            )
+        return self._known[precision]
 
 
 @dataclass(frozen=True, eq=False)
