@@ -40,6 +40,9 @@ MAX_BITS = 2000
 MAX_DIGITS = 250
 """Radii are told as doubles, the smallest of which is 1e-308."""
 
+SMALLEST_RADIUS = 1e-300
+"""Radius [SI units] below which values that vanish are not computed further."""
+
 SPARE_BITS = 64
 """Bits beyond the digits asked for with which the work begins: recursions lose 10 to 30, elimination 40."""
 
@@ -49,7 +52,7 @@ class ExactArray:
     """Numbers that are known to so many digits, or further.
 
     balls: intervals that hold the true values (…)
-    digits: the radii are below 10^-digits of the largest value, or of 1 where all are smaller than that
+    digits: the radii are below 10^-digits of the largest value at each state, or below 10^(-2 digits)
     bits: precision at which that was reached; truth: of the file, or of the model in memory
     """
 
@@ -242,7 +245,10 @@ def _precisions(digits: int) -> Iterator[int]:
 
 
 def _is_proven(values: Balls, digits: int) -> bool:
-    return bool(is_finite(values)) and radius(values) <= 10.0**-digits * min(1.0, magnitude(values) or 1.0)
+    """Whether the radii are small enough beside the largest value, or all values vanish as far as can be told."""
+    if not is_finite(values):
+        return False
+    return radius(values) <= max(10.0**-digits * magnitude(values), max(10.0 ** (-2 * digits), SMALLEST_RADIUS))
 
 
 def _rows(model: RobotModel, inputs: Mapping[str, Any]) -> tuple[tuple[int, ...], list[dict[str, Any]]]:
