@@ -88,11 +88,13 @@ def as_balls(values: Any) -> Balls:
 
 
 def zeros(*shape: int) -> Balls:
-    return as_balls(np.zeros(shape))
+    return np.full(shape, ball(0), dtype=object)
 
 
 def eye() -> Balls:
-    return as_balls(np.eye(3))
+    unit = zeros(3, 3)
+    unit[np.diag_indices(3)] = ball(1)
+    return unit
 
 
 def norm(vector: Balls) -> Ball:
@@ -134,12 +136,12 @@ def nearest_rotation(matrix: Balls) -> Balls:
 
 def radius(values: Balls) -> float:
     """The largest radius, rounded up."""
-    return max((_up(x.rad()) for x in values.ravel()), default=0.0)
+    return _up(max((x.rad() for x in values.ravel()), default=ball(0)))
 
 
 def magnitude(values: Balls) -> float:
     """The largest absolute value, rounded up."""
-    return max((_up(x.abs_upper()) for x in values.ravel()), default=0.0)
+    return _up(max((x.abs_upper() for x in values.ravel()), default=ball(0)))
 
 
 def _up(x: Ball) -> float:

@@ -5,8 +5,10 @@ Constants that are exactly 0 or ±1 are recorded as such; none is rounded, and n
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 from math import isfinite
 from typing import Any
 
@@ -14,6 +16,7 @@ import numpy as np
 
 from crosscheck.exact.balls import ball, eye
 from crosscheck.exact.robot import ExactRobot
+from graphdyn import RobotModel
 from graphdyn.compiler import Parts, Request, trace
 from graphdyn.model import parallel_axis
 from graphdyn.recursions import FixedFrame, Link, Root
@@ -23,30 +26,52 @@ CONSTANTS = "constants"
 """The input of a program in which the constants of the robot are."""
 
 
+MAX_PROGRAMS = 32
+"""Programs that are kept: some megabytes each, and some tenths of a second where they hold derivatives."""
+
+
 @dataclass(frozen=True, eq=False)
 class RecordedRequest:
-    """A program, and whose constants are its input: all of them, in order."""
+    """A program, and which constants are its input.
+
+    known: 0 or ±1 for each constant that is exactly that; None for those that are inputs, in order
+    """
 
     program: Program
     request: Request
+    known: tuple[float | None, ...]
 
-    def computed(self, robot: ExactRobot, inputs: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]] | None:
-        """The outputs in balls, or None where recording has divided by an inertia that is zero.
+    @property
+    def divides_by_zero(self) -> bool:
+        """Whether recording has divided by an inertia that is zero."""
+        return any(kind == "constant" and not isfinite(rest[0]) for kind, *rest in self.program.operations)
 
-        inputs: of one state, by name, flat
-        """
-        if any(kind == "constant" and not isfinite(rest[0]) for kind, *rest in self.program.operations):
-            return None
-        constants = [x for x in _constants(robot, self.request) if _known(x) is None]
-        return evaluate(self.program, {**inputs, CONSTANTS: constants})
+    def constants(self, robot: ExactRobot) -> list[Any]:
+        """The input CONSTANTS of a robot, at the precision of its balls."""
+        return [x for x, known in zip(_constants(robot, self.request), self.known, strict=True) if known is None]
 
 
 def recorded(robot: ExactRobot, request: Request) -> RecordedRequest:
     """The program of a request for robots with these constants, whatever their digits."""
+    known = tuple(_known(x) for x in _constants(robot, request))
+    return RecordedRequest(_program(_Recording(robot.model.digest, request, known, robot.model)), request, known)
+
+
+@dataclass(frozen=True)
+class _Recording:
+    """What a program depends on."""
+
+    digest: bytes
+    request: Request
+    known: tuple[float | None, ...]
+    model: RobotModel = field(compare=False)
+
+
+@lru_cache(MAX_PROGRAMS)
+def _program(recording: _Recording) -> Program:
+    model, request, known = recording.model, recording.request, recording.known
 
     def parts(recorder: Recorder) -> Parts:
-        balls = _constants(robot, request)
-        known = [_known(x) for x in balls]
         columns = iter(recorder.inputs(CONSTANTS, known.count(None)))
         scalars = iter([next(columns) if x is None else x for x in known])
 
@@ -55,8 +80,8 @@ def recorded(robot: ExactRobot, request: Request) -> RecordedRequest:
 
         links = [
             Link(
-                inside=body.inside - 1,
-                prismatic=body.prismatic,
+                inside=joint.inside - 1,
+                prismatic=joint.is_prismatic,
                 rotation=array(3, 3),
                 translation=array(3),
                 link_axes=array(3, 3),
@@ -65,39 +90,37 @@ def recorded(robot: ExactRobot, request: Request) -> RecordedRequest:
                 first_moment=array(3),
                 tensor=array(3, 3),
             )
-            for body in robot.bodies
+            for joint in model.joints
         ]
         rotation, position, gravity, compensated = array(3, 3), array(3), array(3), array(3)
         at_rest = {name: np.zeros(3).astype(object) for name in ("velocity", "omega", "alpha", "acceleration")}
         root = Root(rotation=rotation, position=position, gravity=gravity, compensated=compensated, **at_rest)
         frame = None
         if request.frame is not None:
-            number, _ = robot.frames[robot.model.frame(request.frame.name).name]
-            frame = FixedFrame(number - 1, array(3, 3), array(3), request.frame)
+            frame = FixedFrame(model.frame(request.frame.name).body - 1, array(3, 3), array(3), request.frame)
         return Parts(tuple(links), root, frame)
 
-    return RecordedRequest(trace(robot.model, request, parts), request)
+    return trace(model, request, parts)
 
 
 def evaluate(program: Program, inputs: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
     """The outputs of a program, by name, for one state in balls."""
     values: list[Any] = []
-    for kind, *operands in program.operations:
-        if kind == "constant":
-            values.append(ball(operands[0]))
+    for operation in program.operations:
+        kind, first = operation[0], operation[1]
+        if kind in _OF_TWO:
+            values.append(_OF_TWO[kind](values[first], values[operation[2]]))
         elif kind == "input":
-            name, column = operands
-            values.append(inputs[name][column])
-        elif kind == "negate":
-            values.append(-values[operands[0]])
-        elif kind == "sine":
-            values.append(values[operands[0]].sin())
-        elif kind == "cosine":
-            values.append(values[operands[0]].cos())
+            values.append(inputs[first][operation[2]])
+        elif kind == "constant":
+            values.append(ball(first))
         else:
-            x, y = (values[k] for k in operands)
-            values.append(x + y if kind == "+" else x - y if kind == "-" else x * y if kind == "*" else x / y)
+            values.append(_OF_ONE[kind](values[first]))
     return {name: [values[k] for k in numbers] for name, numbers in program.outputs.items()}
+
+
+_OF_TWO = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+_OF_ONE = {"negate": operator.neg, "sine": operator.methodcaller("sin"), "cosine": operator.methodcaller("cos")}
 
 
 def _constants(robot: ExactRobot, request: Request) -> list[Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any, Literal, Unpack, get_args
 
@@ -23,7 +23,7 @@ from crosscheck.exact.balls import (
     rounded,
 )
 from crosscheck.exact.equations import system
-from crosscheck.exact.recorded import RecordedRequest, recorded
+from crosscheck.exact.recorded import CONSTANTS, RecordedRequest, evaluate, recorded
 from crosscheck.exact.robot import ExactRobot, Truth, of_file, of_model
 from crosscheck.reference.subject import Robot, subject
 from graphdyn import InvalidInput, RobotModel, SingularMassMatrix
@@ -178,12 +178,16 @@ class _Source:
 
 @dataclass(frozen=True, eq=False)
 class _Exact:
-    """What is asked for, of a robot."""
+    """What is asked for, of a robot.
+
+    constants: inputs of the program that do not change from state to state, by precision
+    """
 
     source: _Source
     request: Request
     dense: bool
     digits: int
+    constants: dict[int, list[Any]] = field(default_factory=dict)
 
     def answer(self, rows: tuple[tuple[int, ...], list[dict[str, Any]]]) -> dict[str, ExactArray]:
         """The arrays of all states, each at the precision that it needs."""
@@ -191,6 +195,8 @@ class _Exact:
         first = next(_precisions(self.digits))
         with bits(first):
             program = None if self.dense else recorded(self.source.at(first), self.request)
+        if program is not None and program.divides_by_zero:
+            raise self._singular()
         found = [self._of_state(program, state) for state in states]
         shapes = {name: ARRAY_SPECS[name].shape_for(self.source.model) for name in self.request.outputs}
         answer = {}
@@ -207,24 +213,24 @@ class _Exact:
         for precision in _precisions(self.digits):
             with bits(precision):
                 given = {name: as_balls(values).ravel() for name, values in state.items()}
-                arrays = self._computed(program, self.source.at(precision), given)
-                if arrays is None:
-                    break
+                arrays = self._computed(program, precision, given)
                 if all(_is_proven(array, self.digits) for array in arrays.values()):
                     return arrays, precision
-        raise SingularMassMatrix(
+        raise self._singular()
+
+    def _singular(self) -> SingularMassMatrix:
+        return SingularMassMatrix(
             f"robot '{self.source.model.name}': {self.digits} digits are not proven with {MAX_BITS} bits; its mass "
             "matrix is singular at this state, or is not proven regular"
         )
 
-    def _computed(
-        self, program: RecordedRequest | None, robot: ExactRobot, given: Mapping[str, Any]
-    ) -> dict[str, Any] | None:
-        """Arrays of balls, unbounded where they are not decided; None where a body lacks inertia for certain."""
+    def _computed(self, program: RecordedRequest | None, precision: int, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Arrays of balls, unbounded where they are not decided."""
+        robot = self.source.at(precision)
         if program is not None:
-            found = program.computed(robot, given)
-            if found is None:
-                return None
+            if precision not in self.constants:
+                self.constants[precision] = program.constants(robot)
+            found = evaluate(program.program, {**given, CONSTANTS: self.constants[precision]})
             return {name: np.array(values, dtype=object) for name, values in found.items()}
         wrenches = given.get("external_wrenches")
         loads = None if wrenches is None else wrenches.reshape(-1, BODY_DOF)
