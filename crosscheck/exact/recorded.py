@@ -6,7 +6,7 @@ Constants that are exactly 0 or ±1 are recorded as such; none is rounded, and n
 from __future__ import annotations
 
 import operator
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import isfinite
@@ -119,8 +119,17 @@ def evaluate(program: Program, inputs: Mapping[str, Sequence[Any]]) -> dict[str,
     return {name: [values[k] for k in numbers] for name, numbers in program.outputs.items()}
 
 
-_OF_TWO = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
-_OF_ONE = {"negate": operator.neg, "sine": operator.methodcaller("sin"), "cosine": operator.methodcaller("cos")}
+_OF_TWO: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+}
+_OF_ONE: dict[str, Callable[[Any], Any]] = {
+    "negate": operator.neg,
+    "sine": operator.methodcaller("sin"),
+    "cosine": operator.methodcaller("cos"),
+}
 
 
 def _constants(robot: ExactRobot, request: Request) -> list[Any]:
