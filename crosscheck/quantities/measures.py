@@ -62,9 +62,14 @@ def through_mass_matrix(*sizes: Size) -> Measure:
 
 def acceleration_bound(states: ScaledStates) -> Array:
     """scales.acceleration_scale of the accelerations at tau (N,)."""
-    a, _, wrenches = states.solved
-    size = largest(wrenches) if states.loads is None else np.maximum(largest(wrenches), largest(states.loads))
-    return acceleration_scale(states.mass, a, states.tau, size)
+
+    def bound() -> Array:
+        a, _, wrenches = states.solved
+        size = largest(wrenches) if states.loads is None else np.maximum(largest(wrenches), largest(states.loads))
+        return acceleration_scale(states.mass, a, states.tau, size)
+
+    found: Array = states.once("bound of the accelerations", bound)
+    return found
 
 
 def largest_wrench(states: ScaledStates) -> Array:
