@@ -44,7 +44,14 @@ from urdf.inspection import Finding, Inspection, inspect
 from urdf.reading.loading import fused_links, load, shapes
 from urdf.reading.mesh_inertials import InertialsFromMeshes
 from urdf.reading.reading import Reading, ReadingKeywords
-from urdf.reading.written import WrittenInertial, WrittenJoint, WrittenOrigin, WrittenRobot, written
+from urdf.reading.written import (
+    WrittenInertial,
+    WrittenJoint,
+    WrittenMimic,
+    WrittenOrigin,
+    WrittenRobot,
+    written,
+)
 from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
 
@@ -90,6 +97,7 @@ __all__ = [
     "Update",
     "WrittenInertial",
     "WrittenJoint",
+    "WrittenMimic",
     "WrittenOrigin",
     "WrittenRobot",
     "Xacro",

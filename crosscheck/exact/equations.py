@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.exact.balls import Balls, ball, cross, eye, rotation_about, solved, zeros
+from crosscheck.exact.ground import ExactGround, ground
 from crosscheck.exact.robot import ExactBody, ExactRobot
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
 
@@ -25,7 +26,8 @@ class BodyState:
     """Body j in the world, and the wrench that acts on it whatever its acceleration.
 
     rotation (3, 3); center of mass (3,); omega (3,); velocity of the center of mass (3,), all in world axes
-    joint: O_j (3,); axes: columns t_1, t_2 and p in world axes, t_1 and t_2 fixed in the inside body  (3, 3)
+    joint: O_j (3,), of the ground its origin
+    axes: columns t_1, t_2 and p in world axes, t_1 and t_2 fixed in the inside body  (3, 3)
     """
 
     rotation: Balls
@@ -53,14 +55,13 @@ class System:
         return x[: BODY_DOF * n].reshape(n, BODY_DOF), x[BODY_DOF * n :].reshape(n, JOINT_CONSTRAINTS)
 
 
-def states(robot: ExactRobot, q: Sequence[Any], v: Sequence[Any]) -> list[BodyState]:
+def states(robot: ExactRobot, on: ExactGround, q: Sequence[Any], v: Sequence[Any]) -> list[BodyState]:
     """All bodies at joint positions and velocities (n,), from the ground outwards."""
-    ground = BodyState(robot.base.rotation, robot.base.translation, zeros(3), zeros(3), zeros(3), eye())
-    found = [ground]
+    found = [BodyState(on.rotation, on.position, on.omega, on.velocity, on.position, eye())]
     for body, position, rate in zip(robot.bodies, q, v, strict=True):
         inside = found[body.inside]
         frame = inside.rotation @ body.placement.rotation
-        origin = _origin(robot, found, body.inside) + inside.rotation @ body.placement.translation
+        origin = inside.joint + inside.rotation @ body.placement.translation
         axes, own_axis = frame @ body.joint_axes, body.joint_axes[:, 2]
         axis, omega = axes[:, 2], inside.omega
         if body.prismatic:
@@ -80,9 +81,15 @@ def system(
     v: Sequence[Any],
     tau: Sequence[Any],
     external_wrenches: Balls | None = None,
+    on: ExactGround | None = None,
 ) -> System:
-    """Eq. (111) at one state. external_wrenches: force and moment on each body at O_j, in link axes (n, 6)."""
-    at, n = states(robot, q, v), len(robot.bodies)
+    """Eq. (111) at one state.
+
+    external_wrenches: force and moment on each body at O_j, in link axes (n, 6)
+    on: the ground, at rest if left out
+    """
+    on = on or ground(robot)
+    at, n = states(robot, on, q, v), len(robot.bodies)
     size = (BODY_DOF + JOINT_CONSTRAINTS) * n
     matrix, rhs = zeros(size, size), zeros(size)
     for j, body in enumerate(robot.bodies, start=1):
@@ -102,12 +109,9 @@ def system(
             matrix[held, own] = (columns * -sign).T
             rhs[own] = rhs[own] + _on_body(at[number], state.joint, drive) * (tau[j - 1] * sign)
         rhs[held] = np.array([_curvature(body, at[body.inside], state, v[j - 1], wrench) for wrench in wrenches])
+        if body.inside == 0:
+            rhs[held] = rhs[held] - np.array([_carried(on, state, wrench) for wrench in wrenches])
     return System(matrix, rhs)
-
-
-def _origin(robot: ExactRobot, found: Sequence[BodyState], number: int) -> Balls:
-    """The origin of a link frame in the world."""
-    return found[number].joint if number else robot.base.translation
 
 
 def _inertia(body: ExactBody) -> Balls:
@@ -154,3 +158,9 @@ def _curvature(body: ExactBody, inside: BodyState, state: BodyState, rate: Any, 
         linear = linear - cross(inside.omega, state.axes[:, 2]) * (rate * 2)
     angular = -cross(inside.omega, state.omega)
     return force @ linear + moment @ angular + ball(0)
+
+
+def _carried(on: ExactGround, state: BodyState, wrench: tuple[Balls, Balls]) -> Any:
+    """The acceleration that the ground gives to O_j and to ω_j along a held wrench, but for its curvature."""
+    force, moment = wrench
+    return force @ (on.acceleration + cross(on.alpha, state.joint - on.position)) + moment @ on.alpha

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import isfinite
 from typing import Any
@@ -18,12 +18,15 @@ from crosscheck.exact.balls import ball, eye
 from crosscheck.exact.robot import ExactRobot
 from graphdyn import RobotModel
 from graphdyn.compiler import Parts, Request, trace
-from graphdyn.model import parallel_axis
+from graphdyn.model import DegreesOfFreedom, parallel_axis
 from graphdyn.recursions import FixedFrame, Link, Root
 from graphdyn.scalars import Program, Recorder
 
 CONSTANTS = "constants"
 """The input of a program in which the constants of the robot are."""
+
+GROUND = "ground"
+"""The input in which the motion of a base is."""
 
 
 MAX_PROGRAMS = 32
@@ -98,9 +101,19 @@ def _program(recording: _Recording) -> Program:
         frame = None
         if request.frame is not None:
             frame = FixedFrame(model.frame(request.frame.name).body - 1, array(3, 3), array(3), request.frame)
-        return Parts(tuple(links), root, frame)
+        return Parts(tuple(links), root, _degrees_of_freedom(model, array), frame)
 
     return trace(model, request, parts)
+
+
+def _degrees_of_freedom(model: RobotModel, array: Callable[..., Any]) -> DegreesOfFreedom:
+    """With the couplings as scalars. array: the next ones, in this shape"""
+    known = model.degrees_of_freedom
+    if not model.couplings:
+        return known
+    shapes = known.matrix.shape, known.offset.shape, known.reactions.shape
+    matrix, offset, reactions = (array(*shape) for shape in shapes)
+    return replace(known, matrix=matrix, offset=offset, reactions=reactions)
 
 
 def evaluate(program: Program, inputs: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
@@ -133,7 +146,7 @@ _OF_ONE: dict[str, Callable[[Any], Any]] = {
 
 
 def _constants(robot: ExactRobot, request: Request) -> list[Any]:
-    """All constants of Link, Root and FixedFrame, one after the other, in joint axes."""
+    """All constants of Link, Root, FixedFrame and DegreesOfFreedom, one after the other, in joint axes."""
     found: list[Any] = []
     axes = [eye(), *(body.joint_axes for body in robot.bodies)]
     for body, own in zip(robot.bodies, axes[1:], strict=True):
@@ -153,6 +166,8 @@ def _constants(robot: ExactRobot, request: Request) -> list[Any]:
     if request.frame is not None:
         number, placement = robot.frames[robot.model.frame(request.frame.name).name]
         found += [*(axes[number].T @ placement.rotation).ravel(), *(axes[number].T @ placement.translation)]
+    if robot.model.couplings:
+        found += map(ball, robot.couplings.entries)
     return found
 
 

@@ -20,6 +20,7 @@ from crosscheck.exact.balls import (
     rotation_about,
     zeros,
 )
+from crosscheck.exact.couplings import ExactCouplings, Ratios, exact_couplings, ratios_of_model
 from graphdyn import InvalidInput, RobotModel
 from urdf import WrittenInertial, WrittenOrigin, WrittenRobot
 
@@ -59,13 +60,17 @@ class ExactBody:
 
 @dataclass(frozen=True, eq=False)
 class ExactRobot:
-    """model: whose numbers of bodies and joints these are; frames: number of the body and placement, by name."""
+    """model: whose numbers of bodies and joints these are; frames: number of the body and placement, by name.
+
+    couplings: fractions
+    """
 
     model: RobotModel
     bodies: tuple[ExactBody, ...]
     base: ExactPlacement
     gravity: Balls
     frames: dict[str, tuple[int, ExactPlacement]]
+    couplings: ExactCouplings
 
 
 def of_model(model: RobotModel) -> ExactRobot:
@@ -91,17 +96,13 @@ def of_model(model: RobotModel) -> ExactRobot:
         for name in (frame.name, *frame.aliases)
     }
     base = _orthonormal(model.base.rotation, model.base.translation)
-    return ExactRobot(model, tuple(bodies), base, as_balls(model.gravity), _with_bodies(model, frames))
+    couplings = exact_couplings(model, ratios_of_model(model))
+    return ExactRobot(model, tuple(bodies), base, as_balls(model.gravity), _with_bodies(model, frames), couplings)
 
 
 def of_file(model: RobotModel, written: WrittenRobot) -> ExactRobot:
     """The decimals of a file. model: what was read from it; of gravity and base its doubles count."""
     _refuse_loops(model)
-    if model.couplings:
-        raise InvalidInput(
-            f"robot '{model.name}' has joints that others drive: there are exact values of its model only; use "
-            "truth='model', or mimic='independent'"
-        )
     places: dict[str, tuple[int, ExactPlacement]] = {written.root: (0, ExactPlacement(eye(), zeros(3)))}
     members: list[list[str]] = [[written.root]]
     joints = []
@@ -124,7 +125,20 @@ def of_file(model: RobotModel, written: WrittenRobot) -> ExactRobot:
         bodies.append(ExactBody(inside, moving.is_prismatic, place, joint_axes, mass, center, tensor))
     frames = {name: places[frame.name] for frame in model.frames for name in (frame.name, *frame.aliases)}
     base = _orthonormal(model.base.rotation, model.base.translation)
-    return ExactRobot(model, tuple(bodies), base, as_balls(model.gravity), _with_bodies(model, frames))
+    couplings = exact_couplings(model, _ratios(model, written))
+    return ExactRobot(model, tuple(bodies), base, as_balls(model.gravity), _with_bodies(model, frames), couplings)
+
+
+def _ratios(model: RobotModel, written: WrittenRobot) -> Ratios:
+    """Raises InvalidInput where a <coupling> drives a joint, which follows from a way of joints, not from a decimal."""
+    for coupling in model.couplings:
+        if coupling.joint not in written.mimics:
+            raise InvalidInput(
+                f"robot '{model.name}' has a <coupling>, which drives joint '{coupling.joint}': there are exact values "
+                "of its model only; use truth='model'"
+            )
+    mimics = (written.mimics[coupling.joint] for coupling in model.couplings)
+    return {mimic.joint: ({mimic.driver: mimic.ratio}, mimic.offset) for mimic in mimics}
 
 
 def _refuse_loops(model: RobotModel) -> None:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Any, Literal, Unpack, get_args
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,16 +23,18 @@ from crosscheck.exact.balls import (
     rounded,
 )
 from crosscheck.exact.equations import system
-from crosscheck.exact.recorded import CONSTANTS, RecordedRequest, evaluate, recorded
-from crosscheck.exact.robot import ExactRobot, Truth, of_file, of_model
-from crosscheck.reference.subject import Robot, subject
-from graphdyn import InvalidInput, RobotModel, SingularMassMatrix
+from crosscheck.exact.ground import BASE_SHAPES, ground
+from crosscheck.exact.recorded import CONSTANTS, GROUND, RecordedRequest, evaluate, recorded
+from crosscheck.exact.robot import Truth
+from crosscheck.exact.source import Source
+from crosscheck.reference.subject import Robot
+from graphdyn import BaseMotion, InvalidInput, RobotModel, SingularMassMatrix
 from graphdyn.arguments import Reference, closest, frame_choice
 from graphdyn.compiler import Request
 from graphdyn.layout import BODY_DOF, Array
-from graphdyn.recursions import ARRAY_SPECS
+from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.verbs import VERBS
-from urdf import Reading, ReadingKeywords, written
+from urdf import Reading, ReadingKeywords
 
 MAX_BITS = 2000
 """Precision beyond which a value counts as not provable."""
@@ -103,6 +105,7 @@ def exact_values(
     truth: Truth | None = None,
     method: Literal["recursive", "dense"] = "recursive",
     external_wrenches: Any = None,
+    base: BaseMotion | None = None,
     frame: str | None = None,
     reference: Reference | None = None,
     classical: bool = True,
@@ -116,12 +119,12 @@ def exact_values(
     digits: so many are proven, relative to the largest entry of an array at a state
     truth: "file" for the decimals of the URDF, of which no model in memory holds all; "model" for the doubles of the
         model that was read. The default is that of the file, where there is one
-    method: "dense" solves Eq. (111) in balls instead (forward_dynamics, solve_kkt)
-    external_wrenches, frame, reference, classical: as the functions take them
+    method: "dense" solves Eq. (111) in balls instead (solve_kkt)
+    external_wrenches, base, frame, reference, classical: as the functions take them
     reading: as in urdf.load, for names and paths
 
-    Raises InvalidInput without python-flint, for unknown verbs, robots with loops, files of robots with couplings
-    (their models have exact values), wrong shapes, and what is no number; SingularMassMatrix where the mass matrix is
+    Raises InvalidInput without python-flint, for unknown verbs, robots with loops, files with a <coupling> (their
+    models have exact values), wrong shapes, and what is no number; SingularMassMatrix where the mass matrix is
     singular, or not proven regular with MAX_BITS; urdf's errors for a file that cannot be read.
     """
     if verb not in VERBS:
@@ -130,7 +133,7 @@ def exact_values(
     if not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
         raise InvalidInput(f"digits is {digits!r}; give an integer from 1 to {MAX_DIGITS}")
     known = VERBS[verb]
-    source = _Source(robot, truth, Reading.of(exact_values, reading))
+    source = Source(robot, truth, Reading.of(exact_values, reading))
     chosen = None
     if known.of_frame:
         if frame is None or reference is None:
@@ -139,41 +142,23 @@ def exact_values(
     if len(arguments) != len(known.inputs):
         raise InvalidInput(f"{verb} takes {', '.join(known.inputs)}; {len(arguments)} arguments were given")
     inputs = dict(zip(known.inputs, arguments, strict=True))
-    request = Request(known.recursion, known.outputs, external_wrenches is not None, frame=chosen)
+    if base is not None and base.moves and verb in _OF_BASES_AT_REST:
+        raise InvalidInput(f"{verb} takes a base at rest, here as in graphdyn")
+    moving = base is not None and RECURSIONS[known.recursion].on_moving_base
+    request = Request(known.recursion, known.outputs, external_wrenches is not None, moving, chosen)
     if method == "dense" and (source.model.couplings or not set(known.outputs) <= _DENSE_OUTPUTS):
         raise InvalidInput(f"{verb} of robot '{source.model.name}' is not computed by the dense method; omit method")
     if external_wrenches is not None:
         inputs["external_wrenches"] = external_wrenches
+    if moving and base is not None:
+        placed = base if "v" in inputs else BaseMotion(base.rotation, base.translation)  # as those of q alone take it
+        inputs |= {name: getattr(placed, name) for name in BASE_SHAPES}
     return _Exact(source, request, method == "dense", digits).answer(_rows(source.model, inputs))
 
 
-_DENSE_OUTPUTS = {"a", "body_accelerations", "multipliers"}
+_OF_BASES_AT_REST = ("coriolis_matrix", "frame_jacobian_derivative")
 
-
-class _Source:
-    """A robot at any precision."""
-
-    def __init__(self, robot: Robot, truth: Truth | None, reading: Reading) -> None:
-        known = subject(robot, reading)
-        if truth is not None and truth not in get_args(Truth):
-            raise InvalidInput(f"truth is {truth!r}; use 'file' or 'model'")
-        if truth == "file" and known.file is None:
-            raise InvalidInput(f"robot '{known.name}' is a model: there is no file of it; use truth='model'")
-        self.model = known.model
-        self.truth: Truth = truth or ("model" if known.file is None else "file")
-        self._known: dict[int, ExactRobot] = {}
-        self._written = None
-        if self.truth == "file":
-            assert not isinstance(robot, RobotModel)
-            self._written = written(robot, reading=reading)
-
-    def at(self, precision: int) -> ExactRobot:
-        """Its constants with so many bits; to be called inside `bits` of these."""
-        if precision not in self._known:
-            self._known[precision] = (
-                of_model(self.model) if self._written is None else of_file(self.model, self._written)
-            )
-        return self._known[precision]
+_DENSE_OUTPUTS = {"body_accelerations", "multipliers"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +168,7 @@ class _Exact:
     constants: inputs of the program that do not change from state to state, by precision
     """
 
-    source: _Source
+    source: Source
     request: Request
     dense: bool
     digits: int
@@ -212,29 +197,32 @@ class _Exact:
     def _of_state(self, program: RecordedRequest | None, state: Mapping[str, Any]) -> tuple[dict[str, Any], int]:
         for precision in _precisions(self.digits):
             with bits(precision):
-                given = {name: as_balls(values).ravel() for name, values in state.items()}
+                given = {name: as_balls(values) for name, values in state.items()}
                 arrays = self._computed(program, precision, given)
                 if all(_is_proven(array, self.digits) for array in arrays.values()):
                     return arrays, precision
         raise self._singular()
 
     def _singular(self) -> SingularMassMatrix:
+        massless = [body.name for body in self.source.model.bodies if body.mass == 0 or not body.inertia.any()]
+        cause = f" (bodies without mass or inertia: {', '.join(massless)})" if massless else ""
         return SingularMassMatrix(
             f"robot '{self.source.model.name}': {self.digits} digits are not proven with {MAX_BITS} bits; its mass "
-            "matrix is singular at this state, or is not proven regular"
+            f"matrix is singular at this state, or is not proven regular{cause}"
         )
 
     def _computed(self, program: RecordedRequest | None, precision: int, given: Mapping[str, Any]) -> dict[str, Any]:
         """Arrays of balls, unbounded where they are not decided."""
         robot = self.source.at(precision)
+        on = ground(robot, given if self.request.moving_base else None)
         if program is not None:
             if precision not in self.constants:
                 self.constants[precision] = program.constants(robot)
-            found = evaluate(program.program, {**given, CONSTANTS: self.constants[precision]})
+            columns = {name: values.ravel() for name, values in given.items()}
+            inputs = {**columns, CONSTANTS: self.constants[precision], GROUND: on.columns(robot)}
+            found = evaluate(program.program, inputs)
             return {name: np.array(values, dtype=object) for name, values in found.items()}
-        wrenches = given.get("external_wrenches")
-        loads = None if wrenches is None else wrenches.reshape(-1, BODY_DOF)
-        solved = system(robot, given["q"], given["v"], given["tau"], loads).solve()
+        solved = system(robot, given["q"], given["v"], given["tau"], given.get("external_wrenches"), on).solve()
         if solved is None:  # perhaps at a higher precision
             undecided = np.full(1, as_balls(0.0)[()] / 0, dtype=object)
             return dict.fromkeys(self.request.outputs, undecided)
@@ -262,7 +250,7 @@ def _rows(model: RobotModel, inputs: Mapping[str, Any]) -> tuple[tuple[int, ...]
     arrays = {}
     for name, given in inputs.items():
         array = np.asarray(given, dtype=object)
-        trailing = (model.n_bodies, BODY_DOF) if name == "external_wrenches" else (model.nv,)
+        trailing = {**BASE_SHAPES, "external_wrenches": (model.n_bodies, BODY_DOF)}.get(name, (model.nv,))
         if array.shape[array.ndim - len(trailing) :] != trailing:
             raise InvalidInput(f"{name} has shape {array.shape}, expected (…, {', '.join(map(str, trailing))})")
         arrays[name] = (array, len(trailing))

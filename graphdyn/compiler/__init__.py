@@ -9,13 +9,14 @@ from graphdyn.compiler.gram.gram import TorqueGram, torque_gram
 from graphdyn.compiler.llvm.memory import aligned
 from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.compiler.native import MachineCode, host_lanes
-from graphdyn.compiler.programs import Parts, Request, trace
+from graphdyn.compiler.programs import GROUND_SHAPES, Parts, Request, trace
 from graphdyn.compiler.rolled.rolling import is_long, most_unrolled
 from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted
 
 __all__ = [
     "BACKEND_VARIABLE",
     "CACHE_VARIABLE",
+    "GROUND_SHAPES",
     "CodeCache",
     "MachineCode",
     "Parts",

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.layout import BODY_DOF, Array
+from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.robot_model import RobotModel, total_mass
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
 from graphdyn.recursions.declarations import ArraySpec
@@ -114,10 +115,11 @@ def request_for(
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The constants of a robot as scalars: of all links, of the ground where it rests, and of the frame asked for."""
+    """The constants of a robot as scalars: links, the ground where it rests, couplings, and the frame asked for."""
 
     links: tuple[Link, ...]
     root: Root
+    degrees_of_freedom: DegreesOfFreedom
     frame: FixedFrame | None = None
 
 
@@ -135,7 +137,7 @@ def trace(model: RobotModel, request: Request, parts: Callable[[Recorder], Parts
     outputs = {name: list(np.array(found, dtype=object).ravel()) for name, found in named.items()}
     if "coupling_multipliers" in recursion.outputs:
         needed = outputs["tau"] if model.couplings else sample.zeros
-        reactions = scalars(model.degrees_of_freedom.reactions)
+        reactions = scalars(sample.degrees_of_freedom.reactions)
         outputs["coupling_multipliers"] = list(reactions @ np.array(needed, dtype=object))
         outputs.setdefault("chord_multipliers", [])
     if model.couplings:
@@ -204,7 +206,7 @@ class Sample:
         known = parts_of(model, request) if parts is None else parts(self.recorder)
         self.links = known.links
         self.given: list[Any] = []
-        self.n, self.degrees_of_freedom = model.nv, model.degrees_of_freedom
+        self.n, self.degrees_of_freedom = model.nv, known.degrees_of_freedom
         self.zeros = [0.0] * model.n_bodies
         self._held = dict[Expression, Any]()
         self.q = self.of_joints("q")
@@ -259,7 +261,7 @@ def parts_of(model: RobotModel, request: Request) -> Parts:
     """The constants of a model, of a simpler robot where that answers the request."""
     known = reduced_links(model) if for_joints_only(model, request) else links(model)
     frame = None if request.frame is None else fixed_frame(model, known, request.frame)
-    return Parts(known, fixed_root(model), frame)
+    return Parts(known, fixed_root(model), model.degrees_of_freedom, frame)
 
 
 def for_joints_only(model: RobotModel, request: Request) -> bool:

@@ -2,6 +2,7 @@
 
 from graphdyn.model.assembly import assembled, refuse_infinitesimal
 from graphdyn.model.chord import FORCES, MOMENTS, ChordKind
+from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.inertia import (
     PARAMETER_NAMES,
     TRIANGLE_TOLERANCE_SHARE,
@@ -23,6 +24,7 @@ __all__ = [
     "STANDARD_GRAVITY",
     "TRIANGLE_TOLERANCE_SHARE",
     "ChordKind",
+    "DegreesOfFreedom",
     "apply",
     "assembled",
     "check_model",

@@ -18,8 +18,9 @@ E_Z = np.array([0.0, 0.0, 1.0], dtype=object)
 
 
 def scalars(values: ArrayLike) -> Scalars:
-    """Known numbers as scalars."""
-    return np.asarray(values, dtype=float).astype(object)
+    """Known numbers as scalars; what is recorded stays as it is."""
+    array = np.asarray(values)
+    return array if array.dtype == object else array.astype(float).astype(object)
 
 
 def zeros(*shape: int) -> Scalars:

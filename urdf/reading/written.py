@@ -11,7 +11,7 @@ from lxml import etree
 
 from urdf.document.opening import Given
 from urdf.document.tree import joints_in_order
-from urdf.reading.parsing import parsed_source
+from urdf.reading.parsing import Parsed, parsed_source
 from urdf.reading.reading import Reading, ReadingKeywords
 
 Fractions = tuple[Fraction, ...]
@@ -52,45 +52,91 @@ class WrittenJoint:
 
 
 @dataclass(frozen=True)
+class WrittenMimic:
+    """A <mimic>: the position of the joint is ratio times that of the driver, plus the offset."""
+
+    joint: str
+    driver: str
+    ratio: Fraction
+    offset: Fraction
+
+
+@dataclass(frozen=True)
 class WrittenRobot:
     """The numbers of a file.
 
     root: name of the ground link; joints: parents first, those that move in the order of the model
-    inertials: by the name of the link
+    inertials: by the name of the link; mimics: by the name of the joint, those that are followed
     """
 
     root: str
     joints: tuple[WrittenJoint, ...]
     inertials: Mapping[str, WrittenInertial]
+    mimics: Mapping[str, WrittenMimic]
 
 
 def written(source: Given, **reading: Unpack[ReadingKeywords]) -> WrittenRobot:
     """What urdf.load reads, after cuts and repairs, as exact numbers. Arguments and errors as there; no warnings.
 
-    Values of locked joints are the doubles that they are.
+    Values of locked joints are the doubles that they are. A joint that mimics one that is held stands where the
+    decimals of its <mimic> say.
     """
-    _, reduced, parsed = parsed_source(source, Reading.of(written, reading))
+    how = Reading.of(written, reading)
+    _, reduced, parsed = parsed_source(source, how)
     elements = {_text(joint, "name"): joint for joint in reduced.joints}
     root, order = joints_in_order(reduced)
+    mimics = _mimics(elements) if how.mimic == "coupled" else {}
+    held = _held(elements, parsed, mimics)
     links = {_text(link, "name"): link.find("inertial") for link in reduced.links}
     return WrittenRobot(
         root=root,
-        joints=tuple(_joint(elements[name], parsed.locked) for name in order),
+        joints=tuple(_joint(elements[name], held) for name in order),
         inertials={name: _inertial(inertial) for name, inertial in links.items() if inertial is not None},
+        mimics={name: mimic for name, mimic in mimics.items() if name not in held},
     )
 
 
-def _joint(joint: etree._Element, locked: Mapping[str, float]) -> WrittenJoint:
-    name, kind, axis = _text(joint, "name"), joint.get("type"), joint.find("axis")
-    held = Fraction(locked[name]) if name in locked else Fraction(0) if kind == "fixed" else None
+def _mimics(elements: Mapping[str, etree._Element]) -> dict[str, WrittenMimic]:
+    found = {}
+    for name, joint in elements.items():
+        mimic = joint.find("mimic")
+        if mimic is not None and joint.get("type") != "fixed":
+            ratio, offset = (Fraction(mimic.get(key, default).strip()) for key, default in _MIMIC_NUMBERS)
+            found[name] = WrittenMimic(name, mimic.get("joint", ""), ratio, offset)
+    return found
+
+
+_MIMIC_NUMBERS = (("multiplier", "1"), ("offset", "0"))
+"""Attributes of a <mimic>, and what holds without them."""
+
+
+def _held(
+    elements: Mapping[str, etree._Element], parsed: Parsed, mimics: Mapping[str, WrittenMimic]
+) -> dict[str, Fraction]:
+    """Where the joints stand that do not move."""
+
+    def position(name: str) -> Fraction:
+        if name not in parsed.locked:
+            return Fraction(0)
+        if name in parsed.stated or name not in mimics:
+            return Fraction(parsed.locked[name])
+        mimic = mimics[name]
+        return mimic.offset + (mimic.ratio * position(mimic.driver) if mimic.ratio else 0)
+
+    fixed = {name for name, joint in elements.items() if joint.get("type") == "fixed"}
+    return {name: position(name) for name in {*parsed.locked, *fixed}}
+
+
+def _joint(joint: etree._Element, held: Mapping[str, Fraction]) -> WrittenJoint:
+    name, axis = _text(joint, "name"), joint.find("axis")
     return WrittenJoint(
         name=name,
-        prismatic=kind == "prismatic",
+        prismatic=joint.get("type") == "prismatic",
         parent=_text(_child(joint, "parent"), "link"),
         child=_text(_child(joint, "child"), "link"),
         origin=_origin(joint),
         axis=_fractions("1 0 0" if axis is None else _text(axis, "xyz")),
-        held=held,
+        held=held.get(name),
     )
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
-from random_trees import NAMED, random_state, random_wrenches
+from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 from robots.mechanisms import four_bar
 
 import crosscheck
@@ -119,13 +119,17 @@ class TestDecimals:
 
 
 class TestTwoFormulations:
-    @pytest.mark.parametrize("name", ["kr500", "mixed_chain", "branched", "prismatic_inside_and_out"])
-    def test_overlap(self, name):
-        """The recursion and Eq. (111) solved in balls, with wrenches on all bodies."""
+    @pytest.mark.parametrize(
+        ("name", "base"),
+        [("kr500", None), ("mixed_chain", None), ("branched", None), ("branched", 3), ("prismatic_inside_and_out", 4)],
+    )
+    def test_overlap(self, name, base):
+        """The recursion and Eq. (111) solved in balls, with wrenches on all bodies, on bases that rest and move."""
         model = NAMED[name]
         (q, v, tau), wrenches = random_state(model, 1, ()), random_wrenches(model, 2, ())
+        options = {"external_wrenches": wrenches, "base": None if base is None else random_base_motion(base)}
         ways = [
-            crosscheck.exact_values(model, "solve_kkt", q, v, tau, method=method, external_wrenches=wrenches)
+            crosscheck.exact_values(model, "solve_kkt", q, v, tau, method=method, **options)
             for method in ("recursive", "dense")
         ]
         for output in OUTPUTS:
@@ -146,11 +150,12 @@ class TestTwoFormulations:
 
 @pytest.mark.parametrize("name", VERBS)
 def test_every_function_is_off_by_rounding_alone(name):
-    """Of a tree with a slide. The balls of a first formulation, the doubles of another."""
+    """Of a tree with a slide on a base that moves. The balls of a first formulation, the doubles of another."""
     model, verb = NAMED["prismatic_inside_and_out"], VERBS[name]
     q, v, a = random_state(model, 5, ())
     given = [{"q": q, "v": v, "a": a, "tau": a}[each] for each in verb.inputs]
     options = {"frame": model.body_names[-1], "reference": "local"} if verb.of_frame else {}
+    options["base"] = None if name in ("coriolis_matrix", "frame_jacobian_derivative") else random_base_motion(6)
     exact = crosscheck.exact_values(model, name, *given, **options)
     doubles = verb.memory(verb.function(model, *given, method="projected", **options))
     for output, array in exact.items():
@@ -171,6 +176,49 @@ def test_joints_that_others_drive():
     expected = (ratios.T * Fraction(1)) @ np.array([Fraction(text) for text in free.decimals(28)])
     apart = [abs(Fraction(x) - y) for x, y in zip(found.decimals(28), expected, strict=True)]
     assert max(apart) < Fraction(1, 10**24)
+
+
+class TestMimicJoints:
+    """tip = 0.1 turn + 0.2, decimals that are no doubles."""
+
+    @pytest.fixture
+    def path(self, beam):
+        mimic = '<mimic joint="turn" multiplier="0.1" offset="0.2"/><limit'
+        beam.write_text(BEAM.replace("WELD", "revolute").replace("<limit", mimic))
+        return beam
+
+    def test_decimals_of_the_file(self, path):
+        """The torques of both joints where the decimals hold them, the second a tenth as much."""
+        q, v, a = Fraction(3, 10), Fraction(1, 2), Fraction(-7, 10)
+        tenth = Fraction(1, 10)
+        states = [q, tenth * q + 2 * tenth], [v, tenth * v], [a, tenth * a]
+        with pytest.warns(urdf.MimicJointWarning):
+            free = of_robot(path, "joint_torques", *states, mimic="independent").decimals(55)
+        found = of_robot(path, "joint_torques", [q], [v], [a])
+        expected = Fraction(free[0]) + tenth * Fraction(free[1])
+        assert abs(Fraction(found.decimals(55)[0]) - expected) < Fraction(1, 10**50)
+        assert found.truth == "file"
+        of_model = of_robot(path, "joint_torques", [q], [v], [a], truth="model")
+        assert 1e-19 < abs(Fraction(of_model.decimals(55)[0]) - expected) < 1e-15
+
+    def test_accelerations_undo_torques(self, path):
+        tau = of_robot(path, "joint_torques", ["0.3"], ["0.5"], ["-0.7"])
+        a = of_robot(path, "joint_accelerations", ["0.3"], ["0.5"], [Fraction(tau.decimals(60)[0])])
+        assert abs(Fraction(a.decimals(50)[0]) + Fraction(7, 10)) < Fraction(1, 10**49)
+
+    def test_what_mimics_a_locked_joint_stands_where_its_decimals_say(self, path):
+        """The tip at 0.1 · 0.25 + 0.2, and not at the double beside it."""
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        joint = '<parent link="tip"/><child link="more"/><origin xyz="0.1 0 0"/></joint>'
+        more = f'<link name="more">{inertial}</link><joint name="last" type="continuous">{joint}</robot>'
+        path.write_text(path.read_text().replace("</robot>", more))
+        options = {"frame": "more", "reference": "world"}
+        locked = of_robot(path, "frame_acceleration", ["0.3"], ["1"], ["1"], lock={"turn": 0.25}, **options)
+        states = ["0.25", "0.225", "0.3"], [0, 0, 1], [0, 0, 1]
+        with pytest.warns(urdf.MimicJointWarning):
+            free = of_robot(path, "frame_acceleration", *states, mimic="independent", **options)
+        assert all(x.overlaps(y) for x, y in zip(locked.balls, free.balls, strict=True))
+        assert locked.radius < 1e-60
 
 
 class TestErrors:
@@ -216,7 +264,8 @@ class TestPrecision:
         model = NAMED["one_revolute"]
         body = graphdyn.Body("body1", 1.0, np.zeros(3), np.zeros((3, 3)))
         singular = graphdyn.RobotModel("point", (body,), (model.joints[0],))
-        with pytest.raises(SingularMassMatrix, match="robot 'point': 30 digits are not proven with 2000 bits"):
+        said = r"robot 'point': 30 digits are not proven with 2000 bits.*\(bodies without mass or inertia: body1\)"
+        with pytest.raises(SingularMassMatrix, match=said):
             crosscheck.exact_values(singular, "joint_accelerations", [0.1], [0], [0])
         with pytest.raises(SingularMassMatrix, match="or is not proven regular"):
             crosscheck.exact_values(singular, "solve_kkt", [0.1], [0], [0], method="dense")
@@ -228,12 +277,15 @@ class TestRefusals:
         with pytest.raises(InvalidInput, match=r"exact values need python-flint, .*'graphdyn\[exact\]'"):
             crosscheck.exact_values(NAMED["one_revolute"], "gravity_torque", [0.1])
 
+    def test_what_has_no_exact_form_on_a_moving_base(self):
+        with pytest.raises(InvalidInput, match="coriolis_matrix takes a base at rest"):
+            crosscheck.exact_values(NAMED["one_revolute"], "coriolis_matrix", [0], [0], base=random_base_motion(1))
+
     def test_robots_without_an_exact_form(self, beam):
-        beam.write_text(
-            BEAM.replace("WELD", "revolute").replace("<limit", '<mimic joint="turn" multiplier="0.1"/><limit')
-        )
-        with pytest.raises(InvalidInput, match=r"robot 'beam' has joints that others drive: .* truth='model', or"):
-            crosscheck.exact_values(beam, "gravity_torque", [0], mimic="coupled")
+        coupling = '<coupling name="gear"><predecessor link="ground"/><successor link="tip"/><ratio value="0.3"/>'
+        beam.write_text(BEAM.replace("WELD", "revolute").replace("</robot>", f"{coupling}</coupling></robot>"))
+        with pytest.raises(InvalidInput, match=r"robot 'beam' has a <coupling>, which drives joint 'weld': .*'model'"):
+            crosscheck.exact_values(beam, "gravity_torque", [0])
         with pytest.raises(InvalidInput, match="robot 'four-bar' has loops: there are no exact values of it"):
             crosscheck.exact_values(four_bar(), "gravity_torque", np.zeros(3))
 
