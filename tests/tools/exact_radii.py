@@ -104,7 +104,7 @@ def largest(array: ExactArray) -> float:
 
 
 def overlap(robot: object, model: graphdyn.RobotModel, truth: str, count: int) -> bool | None:
-    """Whether both formulations overlap in all numbers; None where a body that moves has no mass, or joints drive others."""
+    """Whether both formulations overlap in all numbers; None where a body lacks mass, or joints drive others."""
     given = list(states(model, VERBS["solve_kkt"].inputs, count))
     loads = np.random.default_rng(1).normal(size=(count, model.n_bodies, 6))
     options = {"truth": truth, "external_wrenches": loads}
