@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.catalog import families, faults, limits, smooth_friction
-from crosscheck.judging.faults.fault import FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
+from crosscheck.judging.faults.fault import COMPLEX_STEP, FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
@@ -161,6 +162,8 @@ class Search:
     def _refitted(self, explanations: Sequence[Explanation]) -> list[Explanation]:
         """Each with the numbers of all its families fitted at once."""
         fitting = [x for x in explanations if any(len(numbers) for _, numbers in x.elements)]
+        if untried := [x for x in fitting if not _takes_steps(x.elements, self.own)]:
+            return self._refitted([x for x in explanations if x not in untried])
         if not fitting:
             return list(explanations)
         fits = fitted([_joint(x.elements) for x in fitting], self.own, self.experiments, self.noise)
@@ -244,6 +247,18 @@ def _joint(elements: Sequence[Element]) -> CodeFault:
     right = np.concatenate([fault.right for fault, _ in elements])
     start = np.concatenate([numbers for _, numbers in elements])
     return CodeFault(right, change, lambda x: [], start[None])
+
+
+def _takes_steps(elements: Sequence[Element], own: DynamicsCode) -> bool:
+    """Whether numbers of the faults can be fitted by complex steps: angles of a rotation that one of them turns cannot
+    be taken of complex numbers."""
+    joint = _joint(elements)
+    stepped: Any = joint.right + 1j * COMPLEX_STEP
+    try:
+        joint.change(own, stepped)
+    except TypeError:
+        return False
+    return True
 
 
 def _with_numbers(elements: Sequence[Element], x: Array) -> tuple[Element, ...]:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import urdf
 from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import Diagnosis
@@ -278,3 +279,21 @@ def test_the_smallest_of_those_that_fit_as_well_and_the_others(own, ur5):
 def test_a_diagnosis_of_two_functions_is_told_once():
     both = [Diagnosis(name, kind, "m", "", "", 0.0) for name, kind in (("f", "sign"), ("g", "sign"), ("h", "unit"))]
     assert [(one.function, one.kind) for one in merged(both)] == [("f, g", "sign"), ("h", "unit")]
+
+
+def test_faults_that_cannot_be_fitted_together_are_left_out():
+    """Angles of a rotation cannot be taken of the complex numbers by which another fault turns it."""
+
+    def turned(code, x):
+        return code.but(rotations=code.numbers.rotations * (1 + x[0]))
+
+    def angles(code):
+        return code.but(axes=np.arctan2(code.numbers.rotations[:, 0], 1.0))
+
+    family = CodeFault(np.zeros(1), turned, lambda _: [])
+    own = DynamicsCode.of(urdf.load("ur5"))
+    pair = (family, np.zeros(1)), (CodeFault.of("frame", "the other order", "mend it", angles), np.zeros(0))
+    assert not search_room._takes_steps(pair, own)
+    assert search_room._takes_steps(pair[:1], own)
+    alone, never = (SimpleNamespace(elements=x) for x in (((fault("a"), np.zeros(0)),), pair))
+    assert Search._refitted(SimpleNamespace(own=own, _refitted=lambda left: left), [alone, never]) == [alone]
