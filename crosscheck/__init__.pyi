@@ -3,7 +3,7 @@ from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_corre
 from .comparing.compare import compare
 from .comparing.comparison import Comparison, QuantityResult
 from .distributing import DaskWorkers, LocalProcesses
-from .exact import ExactArray, exact_values
+from .exact import ExactArray, Proof, exact_values, prove
 from .identifying import Identified, identify
 from .judging.judge import judge
 from .judging.judgment import Diagnosis, JudgedFunction, Judgment
@@ -39,6 +39,7 @@ __all__ = [
     "Judgment",
     "LocalProcesses",
     "PartitionedRecording",
+    "Proof",
     "QuantityResult",
     "Recording",
     "StreamedRecording",
@@ -56,6 +57,7 @@ __all__ = [
     "load_mapping",
     "load_recording",
     "load_virtual_recording",
+    "prove",
     "recording_of",
     "samples_of",
     "save_virtual_recording",

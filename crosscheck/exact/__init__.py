@@ -1,10 +1,12 @@
 """Exact values: every number of the dynamics of a tree in ball arithmetic, with digits that are proven.
 
-balls (python-flint), robot (the constants of a file or a model), recorded (the recursions on balls), equations (Eq.
-(111) in balls, the specification), values (what a user calls).
+From the numbers up: balls (python-flint), robot and couplings (the constants of a file or a model), source (at any
+precision), ground (at rest or moving), recorded (the recursions on balls), equations (Eq. (111) in balls, the
+specification), values and proofs (what a user calls).
 """
 
+from crosscheck.exact.proofs import Proof, Result, prove
 from crosscheck.exact.robot import Truth
 from crosscheck.exact.values import ExactArray, exact_values
 
-__all__ = ["ExactArray", "Truth", "exact_values"]
+__all__ = ["ExactArray", "Proof", "Result", "Truth", "exact_values", "prove"]

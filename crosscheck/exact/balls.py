@@ -7,6 +7,7 @@ the innermost `bits`.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from fractions import Fraction
 from typing import Any
@@ -169,6 +170,14 @@ def nearest_double(x: Ball) -> float:
 def decimal(x: Ball, digits: int) -> str:
     """The value with so many significant digits, or fewer: only those that are proven, the last up to one unit."""
     return str(x.str(digits, radius=False))
+
+
+def least_root(coefficients: Sequence[Fraction]) -> Ball:
+    """The least root of a polynomial whose roots are real. coefficients: of ascending powers"""
+    from flint import fmpq, fmpq_poly
+
+    polynomial = fmpq_poly([fmpq(x.numerator, x.denominator) for x in coefficients])
+    return min((root.real for root, _ in polynomial.complex_roots()), key=nearest_double)
 
 
 def solved(matrix: Balls, rhs: Balls) -> Balls | None:

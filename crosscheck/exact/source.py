@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from typing import get_args
 
 from crosscheck.exact.robot import ExactRobot, Truth, of_file, of_model
@@ -34,3 +36,14 @@ class Source:
                 of_model(self.model) if self._written is None else of_file(self.model, self._written)
             )
         return self._known[precision]
+
+    def inertials(self) -> Iterator[tuple[str, Fraction, Sequence[Sequence[Fraction]]]]:
+        """Name, mass, and tensor (3, 3) about the center of mass: of each <inertial>, or of each body of the model."""
+        if self._written is not None:
+            for name, inertial in self._written.inertials.items():
+                yield name, inertial.mass, inertial.tensor
+            return
+        for body in self.model.bodies:
+            rows = [[Fraction(x) for x in row] for row in body.inertia.tolist()]
+            tensor = [[(rows[j][k] + rows[k][j]) / 2 for k in range(3)] for j in range(3)]
+            yield body.name, Fraction(body.mass), tensor

@@ -25,6 +25,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn show kr500
   graphdyn show my_arm.urdf --json my_arm.json
   graphdyn show ur5 --state 0,-1.2,1.5,0,0.3,0
   graphdyn show ur5 --state random:7 --frame tool0 --reference local
+  graphdyn show my_arm.urdf --proofs
 """
 
 
@@ -57,6 +58,15 @@ class ShowOptions(ReadingOptions, PageOptions):
         ),
     ] = None
 
+    proofs: Annotated[
+        bool,
+        typer.Option(
+            "--proofs",
+            help="What can be proven of inertias, mass matrix and equations, at the --state or a random one; needs the "
+            "extra exact.",
+        ),
+    ] = False
+
 
 def run(options: ShowOptions) -> None:
     """Show a robot: bodies, joints, graph and equations.
@@ -65,7 +75,8 @@ def run(options: ShowOptions) -> None:
     of the graph, and where the matrix of Eq. (111) has its entries.
 
     With --state also what the robot is like there: energies, center of mass, momentum, torque against gravity, mass
-    matrix, where its links are, and the Jacobian of a frame.
+    matrix, where its links are, and the Jacobian of a frame. With --proofs what is proven of it, without tolerances:
+    which inertias a real body can have, and whether the mass matrix is positive definite and the equations regular.
     """
     robot, frame, reading = options.robot, options.frame, options.reading
     if options.state is None and (frame is not None or options.reference is not None):
@@ -82,7 +93,7 @@ def run(options: ShowOptions) -> None:
     if options.state is not None:
         q, v = given_state(options.state, model)
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
-    report = show_report(describe(model, robot, reading, there))
+    report = show_report(describe(model, robot, reading, there, options.proofs))
     deliver(report, options, lambda: [figure_at_rest(robot, model, reading, q)])
 
 

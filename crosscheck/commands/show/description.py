@@ -8,8 +8,10 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck import exact
 from crosscheck.commands.show.loops import LoopsDescription, describe_loops
 from crosscheck.commands.show.state import StateDescription
+from crosscheck.exact import Proof
 from crosscheck.reference.subject import OfReading
 from crosscheck.report.records.record import Count, Keywords
 from graphdyn import RobotModel, kkt_system
@@ -53,6 +55,7 @@ class RobotDescription(OfReading):
     loops: None where the robot is a tree
     system: the matrix of Eq. (111)
     state: what was asked for with --state; None where nothing was
+    proofs: what is proven of the decimals of the file, at that state or that of the equations; None without --proofs
     """
 
     model: RobotModel
@@ -61,6 +64,7 @@ class RobotDescription(OfReading):
     loops: LoopsDescription | None
     system: SystemDescription
     state: StateDescription | None
+    proofs: tuple[Proof, ...] | None
 
     @property
     def total_mass(self) -> float:
@@ -69,14 +73,20 @@ class RobotDescription(OfReading):
 
 
 def describe(
-    model: RobotModel, robot: str, reading: Reading = AS_IT_STANDS, state: StateDescription | None = None
+    model: RobotModel,
+    robot: str,
+    reading: Reading = AS_IT_STANDS,
+    state: StateDescription | None = None,
+    prove: bool = False,
 ) -> RobotDescription:
     """Everything about a robot that was loaded under this name.
 
-    Raises InconsistentState, naming the loop, where none of many poses closes it.
+    Raises InconsistentState, naming the loop, where none of many poses closes it; what crosscheck.prove raises.
     """
     loops = describe_loops(model, None if state is None else state.q) if model.chords else None
-    return RobotDescription(model, robot, reading, loops, _system(model, loops), state)
+    system = _system(model, loops)
+    proofs = exact.prove(robot, system.q if state is None else state.q, reading=reading) if prove else None
+    return RobotDescription(model, robot, reading, loops, system, state, proofs)
 
 
 def _system(model: RobotModel, loops: LoopsDescription | None) -> SystemDescription:

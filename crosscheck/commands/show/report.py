@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ from crosscheck.commands.show.loops import loops_section
 from crosscheck.commands.show.matrix_pattern import characters, squares
 from crosscheck.commands.show.record import record
 from crosscheck.commands.show.state import rpy_in_degrees, state_section
+from crosscheck.exact import Proof, Result
 from crosscheck.report.plain_text import matrix_lines, vector_text
 from crosscheck.report.report import (
     Block,
@@ -29,13 +31,18 @@ from crosscheck.report.report import (
     Report,
     Row,
     Section,
+    State,
     Table,
+    Verdict,
 )
 from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel
 from graphdyn.errors import counted
 
 VECTOR_FORMAT: dict[str, Any] = {"kind": "vector", "form": vector_text}
+RESULTS: dict[Result, State] = {"proven": "agrees", "disproven": "disagrees", "not proven": "undecided"}
+"""How the result of a proof looks."""
+
 NUMBER_FORMAT: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 
@@ -47,6 +54,7 @@ def show_report(robot: RobotDescription) -> Report:
         (
             Section("robot", "", (*_overview(robot), _bodies(model))),
             *([] if robot.state is None else [state_section(robot.state, model)]),
+            *([] if robot.proofs is None else [_proofs(robot.proofs)]),
             Section("joints", "Joints", (_joints(model), *_couplings(model), _limits(model), _frames(model))),
             *([] if robot.loops is None else [loops_section(robot.loops, given=robot.state is not None)]),
             Section("graph", "Graph", _graph(model)),
@@ -107,6 +115,16 @@ def _bodies(model: RobotModel) -> Table:
         title="Bodies",
         failures_first=False,
     )
+
+
+def _proofs(proofs: Sequence[Proof]) -> Section:
+    rows = tuple(
+        Row((proof.statement, proof.of, Verdict(RESULTS[proof.result], proof.result), proof.reason)) for proof in proofs
+    )
+    columns = (Column("statement"), Column("of", "name"), Column("result", "verdict"), Column("because"))
+    truth = {"file": "Of the decimals of the file", "model": "Of the doubles of the model"}[proofs[0].truth]
+    caption = f"{truth}, without tolerances; the state is that of the equations, or what --state says"
+    return Section("proofs", "Proofs", (Table(columns, rows, caption=caption, failures_first=False),))
 
 
 def _joints(model: RobotModel) -> Table:

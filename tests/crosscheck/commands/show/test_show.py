@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import sys
 from html.parser import HTMLParser
 
 import numpy as np
@@ -486,3 +487,40 @@ def test_couplings():
     text = page(show_report(described), ["graphdyn", "show"], versions())
     assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in text
     assert "Couplings" not in page(show_report(describe(TREE, "tree")), ["graphdyn", "show"], versions())
+
+
+class TestProofs:
+    """Of the second link a principal moment exceeds the sum of the others by 1e-30."""
+
+    @pytest.fixture
+    def path(self, tmp_path):
+        pytest.importorskip("flint", reason="the extra graphdyn[exact] is not installed")
+        inertia = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.2" iyz="0" izz="0.300000000000000000000000000001"/>'
+        link = f'<link name="plate"><inertial><mass value="1.5"/>{inertia}</inertial></link>'
+        joint = '<joint name="turn" type="continuous"><parent link="ground"/><child link="plate"/></joint>'
+        path = tmp_path / "plate.urdf"
+        path.write_text(f'<robot name="arm"><link name="ground"/>{link}{joint}</robot>')
+        return path
+
+    def test_told_and_written(self, path, tmp_path):
+        result = show(path, "--proofs", "--json", tmp_path / "shown.json")
+        assert result.exit_code == 0
+        assert "Of the decimals of the file, without tolerances" in result.output
+        proofs = json.loads((tmp_path / "shown.json").read_text())["proofs"]
+        assert proofs[0] == {
+            "statement": "a real body can have this inertia",
+            "of": "plate",
+            "result": "disproven",
+            "reason": "a principal moment exceeds the sum of the others by 1.00e-30 kg m²",
+            "truth": "file",
+        }
+        assert [proof["result"] for proof in proofs[1:]] == ["proven"] * 4
+        show(path, "--json", tmp_path / "without.json")
+        assert json.loads((tmp_path / "without.json").read_text())["proofs"] is None
+
+    def test_without_python_flint(self, path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "flint", None)
+        result = show(path, "--proofs")
+        assert result.exit_code == 2
+        (said,) = result.stderr.splitlines()
+        assert said.startswith("error: exact values need python-flint, which is not installed; run: python -m pip")
