@@ -9,7 +9,7 @@ from typing import Any, Literal, Unpack
 
 import numpy as np
 
-from crosscheck.exact.balls import Balls, as_balls, bits, decimal, least_root
+from crosscheck.exact.balls import Balls, as_balls, bits, decimal, least_root, solved, zeros
 from crosscheck.exact.equations import system
 from crosscheck.exact.recorded import CONSTANTS, evaluate, recorded
 from crosscheck.exact.robot import Truth
@@ -171,17 +171,12 @@ def _equations(source: Source, q: Any) -> Found:
         return statement, "", "not proven", _COUPLED
     for precision in _precisions():
         with bits(precision):
-            from flint import arb_mat
-
             matrix = _system(source, precision, q)
-            try:
-                arb_mat(*matrix.shape, list(matrix.ravel())).inv()
-            except ZeroDivisionError:
-                joint = _without_inertia(source, _mass_matrix_in_balls(source, precision, q))
-                if joint is not None:
-                    return statement, "", "disproven", f"joint '{joint}' moves without inertia"
-            else:
+            if solved(matrix, zeros(len(matrix))) is not None:
                 return statement, "", "proven", f"the matrix of the {len(matrix)} equations has an inverse"
+            joint = _without_inertia(source, _mass_matrix_in_balls(source, precision, q))
+            if joint is not None:
+                return statement, "", "disproven", f"joint '{joint}' moves without inertia"
     return statement, "", "not proven", f"an inverse is not proven with {MAX_BITS} bits"
 
 
