@@ -177,7 +177,8 @@ def least_root(coefficients: Sequence[Fraction]) -> Ball:
     from flint import fmpq, fmpq_poly
 
     polynomial = fmpq_poly([fmpq(x.numerator, x.denominator) for x in coefficients])
-    return min((root.real for root, _ in polynomial.complex_roots()), key=nearest_double)
+    roots: Any = polynomial.complex_roots()
+    return min((root.real for root, _ in roots), key=nearest_double)
 
 
 def solved(matrix: Balls, rhs: Balls) -> Balls | None:

@@ -198,7 +198,7 @@ def _definite(matrix: Balls) -> Result:
 def _mass_matrix_in_balls(source: Source, precision: int, q: Any) -> Balls:
     robot = source.at(precision)
     program = recorded(robot, Request("mass_matrix", ("mass_matrix",)))
-    found = evaluate(program.program, {"q": as_balls(q), CONSTANTS: program.constants(robot)})["mass_matrix"]
+    found = evaluate(program.program, {"q": list(as_balls(q)), CONSTANTS: program.constants(robot)})["mass_matrix"]
     return np.array(found, dtype=object).reshape(source.model.nv, source.model.nv)
 
 
@@ -216,8 +216,8 @@ def _without_inertia(source: Source, mass: Balls) -> str | None:
 
 def _system(source: Source, precision: int, q: Any) -> Balls:
     """The matrix of Eq. (111), which velocities and torques do not change."""
-    none = as_balls(np.zeros(source.model.nv))
-    return system(source.at(precision), as_balls(q), none, none).matrix
+    none = list(zeros(source.model.nv))
+    return system(source.at(precision), list(as_balls(q)), none, none).matrix
 
 
 def _positions(source: Source, q: Any) -> Any:
