@@ -1,7 +1,7 @@
 """The door for array arguments: convert once, broadcast, refuse the rest by name, shape and row."""
 
 from collections.abc import Iterable, Mapping
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,9 +21,14 @@ class Batched(Protocol):
 
 
 def joint_arrays(
-    model: RobotModel, base: Batched | None = None, *, check: bool = True, **arguments: ArrayLike | None
+    model: RobotModel,
+    base: Batched | None = None,
+    *,
+    check: bool = True,
+    dtype: np.dtype[Any] = FLOAT,
+    **arguments: ArrayLike | None,
 ) -> dict[str, Array]:
-    """The arguments as float arrays with one common leading shape.
+    """The arguments as arrays of this type of floats with one common leading shape.
 
     Each must have shape (…, n); external_wrenches (…, n, 6), where None stands for zeros. A base motion broadcasts too.
     check: whether to look for NaN and infinity
@@ -33,13 +38,13 @@ def joint_arrays(
     """
     check_model(model)
     n = model.nv
-    if base is None and not check and _are_plain(arguments.values(), n):
+    if base is None and not check and _are_plain(arguments.values(), n, dtype):
         return arguments  # type: ignore[return-value]
     arrays, leading = {}, {}
     for name, value in arguments.items():
         trailing = (model.n_bodies, BODY_DOF) if name == "external_wrenches" else (n,)
         absent = name == "external_wrenches" and value is None
-        array = np.zeros(trailing) if absent else as_floats(name, value)
+        array = np.zeros(trailing, dtype) if absent else as_floats(name, value, dtype)
         if array.shape[-len(trailing) :] != trailing:
             expected = ", ".join(["…", *map(str, trailing)])
             joints = f"the {n} joints" + (" that no others drive" if model.couplings else "")
@@ -67,11 +72,11 @@ def with_wrenches(model: RobotModel, x: Mapping[str, Array]) -> dict[str, Array]
     return {"external_wrenches": np.zeros((*x["q"].shape[:-1], model.n_bodies, BODY_DOF)), **x}
 
 
-def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:
-    """Whether these are float arrays (…, n) of one shape, as they mostly are: nothing to convert, nothing to refuse."""
+def _are_plain(arguments: Iterable[ArrayLike | None], n: int, dtype: np.dtype[Any]) -> bool:
+    """Whether these are such arrays (…, n) of one shape, as they mostly are: nothing to convert, nothing to refuse."""
     shape = None
     for array in arguments:
-        if type(array) is not np.ndarray or array.dtype is not FLOAT:
+        if type(array) is not np.ndarray or array.dtype is not dtype:
             return False
         if shape is None:
             shape = array.shape
@@ -83,7 +88,7 @@ def _are_plain(arguments: Iterable[ArrayLike | None], n: int) -> bool:
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
     """Check like joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading
     dimensions."""
-    arrays = joint_arrays(model, base, check=True, **arguments)
+    arrays = joint_arrays(model, base, check=True, dtype=FLOAT, **arguments)
     batch = next(iter(arrays.values())).shape[:-1]
     if batch:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
@@ -91,8 +96,8 @@ def one_state(model: RobotModel, base: Batched | None = None, **arguments: Array
     return arrays
 
 
-def as_floats(name: str, value: ArrayLike | None) -> Array:
-    """A float array of integers, booleans or reals. Raises InvalidInput, naming the argument, for anything else."""
+def as_floats(name: str, value: ArrayLike | None, dtype: np.dtype[Any] = FLOAT) -> Array:
+    """Floats of integers, booleans or reals. Raises InvalidInput, naming the argument, for anything else."""
     try:
         array = np.asarray(value)
     except ValueError as error:
@@ -101,7 +106,8 @@ def as_floats(name: str, value: ArrayLike | None) -> Array:
         raise InvalidInput(f"{name} is not an array of real numbers but of {array.dtype}")
     if np.ma.is_masked(value):
         raise InvalidInput(f"{name} has masked entries; fill or drop them")
-    return np.asarray(array, dtype=float)
+    with np.errstate(over="ignore"):  # infinity is refused where it must not be
+        return np.asarray(array, dtype=dtype)
 
 
 def refuse_non_finite(model: RobotModel, arrays: Mapping[str, Array]) -> None:

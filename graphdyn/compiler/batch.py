@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from math import isnan, prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,13 @@ from graphdyn.arguments.arrays import refuse_non_finite
 from graphdyn.arguments.base_motion import BaseMotion, ground
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.compiler.llvm.memory import aligned
+from graphdyn.compiler.llvm.precision import DOUBLE, precision_of
 from graphdyn.compiler.programs import GROUND_SHAPES, Request, request_for
 from graphdyn.compiler.running import prepared, run
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.recursions import ARRAY_SPECS
-
-MIN_PIVOT_SHARE = 1e-9
-"""A pivot below this part of what the inertia about its joint can be: the mass matrix may be singular. Six digits more
-cautious than the test that decides (graphdyn.equations.projected.singular)."""
 
 NO_ROWS = np.empty(0, dtype=np.intp)
 
@@ -41,9 +38,10 @@ def request_of(
     x: Mapping[str, Array],
     base: BaseMotion | None,
     frame: FrameChoice | None = None,
+    dtype: np.dtype[Any] = DOUBLE.dtype,
 ) -> Request:
     """These outputs of a recursion, of such arguments."""
-    return request_for(recursion, outputs, "external_wrenches" in x, base is not None, frame)
+    return request_for(recursion, outputs, "external_wrenches" in x, base is not None, frame, dtype)
 
 
 def evaluate(
@@ -58,6 +56,7 @@ def evaluate(
 ) -> Evaluation:
     """What is requested, for arrays of one leading shape (request_of the same arrays), written into out if given.
 
+    x: arrays of the dtype of the request
     threads: at most this many; None for one per core
     check: refuse NaN and infinity in the arguments; otherwise their samples come out as NaN
 
@@ -69,16 +68,19 @@ def evaluate(
     count = prod(batch)
     inputs = {name: _as_rows(_plain(array), batch) for name, array in x.items()}
     if base is not None:
-        inputs["ground"] = _as_rows(ground_columns(model, base, batch), batch)
+        inputs["ground"] = _as_rows(ground_columns(model, base, batch).astype(request.dtype), batch)
     shapes = {name: (*batch, *ARRAY_SPECS[name].shape_for(model)) for name in request.outputs}
-    arrays = {name: aligned(shape) for name, shape in shapes.items()} if out is None else _writable(out, shapes, x)
+    if out is None:
+        arrays = {name: aligned(shape, request.dtype) for name, shape in shapes.items()}
+    else:
+        arrays = _writable(out, shapes, request.dtype, x)
     if count == 0:
         return Evaluation(arrays, NO_ROWS)
     rows = {name: _as_rows(array, batch) for name, array in arrays.items()}
     guarded = run(model, request, inputs, rows, threads)
     if check and isnan(guarded["finite"]):
         refuse_non_finite(model, x)
-    suspicious = guarded.get("minimum", np.inf) < MIN_PIVOT_SHARE
+    suspicious = guarded.get("minimum", np.inf) < precision_of(request.dtype).min_pivot_share
     return Evaluation(arrays, _suspects(model, request, inputs, threads) if suspicious else NO_ROWS)
 
 
@@ -105,9 +107,10 @@ def _suspects(
     model: RobotModel, request: Request, inputs: Mapping[str, Array], threads: int | None
 ) -> NDArray[np.intp]:
     of_pivots = replace(request, outputs=("pivots",))
-    pivots = np.empty((len(inputs["q"]), len(prepared(model, of_pivots).program.outputs["pivots"])))
+    ready = prepared(model, of_pivots)
+    pivots = np.empty((len(inputs["q"]), len(ready.program.outputs["pivots"])), request.dtype)
     run(model, of_pivots, inputs, {"pivots": pivots}, threads)
-    return np.flatnonzero((pivots < MIN_PIVOT_SHARE).any(axis=-1))
+    return np.flatnonzero((pivots < ready.precision.min_pivot_share).any(axis=-1))
 
 
 def ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) -> Array:
@@ -130,7 +133,7 @@ def ground_columns(model: RobotModel, base: BaseMotion, batch: tuple[int, ...]) 
 
 
 def _writable(
-    out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], x: Mapping[str, Array]
+    out: Mapping[str, Array], shapes: Mapping[str, tuple[int, ...]], dtype: np.dtype[Any], x: Mapping[str, Array]
 ) -> dict[str, Array]:
     """The arrays of the caller, if the answer can be written to them."""
     taken, arrays = list(x.items()), {}
@@ -139,9 +142,9 @@ def _writable(
         if shape[-1:] == (0,) and isinstance(array, np.ndarray) and array.size == 0:  # of a robot without couplings
             array = array.reshape(shape)
         arrays[name] = array
-        if not isinstance(array, np.ndarray) or array.dtype != np.float64 or array.shape != shape:
+        if not isinstance(array, np.ndarray) or array.dtype != dtype or array.shape != shape:
             found = f"{array.dtype} {array.shape}" if isinstance(array, np.ndarray) else type(array).__name__
-            raise InvalidInput(f"out for {name} is {found}; give a float64 array of shape {shape}")
+            raise InvalidInput(f"out for {name} is {found}; give a {dtype} array of shape {shape}")
         if not array.flags.carray:
             flags = array.flags
             fault = "not C-contiguous" if not flags.c_contiguous else "not aligned" if flags.writeable else "read-only"

@@ -17,6 +17,7 @@ from graphdyn.compiler.disk_cache import cached_code
 from graphdyn.compiler.interpreter import Run, merged
 from graphdyn.compiler.llvm.emitter import emit, scratch
 from graphdyn.compiler.llvm.memory import aligned, places
+from graphdyn.compiler.llvm.precision import DOUBLE, Precision
 from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, GUARD_STARTS
 from graphdyn.compiler.rolled.program import LongProgram
 from graphdyn.compiler.rolled.rolled_code import emit_long, long_scratch
@@ -55,13 +56,15 @@ class CompiledProgram:
     one_row: for one row after the other, with as few lanes as columns are read and written by
     """
 
-    def __init__(self, program: Program | LongProgram, one_row: bool = False) -> None:
-        self._program = program
-        self.lanes = 2 if one_row else host_lanes()
+    def __init__(self, program: Program | LongProgram, one_row: bool = False, precision: Precision = DOUBLE) -> None:
+        self._program, self._dtype = program, precision.dtype
+        self.lanes = 2 if one_row else host_lanes() * DOUBLE.bits // precision.bits
         if isinstance(program, Program):
-            code, self._scratch = emit(program, self.lanes, ahead=not one_row), scratch(program, self.lanes)
+            code = emit(program, self.lanes, precision, ahead=not one_row)
+            self._scratch = scratch(program, self.lanes, precision)
         else:
-            code, self._scratch = emit_long(program, self.lanes), long_scratch(program, self.lanes)
+            code = emit_long(program, self.lanes, precision)
+            self._scratch = long_scratch(program, self.lanes, precision)
         self._code = MachineCode(code)
         self._table = ctypes.c_void_p * (2 + len(program.inputs) + len(program.outputs))
         prototype = ctypes.CFUNCTYPE(None, ctypes.c_int64, ctypes.c_int64, ctypes.c_bool, ctypes.c_void_p)
@@ -77,7 +80,7 @@ class CompiledProgram:
         def run(first: int, last: int) -> dict[Guard, float]:
             if last - first < self.lanes:
                 return self._short(first, last, inputs, outputs)
-            guarded = guard_memory(self.lanes)
+            guarded = guard_memory(self.lanes, self._dtype)
             self._batch(first, last, bypass, self._table_of(arrays, guarded))
             return guards(self._program, guarded)
 
@@ -88,7 +91,8 @@ class CompiledProgram:
 
         Not for several threads at once.
         """
-        return RowCall(self._single, self._table_of(self._arrays(inputs, outputs), guard_memory(self.lanes)), self)
+        guarded = guard_memory(self.lanes, self._dtype)
+        return RowCall(self._single, self._table_of(self._arrays(inputs, outputs), guarded), self)
 
     def _table_of(self, arrays: list[Array], guarded: Array) -> Any:
         """What the code reads, with scratch of its own. It keeps alive whatever it leads to."""
@@ -103,7 +107,7 @@ class CompiledProgram:
     def _own_scratch(self) -> Array:
         if not self._scratch.size:
             return self._scratch
-        rows = aligned(self._scratch.shape)
+        rows = aligned(self._scratch.shape, self._dtype)
         rows[:] = self._scratch
         return rows
 
@@ -113,21 +117,22 @@ class CompiledProgram:
         """Fewer rows than lanes: the missing ones repeat the last."""
         rows = np.minimum(np.arange(first, first + self.lanes), last - 1)
         copies = {name: inputs[name][rows] for name in self._program.inputs}
-        results = {name: np.empty((self.lanes, len(numbers))) for name, numbers in self._program.outputs.items()}
+        widths = {name: len(numbers) for name, numbers in self._program.outputs.items()}
+        results = {name: np.empty((self.lanes, width), self._dtype) for name, width in widths.items()}
         guarded = self.bind(copies, results)(0, self.lanes)
         for name, result in results.items():
             outputs[name][first:last] = result[: last - first]
         return guarded
 
 
-def guard_memory(lanes: int) -> Array:
+def guard_memory(lanes: int, dtype: np.dtype[Any] = DOUBLE.dtype) -> Array:
     """Memory of the guards of compiled code, before it has seen anything."""
-    return _guard_starts(lanes).copy()
+    return _guard_starts(lanes, dtype).copy()
 
 
 @cache
-def _guard_starts(lanes: int) -> Array:
-    return np.repeat(np.array(GUARD_STARTS)[:, None], lanes, axis=1)
+def _guard_starts(lanes: int, dtype: np.dtype[Any]) -> Array:
+    return np.repeat(np.array(GUARD_STARTS, dtype=dtype)[:, None], lanes, axis=1)
 
 
 def guards(program: Program | LongProgram, guarded: Array) -> dict[Guard, float]:

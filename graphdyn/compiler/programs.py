@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.arguments.choices import FrameChoice
+from graphdyn.compiler.llvm.precision import DOUBLE
 from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.robot_model import RobotModel, total_mass
@@ -96,6 +97,7 @@ class Request:
     """Which program: the recursion, its outputs in order, whether wrenches act on the bodies and the base moves.
 
     frame: which one, of recursions that speak of a frame
+    dtype: of all numbers
     """
 
     recursion: str
@@ -103,14 +105,20 @@ class Request:
     external: bool = False
     moving_base: bool = False
     frame: FrameChoice | None = None
+    dtype: np.dtype[Any] = DOUBLE.dtype
 
 
 @lru_cache
 def request_for(
-    recursion: str, outputs: tuple[str, ...], external: bool, moving_base: bool, frame: FrameChoice | None
+    recursion: str,
+    outputs: tuple[str, ...],
+    external: bool,
+    moving_base: bool,
+    frame: FrameChoice | None,
+    dtype: np.dtype[Any],
 ) -> Request:
     """The same object for the same answers: it is found faster than another one that is equal."""
-    return Request(recursion, outputs, external, moving_base, frame)
+    return Request(recursion, outputs, external, moving_base, frame, dtype)
 
 
 @dataclass(frozen=True, eq=False)

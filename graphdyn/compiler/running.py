@@ -13,14 +13,14 @@ from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
 from math import inf
-from typing import TypeVar
+from typing import Any, TypeVar
 from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
 from graphdyn.arguments.choices import MANY_SAMPLES
 from graphdyn.compiler.interpreter import Interpreter, together
-from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
+from graphdyn.compiler.llvm.precision import DOUBLE, Precision, precision_of
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
 from graphdyn.compiler.programs import Request, trace
 from graphdyn.compiler.rolled.program import LongProgram
@@ -72,16 +72,23 @@ class Prepared:
     Copies and pickles are compiled again, for the processor and by the back end of where they are.
     """
 
-    def __init__(self, program: Program | LongProgram, backend: str, one_row: bool = False) -> None:
-        self.program, self.backend = program, _backend(program, backend, one_row)
+    def __init__(
+        self,
+        program: Program | LongProgram,
+        backend: str,
+        one_row: bool = False,
+        dtype: np.dtype[Any] = DOUBLE.dtype,
+    ) -> None:
+        self.program, self.precision = program, precision_of(dtype)
+        self.backend = _backend(program, backend, one_row, self.precision)
         self._one_row = one_row
 
-    def __reduce__(self) -> tuple[Callable[..., Prepared], tuple[Program | LongProgram, bool]]:
-        return _prepared_here, (self.program, self._one_row)
+    def __reduce__(self) -> tuple[Callable[..., Prepared], tuple[Program | LongProgram, bool, np.dtype[Any]]]:
+        return _prepared_here, (self.program, self._one_row, self.precision.dtype)
 
 
-def _prepared_here(program: Program | LongProgram, one_row: bool) -> Prepared:
-    return Prepared(program, chosen_backend(), one_row)
+def _prepared_here(program: Program | LongProgram, one_row: bool, dtype: np.dtype[Any]) -> Prepared:
+    return Prepared(program, chosen_backend(), one_row, dtype)
 
 
 class RobotPrograms:
@@ -118,7 +125,7 @@ def prepared(model: RobotModel, request: Request, one_row: bool = False) -> Prep
     with compiling:
         if key not in programs.ready:
             long = key[1] == "llvm" and is_long(model, request)
-            programs.ready[key] = Prepared((record_long if long else trace)(model, request), *key[1:])
+            programs.ready[key] = Prepared((record_long if long else trace)(model, request), *key[1:], request.dtype)
         ready = programs.ready[key]
         if isinstance(ready.backend, CompiledProgram) and not one_row:
             programs.samples[request] = inf
@@ -148,41 +155,43 @@ def run(
 ) -> dict[Guard, float]:
     """Fill the outputs (N, width) from the inputs (N, width), C-contiguous arrays; return what the guards found.
 
-    The result does not depend on N, nor on the number of threads. Angles beyond FARTHEST are first reduced by
-    whole turns, so that no sample loses digits.
+    The result does not depend on N, nor on the number of threads. Angles beyond the precision's max_angle are first
+    reduced by whole turns, so that no sample loses digits.
     """
     ready = prepared(model, request)
     count = len(inputs["q"])
     guards = _in_parallel(ready, inputs, outputs, count, threads)
-    if beyond_reduction(model, inputs["q"], guards):
-        return _in_parallel(ready, {**inputs, "q": turned_back(model, inputs["q"])}, outputs, count, threads)
+    if beyond_reduction(model, inputs["q"], guards, ready.precision):
+        near = turned_back(model, inputs["q"], ready.precision)
+        return _in_parallel(ready, {**inputs, "q": near}, outputs, count, threads)
     return guards
 
 
-def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Guard, float]) -> bool:
-    """Whether an angle is beyond FARTHEST. What was seen of all, the sum of squares, mostly denies it."""
-    if seen.get("squares", 0.0) <= MAX_ANGLE**2:
+def beyond_reduction(model: RobotModel, q: Array, seen: Mapping[Guard, float], precision: Precision = DOUBLE) -> bool:
+    """Whether an angle is beyond max_angle. What was seen of all, the sum of squares, mostly denies it."""
+    if seen.get("squares", 0.0) <= precision.max_angle**2:
         return False
     turning = [not joint.is_prismatic for joint in model.joints]
     positions = model.joint_positions(q) if model.couplings else q  # one that is NaN does not spoil those beside it
-    return bool(np.any(np.abs(positions[:, turning]) > MAX_ANGLE))
+    return bool(np.any(np.abs(positions[:, turning]) > precision.max_angle))
 
 
-def turned_back(model: RobotModel, q: Array) -> Array:
-    """Joint positions (N, n) with angles beyond FARTHEST reduced by whole turns.
+def turned_back(model: RobotModel, q: Array, precision: Precision = DOUBLE) -> Array:
+    """Joint positions (N, n) with angles beyond max_angle reduced by whole turns.
 
     Raises InvalidInput for a robot with couplings: a whole turn of one joint need not be one of those that it drives.
     """
     if model.couplings:
         raise InvalidInput(
-            f"a joint of robot '{model.name}' is beyond {MAX_ANGLE:g} rad, and some joints drive others; give smaller "
-            "angles, or method='projected'"
+            f"a joint of robot '{model.name}' is beyond {precision.max_angle:g} rad, and some joints drive "
+            "others; give smaller angles, or method='projected'"
         )
     turning = np.array([not joint.is_prismatic for joint in model.joints])
-    far = (np.abs(q) > MAX_ANGLE) & turning
+    far = (np.abs(q) > precision.max_angle) & turning
     q = q.copy()
     with np.errstate(invalid="ignore"):  # infinity becomes NaN, in its sample
-        q[far] = np.arctan2(np.sin(q[far]), np.cos(q[far]))
+        angles = q[far].astype(float)
+        q[far] = np.arctan2(np.sin(angles), np.cos(angles))
     return q
 
 
@@ -241,10 +250,10 @@ def _level_of_the_caller() -> int:
     return level
 
 
-def _backend(program: Program | LongProgram, choice: str, one_row: bool = False) -> Backend:
+def _backend(program: Program | LongProgram, choice: str, one_row: bool, precision: Precision) -> Backend:
     if isinstance(program, Program) and (choice == "numpy" or program.length > MAX_COMPILED_LENGTH):
         return Interpreter(program)
-    return CompiledProgram(program, one_row)
+    return CompiledProgram(program, one_row, precision)
 
 
 def _in_parallel(

@@ -63,7 +63,7 @@ class ExportedFunction:
 
     inputs, outputs: shapes and units of its arrays by name, in the order of the arguments
     program: its inputs and outputs are these arrays, a column for each entry, row by row; its guard "minimum" are the
-        pivots: with one below MIN_PIVOT_SHARE the mass matrix may be singular
+        pivots: with one below DOUBLE.min_pivot_share the mass matrix may be singular
     """
 
     model: RobotModel

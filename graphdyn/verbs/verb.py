@@ -16,10 +16,11 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from graphdyn.arguments.arrays import joint_arrays, refuse_non_finite, with_wrenches
+from graphdyn.arguments.arrays import FLOAT, joint_arrays, refuse_non_finite, with_wrenches
 from graphdyn.arguments.choices import KEYWORDS, Answer, FrameChoice, VerbKeywords, is_recursive, with_keywords
 from graphdyn.arguments.keywords import refuse_unknown
 from graphdyn.compiler.batch import Evaluation, evaluate, request_of
+from graphdyn.compiler.llvm.precision import precision_of
 from graphdyn.compiler.programs import Request
 from graphdyn.compiler.running import WORTH_COMPILING, beyond_reduction, has_paid
 from graphdyn.equations import projected
@@ -159,17 +160,20 @@ def computed(
         refuse_unknown(function, keywords, ())
     verb = VERBS[function.__name__]
     base, method, out = keywords.get("base"), keywords.get("method", "auto"), keywords.get("out")
+    dtype = precision_of(keywords["dtype"]).dtype if "dtype" in keywords else FLOAT
     given = dict(zip(verb.inputs, arguments, strict=True))
     if external_wrenches is not None:
         given["external_wrenches"] = external_wrenches
-    x = joint_arrays(model, base, check=False, **given)
+    x = joint_arrays(model, base, check=False, dtype=dtype, **given)
     verb.refuse_loops(model)
     closed = verb.closed if model.chords else None
     specification = closed or verb.specification
     moving = base if closed or RECURSIONS[verb.recursion].on_moving_base else None
-    request = request_of(verb.recursion, verb.outputs, x, moving, frame)
-    recursive = is_recursive(method, x["q"][..., 0].size, lambda: _has_paid(verb, model, request, x["q"]), out)
+    request = request_of(verb.recursion, verb.outputs, x, moving, frame, dtype)
+    recursive = is_recursive(method, x["q"][..., 0].size, lambda: _has_paid(verb, model, request, x["q"]), out, dtype)
     asked = method == "recursive" or out is not None
+    if closed and dtype != FLOAT:
+        raise InvalidInput(f"{verb.name} of robot '{model.name}' with loops computes in float64 only; omit dtype=")
     if not recursive or (closed and not asked and not verb.is_compiled(model)):
         refuse_non_finite(model, x)
         found = specification(Arguments(model, with_wrenches(model, x), base, method == "dense", frame))
@@ -203,7 +207,7 @@ def _decide(answer: Evaluation, specification: Specification, x: Arguments) -> N
     batch = x["q"].shape[:-1]
     index = np.unravel_index(answer.suspects, batch) if batch else ()
     base = None if x.base is None else x.base.at(batch, index)
-    chosen = replace(x, arrays={name: array[index] for name, array in x.arrays.items()}, base=base)
+    chosen = replace(x, arrays={name: array[index].astype(float) for name, array in x.arrays.items()}, base=base)
     if not x.model.chords:  # whose specification refuses by itself
         rows = list(zip(*index, strict=True)) if batch else None
         refuse_singular(x.model, projected.mass_matrix(chosen)["mass_matrix"], rows)

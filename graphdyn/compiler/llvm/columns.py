@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence, Set
 
+from graphdyn.compiler.llvm.precision import Precision
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, GUARD_KINDS, VectorCode
 from graphdyn.scalars.expressions import Guard
 
 
-def rows_to_columns(name: str, width: int, lanes: int, guards: Sequence[Guard]) -> list[str]:
+def rows_to_columns(name: str, width: int, lanes: int, guards: Sequence[Guard], precision: Precision) -> list[str]:
     """name(rows, columns, guards). These guards see every number."""
 
     def block(code: VectorCode, rows: str, to: str, count: int) -> None:
@@ -26,10 +27,12 @@ def rows_to_columns(name: str, width: int, lanes: int, guards: Sequence[Guard]) 
             seen = code.guard(kind, columns, code.load(code.vector, "%guards", place))
             code.store(f"{code.vector} {seen}", "%guards", place)
 
-    return _in_blocks(name, "ptr %rows, ptr %columns, ptr %guards", width, lanes, block, range(width))
+    return _in_blocks(name, "ptr %rows, ptr %columns, ptr %guards", width, lanes, precision, block, range(width))
 
 
-def columns_to_rows(name: str, width: int, lanes: int, changing: Collection[int] | None = None) -> list[str]:
+def columns_to_rows(
+    name: str, width: int, lanes: int, precision: Precision, changing: Collection[int] | None = None
+) -> list[str]:
     """name(rows, columns). changing: columns that the rows do not have yet; None for all"""
 
     def block(code: VectorCode, rows: str, of: str, count: int) -> None:
@@ -41,7 +44,7 @@ def columns_to_rows(name: str, width: int, lanes: int, changing: Collection[int]
             code.write_columns(rows, width, dict(enumerate(columns)))
 
     wanted = range(width) if changing is None else changing
-    return _in_blocks(name, "ptr %rows, ptr %columns", width, lanes, block, wanted)
+    return _in_blocks(name, "ptr %rows, ptr %columns", width, lanes, precision, block, wanted)
 
 
 def _in_blocks(
@@ -49,13 +52,15 @@ def _in_blocks(
     arguments: str,
     width: int,
     lanes: int,
+    precision: Precision,
     block: Callable[[VectorCode, str, str, int], None],
     wanted: Collection[int],
 ) -> list[str]:
     """A function that does as many columns at a time as lanes, where any of them is wanted, and those that are left."""
-    turn, whole, left = VectorCode(lanes), VectorCode(lanes), width % lanes
-    rows = turn.let("getelementptr double, ptr %rows, i64 %column")
-    columns = turn.let(f"getelementptr double, ptr %columns, i64 {turn.let(f'mul i64 %column, {lanes}')}")
+    turn, whole = VectorCode(lanes, precision=precision), VectorCode(lanes, precision=precision)
+    left = width % lanes
+    rows = turn.let(f"getelementptr {precision.real}, ptr %rows, i64 %column")
+    columns = turn.let(f"getelementptr {precision.real}, ptr %columns, i64 {turn.let(f'mul i64 %column, {lanes}')}")
     block(turn, rows, columns, lanes)
     for first, last in _runs({column // lanes for column in wanted if column < width - left}):
         whole.do(f"call void @{name}.blocks({arguments}, i64 {first * lanes}, i64 {last * lanes})")

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from graphdyn.compiler.llvm.columns import columns_to_rows
+from graphdyn.compiler.llvm.precision import DOUBLE, Precision
 from graphdyn.compiler.llvm.vector_code import GUARD_KINDS, Carried, VectorCode, loop_over_rows
 from graphdyn.layout import Array
 from graphdyn.scalars.expressions import Program, program_of
@@ -24,7 +25,7 @@ Turns = dict[int, tuple[str, str]]
 """Names of sine and cosine of angles, by the number of the angle."""
 
 
-def sincos_pipelining(program: Program, lanes: int) -> tuple[Turns, Carried]:
+def sincos_pipelining(program: Program, lanes: int, precision: Precision) -> tuple[Turns, Carried]:
     """All sines and cosines as the lines of the loop know them, and what computes them a turn before."""
     angles = sorted({given[0] for kind, *given in program.operations if kind in ("sine", "cosine")})
     # the operations that lead to the angles: none where these are inputs
@@ -32,9 +33,8 @@ def sincos_pipelining(program: Program, lanes: int) -> tuple[Turns, Carried]:
     # phi nodes of these names hold the pair of a turn, and get that of the next one at its end
     turns = {angle: (f"%sine{angle}", f"%cosine{angle}") for angle in angles}
     names = [name for pair in turns.values() for name in pair]
-    return turns, Carried(
-        names, _turns(part, VectorCode(lanes, "f"), "%first"), _turns(part, VectorCode(lanes, "n"), "%next")
-    )
+    first, following = VectorCode(lanes, "f", precision), VectorCode(lanes, "n", precision)
+    return turns, Carried(names, _turns(part, first, "%first"), _turns(part, following, "%next"))
 
 
 def _turns(part: Program, code: VectorCode, row: str) -> tuple[VectorCode, list[str]]:
@@ -66,10 +66,10 @@ entry:
   br i1 %any, label %loop, label %exit
 loop:
   %i = phi i64 [ %first, %entry ], [ %next, %loop ]
-  %i.from = getelementptr double, ptr %from, i64 %i
-  %i.to = getelementptr double, ptr %to, i64 %i
-  %i.value = load double, ptr %i.from, align 8
-  store double %i.value, ptr %i.to, align 8
+  %i.from = getelementptr {real}, ptr %from, i64 %i
+  %i.to = getelementptr {real}, ptr %to, i64 %i
+  %i.value = load {real}, ptr %i.from, align {size}
+  store {real} %i.value, ptr %i.to, align {size}
   %next = add i64 %i, 1
   %more = icmp slt i64 %next, %last
   br i1 %more, label %loop, label %exit
@@ -83,8 +83,8 @@ plain:
   %i = phi i64 [ 0, %entry ], [ %i.next, %plain ]
   %i.from = getelementptr {vector}, ptr %from, i64 %i
   %i.to = getelementptr {vector}, ptr %to, i64 %i
-  %i.value = load {vector}, ptr %i.from, align 8
-  store {vector} %i.value, ptr %i.to, align 8
+  %i.value = load {vector}, ptr %i.from, align {size}
+  store {vector} %i.value, ptr %i.to, align {size}
   %i.next = add i64 %i, 1
   %i.more = icmp slt i64 %i.next, %count
   br i1 %i.more, label %plain, label %exit
@@ -92,21 +92,21 @@ before:
   %address = ptrtoint ptr %to to i64
   %negative = sub i64 0, %address
   %bytes = and i64 %negative, {mask}
-  %head = udiv i64 %bytes, 8
+  %head = udiv i64 %bytes, {size}
   %total = mul i64 %count, {lanes}
   %body = sub i64 %total, %head
   %whole = udiv i64 %body, {lanes}
   %covered = mul i64 %whole, {lanes}
   %tail = add i64 %head, %covered
   call void @few(ptr %to, ptr %from, i64 0, i64 %head)
-  %lines.from = getelementptr double, ptr %from, i64 %head
-  %lines.to = getelementptr double, ptr %to, i64 %head
+  %lines.from = getelementptr {real}, ptr %from, i64 %head
+  %lines.to = getelementptr {real}, ptr %to, i64 %head
   br label %lines
 lines:
   %k = phi i64 [ 0, %before ], [ %k.next, %lines ]
   %k.from = getelementptr {vector}, ptr %lines.from, i64 %k
   %k.to = getelementptr {vector}, ptr %lines.to, i64 %k
-  %k.value = load {vector}, ptr %k.from, align 8
+  %k.value = load {vector}, ptr %k.from, align {size}
   store {vector} %k.value, ptr %k.to, align {bytes}, !nontemporal !0
   %k.next = add i64 %k, 1
   %k.more = icmp slt i64 %k.next, %whole
@@ -121,7 +121,7 @@ exit:
 """Rows to where they are wanted: past the caches whole lines, and single numbers before and after these."""
 
 
-def emit(program: Program, lanes: int, ahead: bool = True) -> str:
+def emit(program: Program, lanes: int, precision: Precision = DOUBLE, ahead: bool = True) -> str:
     """Code of two functions.
 
     batch(first, last, bypass, table) for at least as many rows as lanes. bypass: whether the results are so large that
@@ -134,8 +134,8 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     ahead: sines and cosines of the following rows are computed with these rows, which a call on few rows is better
     without
     """
-    code = VectorCode(lanes)
-    turns, carried = sincos_pipelining(program, lanes) if ahead else ({}, None)
+    code = VectorCode(lanes, precision=precision)
+    turns, carried = sincos_pipelining(program, lanes, precision) if ahead else ({}, None)
 
     def columns(name: str) -> list[str]:
         width = program.inputs[name]
@@ -164,7 +164,7 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
         block, first = code.element("%scratch", first), first + lanes * width
         if name in in_memory:
             changing = [column for column, k in enumerate(numbers) if program.constant(k) is None]
-            functions += columns_to_rows(f"rows_of.{name}", width, lanes, changing)
+            functions += columns_to_rows(f"rows_of.{name}", width, lanes, precision, changing)
             of = code.element("%scratch", in_memory[name])
             code.do(f"call void @rows_of.{name}(ptr {block}, ptr {of})")
         else:
@@ -180,12 +180,18 @@ def emit(program: Program, lanes: int, ahead: bool = True) -> str:
     return "\n".join(
         [
             *code.declarations,
-            _DELIVER.format(vector=code.vector, bytes=8 * lanes, mask=8 * lanes - 1, lanes=lanes),
+            _deliver(code),
             *functions,
             *loop_over_rows(code, header, seen, carried),
             *with_table(lanes, 2 + len(arrays)),
         ]
     )
+
+
+def _deliver(code: VectorCode) -> str:
+    size = code.precision.bytes
+    whole = size * code.lanes
+    return _DELIVER.format(vector=code.vector, real=code.real, size=size, bytes=whole, mask=whole - 1, lanes=code.lanes)
 
 
 def _columns_in_memory(program: Program, lanes: int) -> dict[str, int]:
@@ -200,7 +206,7 @@ def _columns_in_memory(program: Program, lanes: int) -> dict[str, int]:
     return found
 
 
-def scratch(program: Program, lanes: int) -> Array:
+def scratch(program: Program, lanes: int, precision: Precision = DOUBLE) -> Array:
     """Rows of wide arrays, one array after the other, with their constant columns; then columns of those with many."""
     rows = [
         np.tile([program.constant(k) or 0.0 for k in numbers], lanes)
@@ -211,7 +217,7 @@ def scratch(program: Program, lanes: int) -> Array:
         np.repeat([program.constant(k) or 0.0 for k in program.outputs[name]], lanes)
         for name in _columns_in_memory(program, lanes)
     ]
-    return np.concatenate([np.empty(0), *rows, *columns])
+    return np.concatenate([np.empty(0), *rows, *columns]).astype(precision.dtype)
 
 
 def with_table(lanes: int, count: int) -> list[str]:

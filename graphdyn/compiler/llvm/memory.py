@@ -17,9 +17,11 @@ import weakref
 from collections.abc import Sequence
 from functools import cache
 from math import prod
+from typing import Any
 
 import numpy as np
 
+from graphdyn.compiler.llvm.precision import DOUBLE
 from graphdyn.layout import Array
 
 OBJECT_HEAD_BYTES = object.__basicsize__
@@ -81,12 +83,13 @@ _kept: dict[int, Array] = {}
 """Memory that no array uses any more, by number, the oldest first. Its methods are atomic: threads share it."""
 
 
-def aligned(shape: tuple[int, ...]) -> Array:
-    """An uninitialized array."""
+def aligned(shape: tuple[int, ...], dtype: np.dtype[Any] = DOUBLE.dtype) -> Array:
+    """An uninitialized array of floating-point numbers."""
     size = prod(shape)
-    memory = _memory(size + CACHE_LINE_BYTES // 8)
+    needed = -(-size * dtype.itemsize // 8)  # as many doubles
+    memory = _memory(needed + CACHE_LINE_BYTES // 8)
     start = -address(memory) % CACHE_LINE_BYTES // 8
-    return memory[start : start + size].reshape(shape)
+    return memory[start : start + needed].view(dtype)[:size].reshape(shape)
 
 
 def _memory(size: int) -> Array:

@@ -1,11 +1,6 @@
-"""Sine and cosine for the compiled back end, of the same angle at once, as vector operations without branches.
+"""Lines of LLVM code that compute with vectors, one sample per lane.
 
-Reduction to [-π/4, π/4] by Cody and Waite with π/2 in three parts of 33 bits, whose products with the number of quarter
-turns are exact up to MAX_ANGLE; minimax polynomials of FreeBSD's msun (k_sin.c, k_cos.c; Sun Microsystems, 1993).
-Measured against fifty digits: within 1.4 units in the last place up to 100 rad, 2.3 up to MAX_ANGLE, neighbors of the
-multiples of π/2 included.
-
-Lines of LLVM code that compute with vectors, one sample per lane.
+Sine and cosine of the same angle come at once, as vector operations without branches.
 """
 
 from __future__ import annotations
@@ -15,34 +10,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
+from graphdyn.compiler.llvm.precision import DOUBLE, QUARTER_TURNS_PER_RADIAN, Precision
 from graphdyn.scalars.expressions import Guard, Program
-
-MAX_ANGLE = 1e6
-"""Largest |angle| [rad] that is reduced without loss: 2/π of it stays below 2^20 = 53 - 33 bits."""
-
-QUARTER_TURNS_PER_RADIAN = 0.6366197723675814  # 2 / π
-HALF_PI = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
-ROUNDING_OFFSET = 6755399441055744.0
-"""1.5 · 2^52: adding it leaves the nearest integer in the last bits of the sum."""
-
-SINE_COEFFICIENTS = (
-    -1.66666666666666324348e-01,
-    8.33333333332248946124e-03,
-    -1.98412698298579493134e-04,
-    2.75573137070700676789e-06,
-    -2.50507602534068634195e-08,
-    1.58969099521155010221e-10,
-)
-COSINE_COEFFICIENTS = (
-    4.16666666666666019037e-02,
-    -1.38888888888741095749e-03,
-    2.48015872894767294178e-05,
-    -2.75573143513906633035e-07,
-    2.08757232129817482790e-09,
-    -1.13596475577881948265e-11,
-)
-
 
 GUARD_KINDS: tuple[Guard, ...] = ("finite", "squares", "minimum")
 """Order in which code keeps what its guards find: one vector each."""
@@ -66,22 +38,22 @@ _INSTRUCTIONS = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 class VectorCode:
     """Lines, each of which names its result; prefix keeps the names of several pieces of one function apart."""
 
-    def __init__(self, lanes: int, prefix: str = "x") -> None:
+    def __init__(self, lanes: int, prefix: str = "x", precision: Precision = DOUBLE) -> None:
         self._prefix = prefix
-        self.lanes = lanes
-        self.vector = f"<{lanes} x double>"
-        self.integers = f"<{lanes} x i64>"
+        self.lanes, self.precision, self.real = lanes, precision, precision.real
+        self.vector = f"<{lanes} x {self.real}>"
+        self.integers = f"<{lanes} x {precision.integer}>"
         self.lines: list[str] = []
         self._count = 0
 
     @property
     def declarations(self) -> list[str]:
         """Lines that declare the functions which the code calls."""
-        functions = {"fabs": 1, "fma": 3}
+        functions, kind = {"fabs": 1, "fma": 3}, f"v{self.lanes}f{self.precision.bits}"
         return [
             "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)",
             *(
-                f"declare {self.vector} @llvm.{name}.v{self.lanes}f64({', '.join([self.vector] * count)})"
+                f"declare {self.vector} @llvm.{name}.{kind}({', '.join([self.vector] * count)})"
                 for name, count in functions.items()
             ),
         ]
@@ -100,27 +72,28 @@ class VectorCode:
 
     def call(self, function: str, *operands: str) -> str:
         arguments = ", ".join(f"{self.vector} {operand}" for operand in operands)
-        return self.let(f"call {self.vector} @llvm.{function}.v{self.lanes}f64({arguments})")
+        return self.let(f"call {self.vector} @llvm.{function}.v{self.lanes}f{self.precision.bits}({arguments})")
 
     def splat(self, value: float) -> str:
-        # hexadecimal, as LLVM refuses decimal fractions that are not exact
-        bits = struct.pack(">d", value).hex().upper()
-        return "<" + ", ".join([f"double 0x{bits}"] * self.lanes) + ">"
+        # hexadecimal, as LLVM refuses decimal fractions that are not exact: of floats, those of the double they equal
+        with np.errstate(over="ignore"):
+            bits = struct.pack(">d", self.precision.dtype.type(value)).hex().upper()
+        return "<" + ", ".join([f"{self.real} 0x{bits}"] * self.lanes) + ">"
 
     def splat_integer(self, value: int) -> str:
-        return "<" + ", ".join([f"i64 {value}"] * self.lanes) + ">"
+        return "<" + ", ".join([f"{self.precision.integer} {value}"] * self.lanes) + ">"
 
     def element(self, array: str, index: int) -> str:
         """Address of an element."""
-        return self.let(f"getelementptr double, ptr {array}, i64 {index}")
+        return self.let(f"getelementptr {self.real}, ptr {array}, i64 {index}")
 
     def load(self, kind: str, array: str, index: int) -> str:
-        return self.let(f"load {kind}, ptr {self.element(array, index)}, align 8")
+        return self.let(f"load {kind}, ptr {self.element(array, index)}, align {self.precision.bytes}")
 
     def broadcast(self, number: str) -> str:
         """A number in all lanes."""
         # into lane 0 of a vector that is undefined otherwise, then from lane 0 into all
-        one = self.let(f"insertelement {self.vector} poison, double {number}, i64 0")
+        one = self.let(f"insertelement {self.vector} poison, {self.real} {number}, i64 0")
         return self.let(
             f"shufflevector {self.vector} {one}, {self.vector} poison, <{self.lanes} x i32> zeroinitializer"
         )
@@ -139,7 +112,7 @@ class VectorCode:
         self.lines.append(f"{name}:")
 
     def store(self, typed_value: str, array: str, index: int) -> None:
-        self.do(f"store {typed_value}, ptr {self.element(array, index)}, align 8")
+        self.do(f"store {typed_value}, ptr {self.element(array, index)}, align {self.precision.bytes}")
 
     # Programs
 
@@ -191,23 +164,25 @@ class VectorCode:
         return seen
 
     def sine_and_cosine(self, angle: str) -> tuple[str, str]:
-        """See graphdyn.compiler.llvm.vector_code."""
-        # k = angle · 2/π, rounded to the nearest integer: with 1.5 · 2^52 added, the sum has no bits for a fraction
-        scaled = self.arithmetic(
-            "fadd", self.arithmetic("fmul", angle, self.splat(QUARTER_TURNS_PER_RADIAN)), self.splat(ROUNDING_OFFSET)
-        )
+        """See graphdyn.compiler.llvm.precision."""
+        kind = self.precision
+        # k = angle · 2/π, rounded to the nearest integer
+        scaled = self.arithmetic("fmul", angle, self.splat(QUARTER_TURNS_PER_RADIAN))
+        scaled = self.arithmetic("fadd", scaled, self.splat(kind.rounding_offset))
         # k itself; no flag lets LLVM take the sum and the difference together
-        turns = self.let(f"fsub {self.vector} {scaled}, {self.splat(ROUNDING_OFFSET)}")
+        turns = self.let(f"fsub {self.vector} {scaled}, {self.splat(kind.rounding_offset)}")
         rest = angle
-        # angle - k π/2, part after part; each product is exact, as k has 20 bits and a part 33
-        for part in HALF_PI:
-            rest = self.arithmetic("fsub", rest, self.arithmetic("fmul", turns, self.splat(part)))
-        # r in [-π/4, π/4]: sin r = r + r r² (s_1 + s_2 r² + …), cos r = 1 - r²/2 + r⁴ (c_1 + c_2 r² + …)
+        # r = angle - k π/2 in [-π/4, π/4], part after part
+        for part in kind.half_pi:
+            if kind.exact_products:
+                rest = self.arithmetic("fsub", rest, self.arithmetic("fmul", turns, self.splat(part)))
+            else:
+                rest = self.call("fma", turns, self.splat(-part), rest)
         square = self.arithmetic("fmul", rest, rest)
-        sine = self._polynomial(SINE_COEFFICIENTS, square)
+        sine = self._polynomial(kind.sine_coefficients, square)
         sine = self.arithmetic("fadd", self.arithmetic("fmul", self.arithmetic("fmul", rest, square), sine), rest)
-        cosine = self._polynomial((1.0, -0.5, *COSINE_COEFFICIENTS), square)
-        # the last bits of the mantissa of k + 1.5 · 2^52 are those of k: k mod 4 is the quadrant
+        cosine = self._polynomial((1.0, -0.5, *kind.cosine_coefficients), square)
+        # the last bits of the mantissa of k + rounding_offset are those of k: k mod 4 is the quadrant
         bits = self.let(f"bitcast {self.vector} {scaled} to {self.integers}")
         # in odd quadrants sine and cosine of the rest change places
         odd = self.let(f"trunc {self.integers} {bits} to <{self.lanes} x i1>")
@@ -229,64 +204,74 @@ class VectorCode:
     def _signed(self, value: str, quadrant: str) -> str:
         """The value, with the other sign in quadrants 2 and 3."""
         # bit 1 of the quadrant, moved to the place of the sign, and all others cleared
-        shifted = self.let(f"shl {self.integers} {quadrant}, {self.splat_integer(62)}")
-        sign = self.let(f"and {self.integers} {shifted}, {self.splat_integer(-(2**63))}")
+        shifted = self.let(f"shl {self.integers} {quadrant}, {self.splat_integer(self.precision.bits - 2)}")
+        sign = self.let(f"and {self.integers} {shifted}, {self.splat_integer(-(2 ** (self.precision.bits - 1)))}")
         bits = self.let(f"bitcast {self.vector} {value} to {self.integers}")
         return self.let(f"bitcast {self.integers} {self.let(f'xor {self.integers} {bits}, {sign}')} to {self.vector}")
 
-    # Rows and columns: rows of an array lie one after the other, lanes want columns. Columns are read and written two
-    # at a time, so that half of the transposition is done by the load and store units.
+    # Rows and columns: rows of an array lie one after the other, lanes want columns. As many columns as 16 bytes hold
+    # are read and written at a time, so that half of the transposition and more is done by the load and store units.
 
     def rows_of(self, array: str, width: int, row: str = "%row") -> str:
         """Address of the first of the rows of an array: those of this turn of the loop, or from another one on."""
-        return self.let(f"getelementptr double, ptr %{array}, i64 {self.let(f'mul i64 {row}, {width}')}")
+        return self.let(f"getelementptr {self.real}, ptr %{array}, i64 {self.let(f'mul i64 {row}, {width}')}")
 
     def columns_of(self, block: str, width: int, step: int | None = None) -> list[str]:
         """The columns of as many rows as lanes, which begin at block, one row a step after the other."""
         step = width if step is None else step
         columns: list[str] = []
-        for column in range(0, width - 1, 2):
-            # two neighboring columns of each row: (x_0 y_0), (x_1 y_1), … of the lanes
-            pairs = [self.load("<2 x double>", block, lane * step + column) for lane in range(self.lanes)]
-            # even rows x_0 y_0 x_2 y_2 …, odd rows x_1 y_1 x_3 y_3 …; interleaved: x_0 x_1 x_2 …, and y_0 y_1 …
-            even, odd = self._joined(pairs[0::2]), self._joined(pairs[1::2])
-            columns += [self._interleaved(even, odd, half) for half in (0, 1)]
-        if width % 2:
-            # the last of an odd number of columns, lane by lane
-            vector = "poison"
-            for lane in range(self.lanes):
-                value = self.load("double", block, lane * step + width - 1)
-                vector = self.let(f"insertelement {self.vector} {vector}, double {value}, i64 {lane}")
-            columns.append(vector)
+        for size in self._together(width):
+            if size == 1:  # lane by lane
+                vector = "poison"
+                for lane in range(self.lanes):
+                    value = self.load(self.real, block, lane * step + len(columns))
+                    vector = self.let(f"insertelement {self.vector} {vector}, {self.real} {value}, i64 {lane}")
+                columns.append(vector)
+                continue
+            # neighboring columns of each row: (x_0 y_0), (x_1 y_1), … of the lanes
+            parts = [
+                self.load(f"<{size} x {self.real}>", block, lane * step + len(columns)) for lane in range(self.lanes)
+            ]
+            # of two, even rows x_0 y_0 x_2 y_2 …, odd rows x_1 y_1 x_3 y_3 …; then x_0 x_1 x_2 …, and y_0 y_1 …
+            columns += self.transposed([self._joined(parts[first::size], size) for first in range(size)])
         return columns
 
     def write_columns(self, block: str, width: int, columns: dict[int, str]) -> None:
         """Some columns of as many rows as lanes, which begin at block."""
         pending = sorted(columns)
         while pending:
-            column = pending.pop(0)
-            if pending and pending[0] == column + 1:
-                # the inverse of columns_of: rows 0, 2, … of the pair of columns, and rows 1, 3, …
-                halves = [
-                    self._interleaved(columns[column], columns[pending.pop(0)], 0),
-                    self._interleaved(columns[column], columns[column + 1], 1),
-                ]
-                for lane in range(self.lanes):
-                    pair = self._shuffle(
-                        halves[lane % 2], halves[lane % 2], self.lanes, [lane // 2 * 2, lane // 2 * 2 + 1]
-                    )
-                    self.store(f"<2 x double> {pair}", block, lane * width + column)
-            else:
+            column = pending[0]
+            run = next((k for k, each in enumerate(pending) if each != column + k), len(pending))
+            size = self._together(run)[0]
+            del pending[:size]
+            if size == 1:
                 for lane in range(self.lanes):
                     value = self.let(f"extractelement {self.vector} {columns[column]}, i64 {lane}")
-                    self.store(f"double {value}", block, lane * width + column)
+                    self.store(f"{self.real} {value}", block, lane * width + column)
+                continue
+            # the inverse of columns_of: of two columns rows 0, 2, …, and rows 1, 3, …
+            parts = self.transposed([columns[column + k] for k in range(size)])
+            for lane in range(self.lanes):
+                part, first = parts[lane % size], lane // size * size
+                row = self._shuffle(part, part, self.lanes, [*range(first, first + size)])
+                self.store(f"<{size} x {self.real}> {row}", block, lane * width + column)
+
+    def _together(self, width: int) -> list[int]:
+        """Numbers of columns that are read or written at a time, of so many beside each other."""
+        sizes, most = [], min(16 // self.precision.bytes, self.lanes)
+        while width:
+            while most > width:
+                most //= 2
+            sizes.append(most)
+            width -= most
+        return sizes
 
     def transposed(self, vectors: list[str]) -> list[str]:
-        """Columns from as many rows as lanes, or rows from columns."""
+        """Columns from as many rows as lanes, or rows from columns; of fewer vectors, the same in blocks of as many."""
         # blocks of 1, 2, 4, … elements change places in pairs of vectors so far apart
         size = 1
-        while size < self.lanes:
-            for k in range(self.lanes):
+        while size < len(vectors):
+            for k in range(len(vectors)):
                 if not k & size:
                     x, y = vectors[k], vectors[k + size]
                     for half, place in ((0, k), (size, k + size)):
@@ -304,13 +289,12 @@ class VectorCode:
         """Ask for the rows of some turns of the loop later, which may lie beyond the array."""
         # one request for each line of memory; 3: to be kept in all caches, 1: data, not code
         rows = self.lanes * width
-        for first in range(0, rows, CACHE_LINE_BYTES // 8):
+        for first in range(0, rows, CACHE_LINE_BYTES // self.precision.bytes):
             address = self.element(block, turns * rows + first)
             self.do(f"call void @llvm.prefetch.p0(ptr {address}, i32 {int(to_write)}, i32 3, i32 1)")
 
-    def _joined(self, parts: list[str]) -> str:
-        """Short vectors one after the other."""
-        size = 2
+    def _joined(self, parts: list[str], size: int) -> str:
+        """Short vectors of this size one after the other."""
         while len(parts) > 1:
             parts = [
                 self._shuffle(x, y, size, list(range(2 * size))) for x, y in zip(parts[0::2], parts[1::2], strict=True)
@@ -318,14 +302,9 @@ class VectorCode:
             size *= 2
         return parts[0]
 
-    def _interleaved(self, x: str, y: str, half: int) -> str:
-        """Even (half 0) or odd (half 1) elements of x and y in turn: x_0 y_0 x_2 y_2 …"""
-        order = [k for pair in range(half, self.lanes, 2) for k in (pair, self.lanes + pair)]
-        return self._shuffle(x, y, self.lanes, order)
-
     def _shuffle(self, x: str, y: str, size: int, order: list[int]) -> str:
-        indices = ", ".join(f"i32 {k}" for k in order)
-        return self.let(f"shufflevector <{size} x double> {x}, <{size} x double> {y}, <{len(order)} x i32> <{indices}>")
+        kind, indices = f"<{size} x {self.real}>", ", ".join(f"i32 {k}" for k in order)
+        return self.let(f"shufflevector {kind} {x}, {kind} {y}, <{len(order)} x i32> <{indices}>")
 
 
 @dataclass(frozen=True)
@@ -351,11 +330,11 @@ def loop_over_rows(code: VectorCode, header: str, seen: Sequence[str], carried: 
     for place, (kind, value) in enumerate(zip(GUARD_KINDS if seen else (), seen, strict=True)):
         # what the guards found is in registers during the loop, loaded before it and stored behind it
         entry += [
-            f"  %place.{kind} = getelementptr double, ptr %guards, i64 {place * code.lanes}",
-            f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align 8",
+            f"  %place.{kind} = getelementptr {code.real}, ptr %guards, i64 {place * code.lanes}",
+            f"  %start.{kind} = load {code.vector}, ptr %place.{kind}, align {code.precision.bytes}",
         ]
         phis.append(f"  %guard.{kind} = phi {code.vector} [ %start.{kind}, %entry ], [ {value}, %loop ]")
-        stores.append(f"  store {code.vector} {value}, ptr %place.{kind}, align 8")
+        stores.append(f"  store {code.vector} {value}, ptr %place.{kind}, align {code.precision.bytes}")
     if carried:
         for name, one, other in zip(carried.names, carried.first[1], carried.following[1], strict=True):
             phis.append(f"  {name} = phi {code.vector} [ {one}, %entry ], [ {other}, %loop ]")

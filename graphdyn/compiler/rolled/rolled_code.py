@@ -14,6 +14,7 @@ import numpy as np
 from graphdyn.compiler.llvm.columns import columns_to_rows, loop_over, rows_to_columns
 from graphdyn.compiler.llvm.emitter import with_table
 from graphdyn.compiler.llvm.memory import CACHE_LINE_BYTES
+from graphdyn.compiler.llvm.precision import DOUBLE, Precision
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, GUARD_KINDS, VectorCode, loop_over_rows
 from graphdyn.compiler.rolled.program import (
     CONSTANTS,
@@ -33,33 +34,33 @@ SHARED = "ptr %constants, ptr %vectors, ptr %guards"
 """Arguments that every function hands on."""
 
 
-def emit_long(program: LongProgram, lanes: int) -> str:
+def emit_long(program: LongProgram, lanes: int, precision: Precision = DOUBLE) -> str:
     """Code of batch and single, as graphdyn.compiler.llvm.emitter.emit gives; scratch: a copy of long_scratch."""
-    code = VectorCode(lanes)
-    code.do("%constants = getelementptr double, ptr %scratch, i64 0")
-    code.do(f"%vectors = getelementptr double, ptr %scratch, i64 {program.table.shape[0] * _row(program)}")
+    code, real = VectorCode(lanes, precision=precision), precision.real
+    code.do(f"%constants = getelementptr {real}, ptr %scratch, i64 0")
+    code.do(f"%vectors = getelementptr {real}, ptr %scratch, i64 {program.table.shape[0] * _row(program, precision)}")
     functions: list[str] = []
     for name, width in program.inputs.items():
         guards: tuple[Guard, ...] = ("finite", "squares") if name == "q" else ("finite",)
-        functions += rows_to_columns(f"fetch_{name}", width, lanes, guards)
+        functions += rows_to_columns(f"fetch_{name}", width, lanes, guards, precision)
         to = code.element("%vectors", program.arrays[name].first * lanes)
         code.do(f"call void @fetch_{name}(ptr {code.rows_of(name, width)}, ptr {to}, ptr %guards)")
     for number, each in enumerate(program.passes):
         if isinstance(each, Product):
-            functions += _product(f"product_{number}", each, program, lanes)
+            functions += _product(f"product_{number}", each, program, lanes, precision)
             code.do(f"call void @product_{number}(ptr %vectors)")
             continue
         inner = each.passes if isinstance(each, RecordedColumnPasses) else (each,)
         names = [f"pass_{number}_{place}" for place in range(len(inner))]
         for name, one in zip(names, inner, strict=True):
-            functions += _pass(name, one, program, lanes)
+            functions += _pass(name, one, program, lanes, precision)
         if isinstance(each, RecordedColumnPasses):
             functions += _columns(f"columns_{number}", each, names, program)
             code.do(f"call void @columns_{number}({SHARED})")
         else:
             code.do(f"call void @{names[0]}({SHARED}, i64 0)")
     for name, columns in program.outputs.items():
-        functions += columns_to_rows(f"deliver_{name}", len(columns), lanes)
+        functions += columns_to_rows(f"deliver_{name}", len(columns), lanes, precision)
         of = code.element("%vectors", program.arrays[name].first * lanes)
         code.do(f"call void @deliver_{name}(ptr {code.rows_of(name, len(columns))}, ptr {of})")
     names = [*program.inputs, *program.outputs]
@@ -71,16 +72,16 @@ def emit_long(program: LongProgram, lanes: int) -> str:
     return "\n".join([minimum, *code.declarations, *tables, *functions, *rows, *with_table(lanes, 2 + len(names))])
 
 
-def long_scratch(program: LongProgram, lanes: int) -> Array:
+def long_scratch(program: LongProgram, lanes: int, precision: Precision = DOUBLE) -> Array:
     """The table of constants with a row for each body, and the vectors."""
-    table = np.pad(program.table, ((0, 0), (0, _row(program) - program.table.shape[1])))
-    return np.concatenate([table.ravel(), np.zeros(program.vectors * lanes)])
+    table = np.pad(program.table, ((0, 0), (0, _row(program, precision) - program.table.shape[1])))
+    return np.concatenate([table.ravel(), np.zeros(program.vectors * lanes)]).astype(precision.dtype)
 
 
-def _row(program: LongProgram) -> int:
+def _row(program: LongProgram, precision: Precision) -> int:
     """Constants of a body, with as many behind them as fill lines of memory."""
     width: int = program.table.shape[1]
-    return width + -width % (CACHE_LINE_BYTES // 8)
+    return width + -width % (CACHE_LINE_BYTES // precision.bytes)
 
 
 def _table(name: str, values: tuple[int, ...]) -> str:
@@ -93,13 +94,13 @@ TILE = 4
 """Rows and columns of a product that are summed at a time: 16 sums in registers, for each pair of 8 numbers read."""
 
 
-def _product(name: str, product: Product, program: LongProgram, lanes: int) -> Iterator[str]:
+def _product(name: str, product: Product, program: LongProgram, lanes: int, precision: Precision) -> Iterator[str]:
     """product(vectors): tile after tile, the last ones overlapping those before."""
     left, right, to = (program.arrays[array] for array in (product.left, product.right, product.to))
     rows, inner = len(program.inside), len(program.inside)
     columns = right.width // inner
     high, wide = min(TILE, rows), min(TILE, columns)
-    code, sums = VectorCode(lanes), VectorCode(lanes, "s")
+    code, sums, done = (VectorCode(lanes, prefix, precision) for prefix in "xsd")
     i, j = (
         code.let(f"call i64 @llvm.smin.i64(i64 %{at}, i64 {last})")
         for at, last in (("row", rows - high), ("column", columns - wide))
@@ -114,14 +115,13 @@ def _product(name: str, product: Product, program: LongProgram, lanes: int) -> I
         width = layout.width // inner
         number = piece.let(f"add i64 {piece.let(f'mul i64 {row}, {width}')}, {column}")
         first = piece.element("%vectors", layout.first * lanes)
-        return piece.let(f"getelementptr double, ptr {first}, i64 {piece.let(f'mul i64 {number}, {lanes}')}")
+        return piece.let(f"getelementptr {precision.real}, ptr {first}, i64 {piece.let(f'mul i64 {number}, {lanes}')}")
 
     x, y = at(sums, left, "%k", i), at(sums, right, "%k", j)
     xs = [sums.load(sums.vector, x, place * lanes) for place in range(high)]
     ys = [sums.load(sums.vector, y, place * lanes) for place in range(wide)]
     pairs = [(a, b) for a in range(high) for b in range(wide)]
     found = [sums.call("fma", xs[a], ys[b], f"%sum{a}.{b}") for a, b in pairs]
-    done = VectorCode(lanes, "d")
     for a in range(high):
         row = at(done, to, done.let(f"add i64 {i}, {a}"), j)
         for b in range(wide):
@@ -162,10 +162,10 @@ def _columns(name: str, each: RecordedColumnPasses, passes: list[str], program: 
     yield "}"
 
 
-def _pass(name: str, each: RecordedPass, program: LongProgram, lanes: int) -> Iterator[str]:
+def _pass(name: str, each: RecordedPass, program: LongProgram, lanes: int, precision: Precision) -> Iterator[str]:
     """pass(…, of): the step of body after body; of: the body of the column."""
     for slides, step in each.steps.items():
-        yield from _step(f"{name}_{int(slides)}", step, program, lanes)
+        yield from _step(f"{name}_{int(slides)}", step, program, VectorCode(lanes, precision=precision))
     n = len(program.inside)
     yield f"define internal void @{name}({SHARED}, i64 %of) {{"
     if each.order == "ground":
@@ -223,22 +223,22 @@ def _call(name: str, each: RecordedPass, body: str) -> Iterator[str]:
     yield "called:"
 
 
-def _step(name: str, step: BodyProgram, program: LongProgram, lanes: int) -> list[str]:
-    code = VectorCode(lanes)
+def _step(name: str, step: BodyProgram, program: LongProgram, code: VectorCode) -> list[str]:
+    lanes, real = code.lanes, code.real
     indices = {"body": "%body", "inside": "%inside", "column": "%column", "ground": str(len(program.inside))}
     known: dict[Place, str] = {}
 
     def address(place: Place) -> str:
         if place not in known:
             if place.array == CONSTANTS:
-                offset = code.let(f"mul i64 %body, {_row(program)}")
-                known[place] = code.let(f"getelementptr double, ptr %constants, i64 {offset}")
+                offset = code.let(f"mul i64 %body, {_row(program, code.precision)}")
+                known[place] = code.let(f"getelementptr {real}, ptr %constants, i64 {offset}")
             else:
                 layout = program.arrays[place.array]
                 first = code.element("%vectors", layout.first * lanes)
                 for index, stride in zip(place.of, layout.strides, strict=True):
                     offset = code.let(f"mul i64 {indices[index]}, {stride * lanes}")
-                    first = code.let(f"getelementptr double, ptr {first}, i64 {offset}")
+                    first = code.let(f"getelementptr {real}, ptr {first}, i64 {offset}")
                 known[place] = first
         return known[place]
 
@@ -250,7 +250,7 @@ def _step(name: str, step: BodyProgram, program: LongProgram, lanes: int) -> lis
     def columns(place: Place) -> dict[int, str]:
         at = address(place)
         if place.array == CONSTANTS:  # one number for all lanes
-            return {k: code.broadcast(code.load("double", at, k)) for k in sorted(read[place])}
+            return {k: code.broadcast(code.load(real, at, k)) for k in sorted(read[place])}
         return {k: code.load(code.vector, at, k * lanes) for k in sorted(read[place])}
 
     values = code.values(step.program, columns)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
-from graphdyn.compiler.llvm.vector_code import MAX_ANGLE
+from graphdyn.compiler.llvm.precision import DOUBLE
 from graphdyn.export.c.dialect import Dialect
 from graphdyn.export.c.identifiers import comment, comment_text
 from graphdyn.export.functions import ExportedFunction
@@ -56,7 +56,7 @@ enum {
 STATUSES = {
     "OK": "",
     "WRONG_N": "the robot has another number of joints: nothing is computed",
-    "FAR_ANGLE": f"an angle is beyond {MAX_ANGLE:g} rad or no number: results have fewer digits or none",
+    "FAR_ANGLE": f"an angle is beyond {DOUBLE.max_angle:g} rad or no number: results have fewer digits or none",
     "SINGULAR": "the mass matrix is singular or nearly so: results have fewer digits or none",
 }
 """What functions return: a bit each, the first one none."""

@@ -4,15 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from graphdyn.compiler.batch import MIN_PIVOT_SHARE
-from graphdyn.compiler.llvm.vector_code import (
-    COSINE_COEFFICIENTS,
-    HALF_PI,
-    MAX_ANGLE,
-    QUARTER_TURNS_PER_RADIAN,
-    ROUNDING_OFFSET,
-    SINE_COEFFICIENTS,
-)
+from graphdyn.compiler.llvm.precision import DOUBLE, QUARTER_TURNS_PER_RADIAN
 from graphdyn.export.c.dialect import Dialect
 from graphdyn.export.c.identifiers import comment
 
@@ -145,12 +137,12 @@ def internal_header(dialect: Dialect) -> str:
         cos="cos" if double else "cosf",
         cast="" if double else "(float) ",
         quarter=repr(QUARTER_TURNS_PER_RADIAN),
-        offset=repr(ROUNDING_OFFSET),
-        sine=f"r + r * z * {_horner(SINE_COEFFICIENTS, 'z')}",
-        cosine=_horner((1.0, -0.5, *COSINE_COEFFICIENTS), "z"),
-        least=dialect.literal(MIN_PIVOT_SHARE),
-        largest=dialect.literal(MAX_ANGLE**2),
-        **{f"half{k}": repr(part) for k, part in enumerate(HALF_PI)},
+        offset=repr(DOUBLE.rounding_offset),
+        sine=f"r + r * z * {_horner(DOUBLE.sine_coefficients, 'z')}",
+        cosine=_horner((1.0, -0.5, *DOUBLE.cosine_coefficients), "z"),
+        least=dialect.literal(DOUBLE.min_pivot_share),
+        largest=dialect.literal(DOUBLE.max_angle**2),
+        **{f"half{k}": repr(part) for k, part in enumerate(DOUBLE.half_pi)},
     )
 
 

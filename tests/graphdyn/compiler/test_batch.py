@@ -166,7 +166,7 @@ def test_sines_one_turn_ahead_are_those_of_the_rows(monkeypatch):
     one = [x[: host_lanes()] for x in several]
     with on("host"):
         ahead = verbs(*one), verbs(*several)
-    monkeypatch.setattr(emitter, "sincos_pipelining", lambda program, lanes: ({}, None))
+    monkeypatch.setattr(emitter, "sincos_pipelining", lambda program, lanes, precision: ({}, None))
     with on("host"):
         assert_same(ahead[0], verbs(*one))
         assert_same(ahead[1], verbs(*several))
