@@ -250,7 +250,9 @@ def _level_of_the_caller() -> int:
     return level
 
 
-def _backend(program: Program | LongProgram, choice: str, one_row: bool, precision: Precision) -> Backend:
+def _backend(
+    program: Program | LongProgram, choice: str, one_row: bool = False, precision: Precision = DOUBLE
+) -> Backend:
     if isinstance(program, Program) and (choice == "numpy" or program.length > MAX_COMPILED_LENGTH):
         return Interpreter(program)
     return CompiledProgram(program, one_row, precision)
