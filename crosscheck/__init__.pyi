@@ -1,5 +1,6 @@
 from . import identifying as identifying
 from .assertions import Disagreement, WrongDynamics, assert_agrees, assert_correct
+from .comparing.accuracy import TrueErrors, true_errors
 from .comparing.compare import compare
 from .comparing.comparison import Comparison, QuantityResult
 from .distributing import DaskWorkers, LocalProcesses
@@ -43,6 +44,7 @@ __all__ = [
     "QuantityResult",
     "Recording",
     "StreamedRecording",
+    "TrueErrors",
     "WrongDynamics",
     "assert_agrees",
     "assert_correct",
@@ -65,4 +67,5 @@ __all__ = [
     "split_by_rows",
     "split_by_time",
     "time_folds",
+    "true_errors",
 ]

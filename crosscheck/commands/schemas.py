@@ -24,8 +24,9 @@ def schemas() -> dict[str, dict[str, Any]]:
 
 def formats() -> Iterator[type[Record]]:
     """The outermost record of every command that writes a JSON file."""
-    for path in sorted(Path(crosscheck.commands.__file__).parent.glob("*/record.py")):
-        module = import_module(f"crosscheck.commands.{path.parent.name}.record")
+    folder = Path(crosscheck.commands.__file__).parent
+    for path in sorted(folder.rglob("record.py")):
+        module = import_module(".".join(["crosscheck.commands", *path.relative_to(folder).with_suffix("").parts]))
         for thing in vars(module).values():
             if isinstance(thing, type) and issubclass(thing, Record) and thing.format:
                 yield thing

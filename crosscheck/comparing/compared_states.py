@@ -94,13 +94,13 @@ class ComparedStates(ScaledStates):
             row.errors(
                 row.of_graphdyn(states, chosen, form.method), row.pinocchio(states.there, chosen), states, chosen
             )
-            for chosen in _readings(usual)
+            for chosen in compared_readings(usual)
         ]
         largest: Array = np.maximum.reduce(errors)
         return largest
 
 
-def _readings(usual: Mapping[str, str]) -> Iterator[Mapping[str, str]]:
+def compared_readings(usual: Mapping[str, str]) -> Iterator[Mapping[str, str]]:
     """The usual reading, with every reference for what has one."""
     if "reference" not in usual:
         yield usual

@@ -5,8 +5,9 @@ precision), ground (at rest or moving), recorded (the recursions on balls), equa
 specification), values and proofs (what a user calls).
 """
 
+from crosscheck.exact.balls import check_installed
 from crosscheck.exact.proofs import Proof, Result, prove
 from crosscheck.exact.robot import Truth
 from crosscheck.exact.values import ExactArray, exact_values
 
-__all__ = ["ExactArray", "Proof", "Result", "Truth", "exact_values", "prove"]
+__all__ = ["ExactArray", "Proof", "Result", "Truth", "check_installed", "exact_values", "prove"]

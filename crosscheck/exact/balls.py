@@ -28,14 +28,15 @@ _TIMES_PI = re.compile(r"([+-]?)(?:([0-9.]+(?:/[0-9]+)?)\s*\*?\s*)?(?:pi|π)(?:\
 
 def bits(precision: int) -> AbstractContextManager[Any]:
     """Inside, balls are rounded to so many bits. Raises InvalidInput where python-flint is missing."""
-    _check_installed()
+    check_installed()
     from flint import ctx
 
     found: AbstractContextManager[Any] = ctx.workprec(precision)
     return found
 
 
-def _check_installed() -> None:
+def check_installed() -> None:
+    """Raises InvalidInput where python-flint is missing."""
     try:
         import flint  # noqa: F401
     except ImportError as error:

@@ -36,6 +36,8 @@ class Ours:
     code: Python for it at one state, of the names model, q, v, a, tau, external_wrenches; in braces what is filled in:
         frame, reference, classical
     takes_loads: whether it has external_wrenches as a last argument when they are asked for
+    verb, output: graphdyn's verb, and which of its outputs this is; empty where it is no output of one
+    options: keywords of the verb in the chosen conventions
     """
 
     arguments: tuple[str, ...]
@@ -44,6 +46,9 @@ class Ours:
     compute: Callable[[ScaledStates, Chosen, Method], Array]
     code: str
     takes_loads: bool = False
+    verb: str = ""
+    output: str = ""
+    options: Callable[[Chosen], dict[str, Any]] = lambda chosen: {}
 
 
 _SIZES: Mapping[int | str, int | str] = {"bodies": "n", "10 bodies": "10 n"}
@@ -71,6 +76,8 @@ def verb(name: str, output: str = "", *, loads: Literal["none", "taken", "needed
         compute,
         f"graphdyn.{name}(model, {', '.join(given)}){f'.{output or outputs[0]}' if len(outputs) > 1 else ''}",
         takes_loads=loads == "taken",
+        verb=name,
+        output=output or outputs[0],
     )
 
 
@@ -81,19 +88,23 @@ def frame_verb(name: str, acceleration: Literal["classical", "spatial"] | None =
     """
     bare = verb(name)
 
-    def compute(states: ScaledStates, chosen: Chosen, method: Method) -> Array:
-        options: dict[str, Any] = {"reference": chosen["reference"]}
+    def options(chosen: Chosen) -> dict[str, Any]:
+        found: dict[str, Any] = {"reference": chosen["reference"]}
         if name == "frame_acceleration":
-            options["classical"] = (acceleration or chosen["acceleration"]) == "classical"
+            found["classical"] = (acceleration or chosen["acceleration"]) == "classical"
+        return found
+
+    def compute(states: ScaledStates, chosen: Chosen, method: Method) -> Array:
         if states.frame is not None:
-            one: Array = states.answer(name, method, frame=states.frame, **options)
+            one: Array = states.answer(name, method, frame=states.frame, **options(chosen))
             return one
         names = compared_frames(states.model)
-        return np.stack([states.answer(name, method, frame=frame, **options) for frame in names], axis=1)
+        return np.stack([states.answer(name, method, frame=frame, **options(chosen)) for frame in names], axis=1)
 
     classical = f", classical={acceleration == 'classical' if acceleration else '{classical}'}"
     code = f"graphdyn.{name}(model, {', '.join(bare.arguments)}, {{frame!r}}, reference={{reference!r}}"
-    return replace(bare, compute=compute, code=f"{code}{classical if name == 'frame_acceleration' else ''})")
+    code = f"{code}{classical if name == 'frame_acceleration' else ''})"
+    return replace(bare, compute=compute, code=code, options=options)
 
 
 @dataclass(frozen=True)

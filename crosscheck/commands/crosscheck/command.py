@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 import typer
 
@@ -16,10 +15,8 @@ from crosscheck.commands.program.options import (
     is_folder,
 )
 from crosscheck.commands.program.reading_options import refuse_for_several
+from crosscheck.commands.program.settings import refuse
 from graphdyn import GraphDynError
-
-if TYPE_CHECKING:
-    from urdf import Reading
 
 DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kr500", {}),
@@ -36,6 +33,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
   graphdyn crosscheck talos_left_arm --chain torso_2_link gripper_left_base_link
   graphdyn crosscheck kr500 my_arm.urdf --html result.html
   graphdyn crosscheck my_robots/ --samples 200 --json sweep.json --resume
+  graphdyn crosscheck ur5 --exact 100 --html errors.html
 """
 
 
@@ -45,6 +43,8 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
     Every quantity is compared at random and special states: placements, torques, wrenches, multipliers, accelerations,
     regressors, identified parameters. Without a robot, six arms are compared.
     A folder stands for every *.urdf below it: one row per file; a file that cannot be compared does not stop the rest.
+    With --exact, graphdyn, Pinocchio and, where installed, MuJoCo are compared with exact values instead: who errs, and
+    by how much.
     """
     robots, reading, json_file = options.robots or [], options.reading, options.json_file
     folder = any(map(is_folder, robots))
@@ -54,25 +54,32 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         raise typer.BadParameter("--jobs, --scheduler and --resume are for folders")
     if options.resume and (json_file is None or not json_file.is_regular):
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
+    if options.exact is not None:
+        refuse(options, ("samples", "resume"), "is not for --exact [N], which says how many random states are measured")
     if folder and options.three_d:
         raise typer.BadParameter("--3d is not for folders; name the robots")
     if folder and reading.stated:
         raise typer.BadParameter(f"--{reading.stated[0]} is not for folders; name the robots")
+    from urdf import Reading
+
+    choice = [(robot, reading) for robot in robots]
+    choice = choice or [(robot, Reading(lock=locked)) for robot, locked in DEFAULT_ROBOTS]
+    if options.exact is not None:
+        from crosscheck.commands.crosscheck.exact.command import measure
+
+        raise typer.Exit(measure(context, options, choice))
     if folder:
         from crosscheck.commands.crosscheck.folder import compare_folder
 
         raise typer.Exit(compare_folder(context, options))
     from crosscheck.commands.crosscheck.report import crosscheck_report
-    from crosscheck.comparing.compare import compare
-    from urdf import Reading
+    from crosscheck.comparing.compare import compare, count_states
 
-    choice = [(robot, reading) for robot in robots]
-    choice = choice or [(robot, Reading(lock=locked)) for robot, locked in DEFAULT_ROBOTS]
     comparisons, failures = [], []
     for number, (robot, how) in enumerate(choice, start=1):
         title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
         try:
-            total = _states(robot, options, how) if err.is_terminal else None
+            total = count_states(robot, options.samples, options.seed, how) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
                 comparisons.append(compare(robot, options.samples, options.seed, reading=how, progress=advance))
         except (GraphDynError, OSError) as error:
@@ -86,15 +93,3 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
     if failures:
         raise typer.Exit(BAD_INPUT)
     raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
-
-
-def _states(robot: str, options: CrosscheckOptions, reading: Reading) -> int:
-    """Number of states that will be compared: drawing them takes a hundredth of the time of comparing them."""
-    import warnings
-
-    import urdf
-    from crosscheck.quantities.states import cases
-
-    with warnings.catch_warnings(action="ignore"):  # the comparison loads the robot again and shows them
-        model = urdf.load(robot, reading=reading).uncoupled.opened
-    return sum(len(case.q) for case in cases(model, options.samples, options.seed))

@@ -10,7 +10,7 @@ import signal
 import sys
 import threading
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -20,6 +20,7 @@ from typer.core import TyperCommand, TyperGroup
 from crosscheck.commands.program.console import complain, out, say, trace, warn, warned
 from crosscheck.commands.program.functions import place_in_user_code
 from crosscheck.commands.program.judged_functions import FUNCTION_LIST, function_list
+from crosscheck.commands.program.options import OPTIONAL_NUMBER
 from crosscheck.commands.program.output_files import OutputFile, refuse_harm
 from crosscheck.report.plain_text import bounded, printable
 from graphdyn import GraphDynError
@@ -55,7 +56,8 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> Any:
         """The parameters, whose numbers are those of all other texts that are read: Python takes 1_0 and nan too."""
-        typed, rest = list(args), super().parse_args(ctx, args)
+        typed = list(_with_empty_numbers(self.params, args))
+        rest = super().parse_args(ctx, list(typed))
         texts, *_ = self.make_parser(ctx).parse_args(args=typed)
         for parameter in self.params:
             _refuse_odd_numbers(ctx, parameter, texts.get(parameter.name))
@@ -70,6 +72,17 @@ class Command(TyperCommand):
             out.quiet = False
 
 
+def _with_empty_numbers(parameters: Sequence[Any], args: Sequence[str]) -> Iterator[str]:
+    """The arguments; behind an option whose number may be left out, and is, an empty text."""
+    from urdf.document import finite_number
+
+    optional = {name for each in parameters if each.metavar == OPTIONAL_NUMBER for name in each.opts}
+    for k, text in enumerate(args):
+        yield text
+        if text in optional and finite_number("".join(args[k + 1 : k + 2])) is None:
+            yield ""
+
+
 def _refuse_odd_numbers(ctx: Any, parameter: Any, given: Any) -> None:
     """Raises typer.BadParameter for texts (one, or several) that typer has read as numbers and nothing else would."""
     from urdf.document import finite_number
@@ -80,7 +93,7 @@ def _refuse_odd_numbers(ctx: Any, parameter: Any, given: Any) -> None:
     if not isinstance(texts, list | tuple) or not isinstance(read, list | tuple):
         return
     for text, value in zip(texts, read, strict=False):
-        if isinstance(value, int | float) and isinstance(text, str) and finite_number(text.strip()) is None:
+        if isinstance(value, int | float) and isinstance(text, str) and text and finite_number(text.strip()) is None:
             raise typer.BadParameter(f"{text} is not a finite number such as 10 or -1.5e-3", ctx, parameter)
 
 

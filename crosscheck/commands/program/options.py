@@ -22,6 +22,9 @@ EXAMPLES = "\b\nExamples:\n"
 FACES = 12000
 """Triangles of a robot in three dimensions, about: round parts look round, and pages stay small."""
 
+OPTIONAL_NUMBER = "[N]"
+"""The metavar of an option whose number may be left out; its parser is given an empty text then."""
+
 
 def robot_names(incomplete: str) -> list[str]:
     """Names of the catalog that begin like this, for completion by the shell, which completes files if none does."""

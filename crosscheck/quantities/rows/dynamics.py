@@ -235,6 +235,7 @@ DYNAMICS = (
         ours=replace(
             verb("forward_dynamics", "a", loads="taken"),
             code="there.required(np.array([graphdyn.forward_dynamics(model, q, v, tau, external_wrenches).a]))[0][0]",
+            verb="",
         ),
         pinocchio=lambda there, _: there.tau_given,
         against="τ that rnea needs at a",

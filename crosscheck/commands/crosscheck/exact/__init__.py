@@ -1,0 +1,1 @@
+"""`graphdyn crosscheck --exact`: how far graphdyn and Pinocchio are from exact values."""
