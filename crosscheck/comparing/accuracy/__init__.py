@@ -1,5 +1,6 @@
 """How far graphdyn, Pinocchio and MuJoCo are from exact values, quantity by quantity."""
 
+from crosscheck.comparing.accuracy.measuring import COMPILED_FROM, true_errors
 from crosscheck.comparing.accuracy.results import (
     PINOCCHIO,
     CodeErrors,
@@ -8,7 +9,6 @@ from crosscheck.comparing.accuracy.results import (
     TrueErrors,
     over_robots,
 )
-from crosscheck.comparing.accuracy.true_errors import COMPILED_FROM, true_errors
 
 __all__ = [
     "COMPILED_FROM",

@@ -30,7 +30,7 @@ MAGNIFIED = 2.0**40
 added to exact values that are rounded to double precision, would lose all its digits."""
 
 METHODS: tuple[Method, ...] = ("recursive", "projected")
-"""Of every verb; "dense" where the cross-check has it."""
+"""Methods of every verb; "dense" is added where the cross-check has it."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class MeasuredStates:
         return found
 
     def proven_regular(self) -> NDArray[np.bool_]:
-        """Where the mass matrix is proven regular (N,)."""
+        """Whether the mass matrix is proven regular (N,)."""
         model, q = self.states.model, self.states.q
 
         def proven(rows: Array) -> bool:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SMALLEST_DRAWN = 1e-4
 """Errors below this [eps], and those that are zero, stand here."""
 
-MARKERS = ("o", "s", "D", "^", "v", "P")
+CODE_MARKERS = ("o", "s", "D", "^", "v", "P")
 """One shape for each code: no reader depends on color."""
 
 WIDTH, ROW, AXIS, KEY = 7.6, 0.26, 0.5, 0.32
@@ -76,7 +76,7 @@ def _draw(axes: Axes, rows: Sequence[ErrorRow], codes: Sequence[str], height: fl
         ends = [tuple(log10(_drawn(x)) for x in pair) for _, pair in places]
         axes.hlines(feet, [a for a, _ in ends], [b for _, b in ends], color=color, linewidth=0.9, zorder=2)
         style: dict[str, Any] = {
-            "marker": MARKERS[number % len(MARKERS)],
+            "marker": CODE_MARKERS[number % len(CODE_MARKERS)],
             "markersize": 3.4,
             "linewidth": 0,
             "color": color,
@@ -88,5 +88,5 @@ def _draw(axes: Axes, rows: Sequence[ErrorRow], codes: Sequence[str], height: fl
 
 
 def _drawn(error: float) -> float:
-    """Where an error stands: infinite ones at the right edge."""
+    """The error at whose place one is drawn: infinite ones at the right edge."""
     return max(error, SMALLEST_DRAWN) if isfinite(error) else 1e6 if error == inf else SMALLEST_DRAWN

@@ -31,14 +31,14 @@ from crosscheck.report.report import (
 from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
 from graphdyn.errors import counted
 
-TITLE = "graphdyn and Pinocchio against exact values"
+EXACT_TITLE = "graphdyn and Pinocchio against exact values"
 
 TRUTHS = {
     "model": "exact are the doubles of the model in memory, on which all codes work",
     "file": "exact are the decimals of the file",
 }
 
-USUAL = "99 % quantile at random states"
+QUANTILE_WORDS = "99 % quantile at random states"
 THREE = "Of each code: median and 99 % quantile at random states, largest error at all states."
 
 
@@ -53,7 +53,7 @@ def accuracy_report(measured: Sequence[TrueErrors], failures: Sequence[Mapping[s
         *((_closer(measured),) if several else ()),
     )
     return Report(
-        TITLE,
+        EXACT_TITLE,
         _verdict(measured, failures),
         (Section("robots", "", first), *robots, *((_method(measured[0]), scales_section()) if measured else ())),
         partial(record, measured, failures),
@@ -191,8 +191,10 @@ def _points(one: TrueErrors) -> Picture:
         )
         for name, quantity in one.quantities.items()
     ]
-    caption = f"Points: {USUAL}; the line ends at the largest error of all states. The upright line is the bound."
-    draw = partial(error_points, rows=rows, usual=f"Errors ({USUAL})")
+    caption = (
+        f"Points: {QUANTILE_WORDS}; the line ends at the largest error of all states. The upright line is the bound."
+    )
+    draw = partial(error_points, rows=rows, usual=f"Errors ({QUANTILE_WORDS})")
     return Picture(draw, caption, title="Errors beside the bounds", on=("page",))
 
 
