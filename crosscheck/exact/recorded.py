@@ -51,12 +51,15 @@ class RecordedRequest:
 
     def constants(self, robot: ExactRobot) -> list[Any]:
         """The input CONSTANTS of a robot, at the precision of its balls."""
-        return [x for x, known in zip(_constants(robot, self.request), self.known, strict=True) if known is None]
+        return [x for x, known in zip(constants_of(robot, self.request), self.known, strict=True) if known is None]
 
 
-def recorded(robot: ExactRobot, request: Request) -> RecordedRequest:
-    """The program of a request for robots with these constants, whatever their digits."""
-    known = tuple(_known(x) for x in _constants(robot, request))
+def recorded(robot: ExactRobot, request: Request, *, all_inputs: bool = False) -> RecordedRequest:
+    """The program of a request for robots with these constants, whatever their digits.
+
+    all_inputs: constants that are exactly 0 or ±1 are inputs too
+    """
+    known = tuple(None if all_inputs else _known(x) for x in constants_of(robot, request))
     return RecordedRequest(_program(_Recording(robot.model.digest, request, known, robot.model)), request, known)
 
 
@@ -145,7 +148,7 @@ _OF_ONE: dict[str, Callable[[Any], Any]] = {
 }
 
 
-def _constants(robot: ExactRobot, request: Request) -> list[Any]:
+def constants_of(robot: ExactRobot, request: Request) -> list[Any]:
     """All constants of Link, Root, FixedFrame and DegreesOfFreedom, one after the other, in joint axes."""
     found: list[Any] = []
     axes = [eye(), *(body.joint_axes for body in robot.bodies)]

@@ -10,13 +10,16 @@ from typing import Any, Unpack
 
 from threadpoolctl import threadpool_limits
 
+from crosscheck.exact import check_installed
 from crosscheck.judging.faults.file_reading import faults_of_file
 from crosscheck.judging.judgment import UNCOUPLED, Diagnosis, JudgedFunction, Judgment
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest, joint_order
 from crosscheck.judging.observing.references import References, check_declared
 from crosscheck.judging.setting import TOLERANCES, JudgedKeywords, Precision, Setting
 from crosscheck.judging.states import JudgedStates
+from crosscheck.judging.verdicts.against_exact import needs_exact_values, with_exact_errors
 from crosscheck.judging.verdicts.diagnosis import merged
+from crosscheck.judging.verdicts.exact_answers import has_exact_values
 from crosscheck.judging.verdicts.explaining import diagnoses_of
 from crosscheck.judging.verdicts.verdicts import judged
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
@@ -43,6 +46,7 @@ def judge(
     conventions: Mapping[str, str] | None = None,
     external_wrenches: bool = False,
     batched: bool = False,
+    exact: bool = False,
     progress: Progress | None = None,
     **functions: Unpack[JudgedKeywords],
 ) -> Judgment:
@@ -63,10 +67,12 @@ def judge(
     external_wrenches: inverse_dynamics, forward_dynamics, joint_wrenches and multipliers take external wrenches as a
         last argument: force, moment on each body at its link origin, in link axes (n, 6) [N, N m]
     batched: functions take all states at once, arrays (N, n), and answer (N, …)
+    exact: exact values (crosscheck.exact_values) at all states decide, in place of tolerances: what is off by more
+        than rounding explains is wrong (docs/judge.md). Without it they decide where the references disagree
 
-    Raises InvalidInput for invalid arguments, FunctionFailure where a function under test raises or returns the wrong
-    shape at every state, urdf's errors for a file that cannot be loaded, SingularMassMatrix for forward dynamics where
-    the torques do not determine the accelerations.
+    Raises InvalidInput for invalid arguments, and for exact without python-flint; FunctionFailure where a function
+    under test raises or returns the wrong shape at every state, urdf's errors for a file that cannot be loaded,
+    SingularMassMatrix for forward dynamics where the torques do not determine the accelerations.
     """
     refuse_unknown(judge, functions, JudgedKeywords.__annotations__)
     reading: Any = {name: value for name, value in functions.items() if name in ReadingKeywords.__annotations__}
@@ -84,6 +90,7 @@ def judge(
         conventions=conventions or {},
         external_wrenches=external_wrenches,
         batched=batched,
+        exact=exact,
     )
     return judge_functions(given, setting, progress)
 
@@ -120,9 +127,12 @@ def judge_functions(
             answers = function.ask(*known.arguments_at(against.states))
             declared = {x: way for x, way in setting.conventions.items() if x in known.conventions}
             found = judged(function, answers, against, declared, setting.bound)
+            if setting.exact or needs_exact_values(found.verdict, known.tolerance.bound):
+                say(f"computing exact values of {name}")
+                found = with_exact_errors(found, robot, setting, notes)
             verdicts[name] = found.verdict
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
-            if not found.verdict.agrees:
+            if not found.verdict.agrees and not found.verdict.wrong_by_proof_alone:
                 say(f"looking for the fault of {name}")
                 diagnoses += diagnoses_of(found, partial(faults_of_file, robot), say)
     judgment = Judgment(
@@ -142,8 +152,9 @@ def judge_functions(
         external_wrenches=setting.external_wrenches,
         beyond_limits=setting.beyond_limits,
     )
-    if not judgment.decided:
-        notes.append("the reference implementations disagree: no verdict on the user code; please report this robot")
+    if differing := [verdict for verdict in verdicts.values() if not verdict.references_agree]:
+        left = "exact values decide" if all(verdict.decided for verdict in differing) else "no verdict on the user code"
+        notes.append(f"the reference implementations disagree: {left}; please report this robot")
     return replace(judgment, notes=tuple(dict.fromkeys(notes)))
 
 
@@ -186,6 +197,10 @@ def _check(given: Mapping[str, TestedFunction], setting: Setting) -> None:
     if tolerance is not None and (not isinstance(tolerance, Real) or not 0 < tolerance < 1):
         raise InvalidInput(f"tolerance is {tolerance!r}; give a relative error between 0 and 1")
     check_declared(setting.conventions, [FUNCTIONS[name] for name in given])
+    if setting.exact:
+        check_installed()
+        if without := [name for name in given if not has_exact_values(FUNCTIONS[name])]:
+            raise InvalidInput(f"{', '.join(without)}: there are no exact values of this; leave it out, or exact")
 
 
 def check_frame(names: Collection[str], frame: str | None, model: RobotModel) -> None:

@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from crosscheck.judging.exact_errors import ExactErrors
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -71,6 +72,7 @@ class JudgedFunction:
     conventions: those that the answers follow, where several are right: {"reference": "local"}
     failures: the states without an answer, which are in none of the errors
     code: Python that computes graphdyn's answer at one state by the same conventions; None where there is none
+    exact: the errors against exact values, where these were asked for or were needed to decide
     """
 
     name: str
@@ -86,10 +88,11 @@ class JudgedFunction:
     conventions: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[FailedState, ...] = ()
     code: str | None = None
+    exact: ExactErrors | None = None
 
     @property
     def agrees(self) -> bool:
-        """Whether it agrees with every reference, forward and backward, and with itself when asked again.
+        """Whether its answers are right, and the same when asked again.
 
         NaN is not agreement, nor is a missing answer.
         """
@@ -97,8 +100,27 @@ class JudgedFunction:
 
     @property
     def right_where_answered(self) -> bool:
-        """Whether the answers that there are agree with every reference, forward and backward."""
+        """Whether the answers that there are agree with every reference, forward and backward; or with exact values,
+        where these decide."""
+        if self.exact is not None and self.decided_by_proof:
+            return not self.exact.wrong and all(bool(np.isfinite(error).all()) for error in self.errors.values())
         return self.within(self.errors) and self.within(self.backward_errors)
+
+    @property
+    def decided_by_proof(self) -> bool:
+        """Whether exact values decide: they were asked for, or the references disagree with one another."""
+        return self.exact is not None and (self.exact.everywhere or not self.references_agree)
+
+    @property
+    def decided(self) -> bool:
+        """Whether there is a verdict."""
+        return self.references_agree or self.exact is not None
+
+    @property
+    def wrong_by_proof_alone(self) -> bool:
+        """Whether nothing but exact values tells that it is wrong: faults are then too small to be looked for."""
+        others = self.within(self.errors) and self.within(self.backward_errors) and self.repeats and not self.failures
+        return not self.agrees and self.references_agree and others
 
     @property
     def repeats(self) -> bool:
@@ -107,7 +129,7 @@ class JudgedFunction:
 
     @property
     def references_agree(self) -> bool:
-        """Whether the references agree with one another; only then is there a verdict."""
+        """Whether the references agree with one another."""
         return self.within(self.references_differ) and self.within(self.references_differ_backward)
 
     @property
@@ -209,17 +231,17 @@ class Judgment(OfReading):
 
     @property
     def agrees(self) -> bool:
-        """Whether every function agrees with every reference."""
+        """Whether every function is right."""
         return all(function.agrees for function in self.functions.values())
 
     @property
     def decided(self) -> bool:
-        """Whether the references agree with one another on every function."""
-        return all(function.references_agree for function in self.functions.values())
+        """Whether there is a verdict on every function."""
+        return all(function.decided for function in self.functions.values())
 
     @property
     def verdict(self) -> Literal["agrees", "DISAGREES", "UNDECIDED"]:
-        """UNDECIDED where the reference implementations differ among themselves."""
+        """UNDECIDED where the reference implementations differ among themselves, and no exact values decide."""
         if not self.decided:
             return "UNDECIDED"
         return "agrees" if self.agrees else "DISAGREES"

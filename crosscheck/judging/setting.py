@@ -32,6 +32,7 @@ class Setting:
     conventions: Mapping[str, str] = field(default_factory=dict)
     external_wrenches: bool = False
     batched: bool = False
+    exact: bool = False
 
     @property
     def bound(self) -> float:

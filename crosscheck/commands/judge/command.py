@@ -37,6 +37,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --command 'inverse_dynamics=./my_rnea --model arm'
   graphdyn judge arm.urdf --library inverse_dynamics=libarm.so:rnea
   graphdyn judge arm.urdf --answers answers.csv
+  graphdyn judge arm.urdf --inverse-dynamics my_code.py:rnea --exact
 
 {FUNCTION_LIST}
 """
@@ -81,6 +82,15 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
         ),
     ] = None
 
+    exact: Annotated[
+        bool,
+        typer.Option(
+            "--exact",
+            help="Exact values at all states decide, in place of the bound: what is off by more than rounding explains "
+            "is wrong, by proof. Extra 'exact'.",
+        ),
+    ] = False
+
     @property
     def setting(self) -> Setting:
         return replace(
@@ -90,6 +100,7 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             batched=self.batched,
             precision=self.precision,
             tolerance=self.tolerance,
+            exact=self.exact,
         )
 
     def functions(self, programs: Mapping[str, ProgramFunction]) -> dict[str, TestedFunction]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from crosscheck.commands.judge.exact_report import exact_table
 from crosscheck.judging.judgment import JudgedFunction, Judgment, infinite_where_nan
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.report.error_tables import ERROR_FORMAT, distribution, over_states, verdict_of
@@ -38,6 +39,7 @@ def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
         function.name,
         (
             *tables,
+            *exact_table(function),
             distribution([*contests, *backward]),
             *over_states(
                 {contest.name: contest.errors for contest in [*contests, *backward]},
@@ -54,7 +56,7 @@ def function_section(judgment: Judgment, function: JudgedFunction) -> Section:
                 on=("page",),
             ),
         ),
-        verdict_of(function.agrees, function.references_agree),
+        verdict_of(function.agrees, function.decided),
         sheet=True,
     )
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 
+from crosscheck.judging.exact_errors import ExactErrors
 from crosscheck.judging.judgment import (
     Diagnosis,
     FittedNumber,
@@ -44,6 +45,24 @@ class JudgeWorstRecord(Record, of=WorstCall):
     answer: Sequence[Number]
 
 
+class ExactErrorsRecord(Record, of=ExactErrors):
+    """The errors of a function against exact values.
+
+    wrong: whether they are proven to be larger than rounding of the inputs explains
+    digits: decimal digits of the scale to which the function is right at all these states
+    """
+
+    truth: Literal["file", "model"]
+    states: Sequence[int]
+    least: Quantiles
+    most: Quantiles
+    caused: Quantiles
+    references: Mapping[str, Quantiles]
+    ulps: Number
+    wrong = attribute()
+    digits = attribute()
+
+
 class FunctionRecord(Record, of=JudgedFunction, leave_out=("name", "code")):
     """One function."""
 
@@ -54,6 +73,7 @@ class FunctionRecord(Record, of=JudgedFunction, leave_out=("name", "code")):
     references_differ_backward: Mapping[str, Quantiles]
     repeated: Quantiles
     worst: JudgeWorstRecord
+    exact: ExactErrorsRecord | None
 
 
 class FittedNumberRecord(Record, of=FittedNumber):
@@ -104,10 +124,20 @@ def _function(function: JudgedFunction) -> dict[str, Any]:
         FunctionRecord,
         function,
         repeated=_quantiles(function.repeated),
+        exact=None if function.exact is None else _exact(function.exact),
         **{
             name: {reference: _quantiles(error) for reference, error in getattr(function, name).items()}
             for name in by_reference
         },
+    )
+
+
+def _exact(errors: ExactErrors) -> dict[str, Any]:
+    return written(
+        ExactErrorsRecord,
+        errors,
+        **{name: _quantiles(getattr(errors, name)) for name in ("least", "most", "caused")},
+        references={name: _quantiles(error) for name, error in errors.references.items()},
     )
 
 

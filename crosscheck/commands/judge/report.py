@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 
+from crosscheck.commands.judge.exact_report import exact_facts
 from crosscheck.commands.judge.function_report import function_section
 from crosscheck.commands.judge.record import record
-from crosscheck.judging.judgment import Diagnosis, Judgment, infinite_where_nan
+from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment, infinite_where_nan
 from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
 from crosscheck.report.report import (
     WIDE_LINE_CHARACTERS,
@@ -23,6 +24,7 @@ from crosscheck.report.report import (
     Row,
     Section,
     Table,
+    Verdict,
 )
 from crosscheck.report.robot_parts import joints_table, reading_text, robot_picture
 from graphdyn.errors import counted, first_of
@@ -34,15 +36,20 @@ MAX_LISTED_STATES = 20
 
 def judge_report(judgment: Judgment) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
+    functions = list(judgment.functions.values())
     diagnoses = tuple(block for diagnosis in judgment.diagnoses for block in _diagnosis(diagnosis))
     return Report(
         f"Your functions on {Path(judgment.robot).name}",
         verdict_of(judgment.agrees, judgment.decided, _reason(judgment)),
         (
             *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
-            Section("errors", "Errors", (_errors(judgment), *_read(judgment), _to_be_known(judgment))),
+            Section(
+                "errors",
+                "Errors",
+                (_errors(judgment), *exact_facts(functions), *_read(judgment), _to_be_known(judgment)),
+            ),
             Section("judged", "What was judged", _judged(judgment)),
-            *(function_section(judgment, function) for function in judgment.functions.values()),
+            *(function_section(judgment, function) for function in functions),
         ),
         record=partial(record, judgment),
     )
@@ -51,22 +58,29 @@ def judge_report(judgment: Judgment) -> Report:
 def _reason(judgment: Judgment) -> str:
     functions, references = judgment.functions.values(), ", ".join(judgment.references)
     if judgment.agrees and judgment.decided:
+        if proven := [function.name for function in functions if function.decided_by_proof]:
+            return f"{', '.join(proven)}: no further from exact values than rounding explains."
         return (
             f"Every function gives the same numbers as every reference implementation ({references}), within its bound."
         )
-    faulty = [function for function in functions if function.references_agree and not function.agrees]
-    differing = [function.name for function in faulty if not function.right_where_answered]
+    faulty = [function for function in functions if function.decided and not function.agrees]
+    proven = [function.name for function in faulty if function.decided_by_proof and not function.right_where_answered]
+    differing = [
+        function.name for function in faulty if not function.right_where_answered and function.name not in proven
+    ]
     wrong = f"{', '.join(differing)} {'disagrees' if len(differing) == 1 else 'disagree'} with"
+    reasons = [f"{', '.join(proven)}: further from exact values than rounding explains."] if proven else []
     if judgment.decided:
-        reasons = [f"{wrong} {references}, which agree with each other."] if differing else []
+        reasons += [f"{wrong} {references}, which agree with each other."] if differing else []
         if unanswered := ", ".join(function.name for function in faulty if function.failures):
             reasons.append(f"{unanswered}: no answer at single states.")
         if changing := ", ".join(function.name for function in faulty if not function.repeats):
             reasons.append(f"{changing}: other answers when asked again.")
         return " ".join(reasons)
-    undecided = ", ".join(function.name for function in functions if not function.references_agree)
+    undecided = ", ".join(function.name for function in functions if not function.decided)
     others = f" {wrong} all of them, which agree with each other there." if differing else ""
-    return f"The reference implementations ({references}) disagree on {undecided}: no verdict there.{others}"
+    disagree = f"The reference implementations ({references}) disagree on {undecided}: no verdict there.{others}"
+    return " ".join([disagree, *reasons])
 
 
 STATUS_MEANINGS: Mapping[str, str] = {
@@ -137,10 +151,16 @@ def _errors(judgment: Judgment) -> Table:
                 link=function.name,
             )
             for function, name, errors, scale in rows
-            for verdict in [verdict_of(function.within(errors), function.references_agree)]
+            for verdict in [_verdict(function, errors)]
         ),
         caption="Largest error over all states against each reference implementation",
     )
+
+
+def _verdict(function: JudgedFunction, errors: Mapping[str, Array]) -> Verdict:
+    """Of these errors; of the answers where exact values decide."""
+    right = function.right_where_answered if function.decided_by_proof else function.within(errors)
+    return verdict_of(right, function.decided)
 
 
 def _read(judgment: Judgment) -> tuple[Block, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, combinations
 
@@ -40,7 +40,7 @@ class Judged:
     asked: all states, answers: what came back
     states: those that were answered
     conventions: of the answers, with those of graphdyn read alike
-    answer: the answers there                               (N, …)
+    answer: the answers there; references: those of the reference implementations   (N, …)
     """
 
     function: FunctionUnderTest
@@ -51,6 +51,7 @@ class Judged:
     states: JudgedStates
     conventions: FoundConventions
     answer: Array
+    references: Mapping[str, Array]
 
 
 def repeated(function: FunctionUnderTest, first: Answers, states: JudgedStates, chosen: Chosen) -> Array:
@@ -182,4 +183,4 @@ def judged(
         code=known.code_for(found.chosen, states.frame),
         failures=tuple(FailedState(number, message) for number, message in answers.failures.items()),
     )
-    return Judged(function, declared, verdict, all_states, answers, states, found, answer)
+    return Judged(function, declared, verdict, all_states, answers, states, found, answer, theirs)

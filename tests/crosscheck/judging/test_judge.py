@@ -133,14 +133,17 @@ class TestVerdict:
         assert np.array_equal(faulty(*state), worst.answer)
         assert np.allclose(inverse_dynamics(ur5, *state).tau, worst.expected, rtol=0, atol=1e-12)
 
-    def test_references_that_differ_decide_nothing(self, textbook, plant):
+    def test_references_that_differ_decide_nothing(self, textbook, plant, monkeypatch):
+        """Without exact values, which a hint names."""
+        monkeypatch.setitem(sys.modules, "flint", None)
         plant.pinocchio_value("tau", lambda x: x * 1.01)
         with pytest.raises(crosscheck.WrongDynamics, match="UNDECIDED") as caught:
             crosscheck.assert_correct("ur5", inverse_dynamics=textbook.inverse_dynamics, samples=SAMPLES)
         judgment = caught.value.judgment
         assert not judgment.decided
         assert judgment.verdict == "UNDECIDED"
-        assert any("the reference implementations disagree" in note for note in judgment.notes)
+        assert any("the reference implementations disagree: no verdict" in note for note in judgment.notes)
+        assert any("python -m pip install 'graphdyn[exact]'" in note for note in judgment.notes)
 
     def test_nan_is_no_agreement(self, textbook):
         judgment = crosscheck.judge(

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -39,7 +40,8 @@ class TestJudge:
         assert record["diagnoses"][0]["kind"] == "gravity"
         assert record["command"][:3] == ["graphdyn", "judge", "ur5"]
 
-    def test_undecided(self, program, my_code, plant):
+    def test_undecided(self, program, my_code, plant, monkeypatch):
+        monkeypatch.setitem(sys.modules, "flint", None)
         plant.pinocchio_value("tau", lambda x: 1.01 * x)
         done = program("judge", "ur5", "--inverse-dynamics", "my_code.py:rnea", "--samples", 2)
         assert done.code == DISAGREED
