@@ -2,7 +2,10 @@
 
        graphdyn vectors ur5 --out vectors
        graphdyn export ur5 --to model.h
-       cc -O2 -o vectors_c vectors.c rnea.c -lm && ./vectors_c */
+       cc -O2 -o vectors_c vectors.c rnea.c -lm && ./vectors_c
+
+   It reads vectors/inverse_dynamics_exact.csv of graphdyn vectors --digits alike, as the nearest doubles: ./vectors_c
+   vectors/inverse_dynamics_exact.csv */
 
 #include <math.h>
 #include <stdio.h>
@@ -31,9 +34,9 @@ int failures(const char *path, int arguments, int numbers, Function *f)
 int rnea(int n, const double *q, const double *v, const double *a, double *tau);
 static int ur5(const double *x, double *tau) { return rnea(6, x, x + 6, x + 12, tau); }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    int failed = failures("vectors/inverse_dynamics.csv", 18, 6, ur5);
+    int failed = failures(argc > 1 ? argv[1] : "vectors/inverse_dynamics.csv", 18, 6, ur5);
     printf("inverse_dynamics: %d rows fail\n", failed);
     return failed != 0;
 }

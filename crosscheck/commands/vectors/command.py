@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -17,6 +17,7 @@ from graphdyn.errors import counted
 
 EPILOG = f"""{EXAMPLES}  graphdyn vectors ur5 --out vectors/
   graphdyn vectors arm.urdf --for inverse_dynamics,mass_matrix --out tests/arm_vectors
+  graphdyn vectors arm.urdf --digits 30 --out tests/arm_vectors
   graphdyn vectors arm.urdf --frame tool0 --convention reference=local --out vectors/
 """
 
@@ -41,6 +42,20 @@ class VectorsOptions(ConventionOptions, SettingOptions):
         ),
     ] = None
     samples: SamplesOption = 20
+    digits: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=250,
+            metavar="N",
+            show_default="doubles alone",
+            help="Write exact answers, too, with so many proven digits; needs the extra exact.",
+        ),
+    ] = None
+    truth: Annotated[
+        Literal["file", "model"],
+        typer.Option(help="What is exact (with --digits): the decimals of the file, or the doubles of the model."),
+    ] = "file"
 
 
 def run(options: VectorsOptions) -> None:
@@ -48,25 +63,35 @@ def run(options: VectorsOptions) -> None:
 
     A folder to keep: for each function a CSV file whose rows hold arguments, answer and the tolerance of each number,
     confirmed by all reference implementations; the model; and vectors.json, which lists the files with units, scales,
-    versions and hashes. docs/languages.md has readers of twenty lines.
+    versions and hashes. docs/languages.md has readers of twenty lines. With --digits a second file for each function
+    holds the answers as decimals that are proven.
     """
     robot, frame, folder = options.robot, options.frame, options.folder
     refuse_folder("--out", folder, TABLE)
     from crosscheck.commands.export import record as export
     from crosscheck.commands.vectors import record as vectors
+    from crosscheck.judging.exchange.proven_digits import ProvenDigits
     from crosscheck.judging.exchange.vectors import confirmed_functions, vector_tables
+    from crosscheck.quantities import known_function
     from crosscheck.reference.subject import subject
 
     setting = replace(options.setting, conventions=options.conventions, precision=options.precision)
     chosen = names(options.functions) or confirmed_functions(frame)
-    tables = {}
+    digits = None if options.digits is None else ProvenDigits(options.digits, options.truth)
+    if digits and options.functions is not None:
+        digits.refuse_inexact(map(known_function, chosen))
+    tables, files = {}, {}
     with progress(robot, len(chosen)) as advance, warnings_shown():
         model = subject(robot, setting.reading).model.uncoupled
-        for table in vector_tables(setting, chosen):
-            tables[f"{table.known.name}.csv"] = table, table.csv()
-            advance(table.known.name, 1)
+        for table in vector_tables(setting, chosen, digits):
+            name = table.known.name
+            tables[f"{name}.csv"], files[f"{name}.csv"] = table, table.csv()
+            if table.exact is not None:
+                files[f"{name}_exact.csv"] = table.exact_csv()
+            advance(name, 1)
     exported = json_content(export.record(export.ExportedModel(model, robot, setting.reading)))
-    listed = vectors.record(robot, model, frame, options.seed, setting.bound, (MODEL, exported), tables, command_line())
-    files = {name: content for name, (_, content) in tables.items()}
+    listed = vectors.record(
+        robot, model, frame, options.seed, setting.bound, digits, (MODEL, exported), tables, files, command_line()
+    )
     write_folder(folder, {**files, MODEL: exported, TABLE: json_content(listed)})
     out.print(f"{counted(len(tables), 'function')} at {listed['states']} states in {folder}, sha256 {listed['sha256']}")

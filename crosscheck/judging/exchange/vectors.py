@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosscheck.exact import ExactArray
 from crosscheck.judging.exchange.protocols import number_text
+from crosscheck.judging.exchange.proven_digits import ProvenDigits
 from crosscheck.judging.exchange.rounds import states_for, states_of
 from crosscheck.judging.observing.references import References, check_declared, relative_errors
 from crosscheck.judging.setting import Setting
@@ -29,6 +31,7 @@ class VectorTable:
     arguments: by name                                      (N, n) each
     answer, tolerance: of each number                       (N, …)
     references: whose answers agree within the tolerance
+    exact: the answer with proven digits; None where that was not asked for, or the function has no exact form
     """
 
     known: Quantity
@@ -37,6 +40,7 @@ class VectorTable:
     answer: Array
     tolerance: Array
     references: tuple[str, ...]
+    exact: ExactArray | None = None
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -45,11 +49,19 @@ class VectorTable:
 
     def csv(self) -> bytes:
         """A head, then a row per state: the arguments, the answer row by row, the tolerance of each number."""
-        parts = {**self.arguments, "answer": self.answer, "tolerance": self.tolerance}
+        return self._rows(self.answer)
+
+    def exact_csv(self) -> bytes:
+        """The same, with proven decimals in place of the answer."""
+        assert self.exact is not None
+        return self._rows(self.exact.decimals())
+
+    def _rows(self, answer: np.ndarray) -> bytes:
+        parts = {**self.arguments, "answer": answer, "tolerance": self.tolerance}
         flat = {name: x.reshape(len(x), -1) for name, x in parts.items()}
         head = [f"{name}{k}" for name, x in flat.items() for k in range(1, x.shape[1] + 1)]
-        rows = np.concatenate(list(flat.values()), axis=1)
-        lines = [",".join(head), *(",".join(map(number_text, row)) for row in rows)]
+        rows = np.concatenate([x.astype(object) for x in flat.values()], axis=1)
+        lines = [",".join(head), *(",".join(x if isinstance(x, str) else number_text(x) for x in row) for row in rows)]
         return "".join(f"{line}\n" for line in lines).encode()
 
 
@@ -62,8 +74,12 @@ def confirmed_functions(frame: str | None) -> list[str]:
     ]
 
 
-def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTable]:
+def vector_tables(
+    setting: Setting, names: Collection[str], digits: ProvenDigits | None = None
+) -> Iterator[VectorTable]:
     """The test vectors of each function, by the conventions of the setting, with tolerances by its bound.
+
+    digits: of the exact answers, without which there are none
 
     Raises InvalidInput, ReferencesDisagree, and what crosscheck.judge raises for a robot.
     """
@@ -91,7 +107,8 @@ def vector_tables(setting: Setting, names: Collection[str]) -> Iterator[VectorTa
                 )
         names_of = known.called_with(setting.external_wrenches)
         arguments = dict(zip(names_of, known.arguments_at(references.states), strict=True))
-        yield VectorTable(known, chosen, arguments, ours, tolerance, tuple(answers))
+        exact = None if digits is None else digits.of(known, chosen, setting, references.states)
+        yield VectorTable(known, chosen, arguments, ours, tolerance, tuple(answers), exact)
 
 
 def tolerances(known: Quantity, answer: Array, states: JudgedStates, chosen: Chosen, bound: float) -> Array:

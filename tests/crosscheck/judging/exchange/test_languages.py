@@ -5,6 +5,8 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +26,7 @@ COMPILER = shutil.which("cc") or shutil.which("gcc")
 OCTAVE = shutil.which("octave-cli")
 OPTIONS = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-O1")
 WRONG_SIGN = "the terms ω × q̇ p in the angular accelerations have the opposite sign [coriolis]"
+WITH_FLINT = find_spec("flint") is not None
 HANGS = 60
 """Time limit where an answer comes at once [s]."""
 
@@ -158,6 +161,7 @@ class TestFiles:
 def vectors(examples):
     """The folder of the examples, with test vectors in it."""
     arguments = ["vectors", "ur5", "--for", "inverse_dynamics", "--samples", "2", "--out", str(examples / "vectors")]
+    arguments += ["--digits", "30"] if WITH_FLINT else []
     assert CliRunner().invoke(app, arguments).exit_code == AGREED
     return examples
 
@@ -184,7 +188,22 @@ class TestVectors:
         return tmp_path
 
     def test_c(self, folder):
-        self.check(folder, compiled(folder / "vectors_c", "vectors.c", "librnea.so"))
+        program = compiled(folder / "vectors_c", "vectors.c", "librnea.so")
+        if WITH_FLINT:
+            assert self.failing(folder, [program, "vectors/inverse_dynamics_exact.csv"]) == 0
+        self.check(folder, program)
+
+    @pytest.mark.skipif(not WITH_FLINT, reason="the extra graphdyn[exact] is not installed")
+    def test_python(self, folder):
+        """A library in double precision is wrong by its rounding, which the decimals show."""
+        for rows, least, most in ((0, 1e-17, 1e-13), (13, 1e-3, 1e6)):
+            command = [sys.executable, "vectors.py"]
+            done = subprocess.run(command, cwd=folder, capture_output=True, encoding="utf-8", check=False)
+            said = re.fullmatch(r"inverse_dynamics: (\d+) rows fail, errors up to (\S+) N m\n", done.stdout)
+            assert int(said[1]) == rows, done.stderr
+            assert least < float(said[2]) < most
+            assert done.returncode == bool(rows)
+            shutil.copyfile(folder / "librnea_wrong.so", folder / "librnea.so")
 
     @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler (c++) on this machine")
     def test_cpp(self, folder):

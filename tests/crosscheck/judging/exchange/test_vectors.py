@@ -4,7 +4,9 @@ import errno
 import json
 import os
 import re
+import sys
 from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from faults.textbook import TextbookArm
 from jsonschema import Draft202012Validator
 from shared_data import REPOSITORY
 
+import crosscheck
 import urdf
 from crosscheck.commands.program.console import in_words
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
@@ -90,6 +93,70 @@ class TestFolder:
         listed = json.loads(Path("other/vectors.json").read_text(encoding="utf-8"))
         assert listed["tables"][0]["conventions"]["reference"] == "local"
         assert listed["bound"] == 1e-5
+
+
+class TestProvenDigits:
+    @pytest.fixture(autouse=True)
+    def flint(self):
+        pytest.importorskip("flint", reason="the extra graphdyn[exact] is not installed")
+
+    @pytest.fixture
+    def exact_folder(self, program, small_arm, tmp_path, monkeypatch):
+        """Of functions with an exact form, and one without."""
+        monkeypatch.chdir(tmp_path)
+        options = ("--frame", "tool", "--convention", "reference=local", "--samples", 1, "--digits", 40)
+        assert program("vectors", "small.urdf", *options, "--out", "vectors").code == AGREED
+        return tmp_path / "vectors"
+
+    def test_beside_the_doubles(self, exact_folder):
+        """Arguments and tolerances are the same; every answer differs by rounding, and has more digits."""
+        listed = json.loads((exact_folder / "vectors.json").read_text(encoding="utf-8"))
+        schema = json.loads((REPOSITORY / "docs/schemas/vectors-2.schema.json").read_text("utf-8"))
+        Draft202012Validator(schema).validate(listed)
+        assert {path.name for path in exact_folder.iterdir()} == {"vectors.json", *listed["files"]}
+        assert listed["exact"] == {"count": 40, "truth": "file", "python_flint": version("python-flint")}
+        without = [table["function"] for table in listed["tables"] if table["exact_file"] is None]
+        assert without == ["frame_placement"]
+        for table in listed["tables"]:
+            if table["exact_file"] is None:
+                continue
+            content = (exact_folder / table["exact_file"]).read_bytes()
+            assert table["exact_sha256"] == sha256(content).hexdigest()
+            doubles, exact = numbers(exact_folder / table["file"]), numbers(exact_folder / table["exact_file"])
+            answer = slice(table["argument_count"], table["argument_count"] + table["answer_count"])
+            largest = np.abs(doubles[:, answer]).max()
+            np.testing.assert_allclose(exact[:, answer], doubles[:, answer], rtol=0, atol=1e-12 * max(1, largest))
+            exact[:, answer] = doubles[:, answer]
+            np.testing.assert_array_equal(exact, doubles)
+            texts = content.decode().splitlines()[1].split(",")[answer]
+            digits = [len(x.lstrip("-0.").replace(".", "")) for x in texts]
+            assert max(digits) >= 40
+
+    def test_decimals(self, program, small_arm, tmp_path):
+        """Those of crosscheck.exact_values, of either truth."""
+        for truth in ("file", "model"):
+            folder = tmp_path / truth
+            options = ("--for", "gravity_torque", "--samples", 1, "--digits", 30, "--truth", truth, "--out", folder)
+            assert program("vectors", small_arm, *options).code == AGREED
+            head, row, *_ = (folder / "gravity_torque_exact.csv").read_text(encoding="utf-8").splitlines()
+            q, answer, _ = np.split(np.array(row.split(",")), 3)
+            assert head.split(",")[3] == "answer1"
+            expected = crosscheck.exact_values(small_arm, "gravity_torque", q.astype(float), truth=truth)
+            assert list(answer) == list(expected["gravity_torque"].decimals(30))
+
+    def test_a_function_without_an_exact_form(self, program, small_arm, tmp_path):
+        options = ("--for", "gravity_torque,frame_placement", "--frame", "tool", "--digits", 30)
+        done = program("vectors", small_arm, *options, "--out", tmp_path / "v")
+        assert done.code == BAD_INPUT
+        assert done.err == "error: frame_placement has no exact form; leave it out of --for, or omit --digits\n"
+        assert not (tmp_path / "v").exists()
+
+    def test_without_python_flint(self, program, small_arm, tmp_path, monkeypatch):
+        monkeypatch.setitem(sys.modules, "flint", None)
+        done = program("vectors", small_arm, "--digits", 30, "--out", tmp_path / "v")
+        assert done.code == BAD_INPUT
+        assert done.err.startswith("error: exact values need python-flint")
+        assert not (tmp_path / "v").exists()
 
 
 class TestTolerances:
