@@ -7,8 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from crosscheck.exact import ExactArray, Truth, exact_values
 from crosscheck.judging.setting import Setting
 from crosscheck.judging.states import JudgedStates
@@ -54,4 +52,6 @@ class ProvenDigits:
             warnings.simplefilter("ignore")  # reading the file has warned before
             found = exact_values(robot, ours.verb, *given, digits=self.count, truth=self.truth, **options)
         array = found[ours.output]
-        return replace(array, balls=np.asarray(linear_first(array.balls, chosen, known.six)))
+        balls: Any = array.balls
+        ordered: Any = linear_first(balls, chosen, known.six)
+        return replace(array, balls=ordered)
