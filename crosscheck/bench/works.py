@@ -8,8 +8,9 @@ from functools import partial
 from crosscheck.bench import calls
 from crosscheck.bench.calls import CALL_WORKS
 from crosscheck.bench.contender import Forms, Work
-from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms, simulations
+from crosscheck.bench.forms import graphdyn_forms, pinocchio_forms, simulations, single_precision
 from crosscheck.bench.forms.peers import Peers
+from crosscheck.bench.forms.single_precision import SINGLE_PRECISION_WORKS
 from crosscheck.bench.states import States
 from crosscheck.quantities import QUANTITIES
 from crosscheck.quantities.tolerances import ACCELERATION, AGREEMENT, FORWARD_WRENCH
@@ -60,6 +61,14 @@ WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
         name: (QUANTITIES[name].benchmark, DERIVATIVE_SCALES, QUANTITIES[name].tolerance.bound)
         for name in SINGLE_ARRAY_WORKS
     },
+    **{
+        name: (
+            single_precision.title(forward),
+            ACCELERATION_ERROR_SCALE if forward else TORQUE_ERROR_SCALE,
+            single_precision.ERROR_BOUND,
+        )
+        for name, forward in SINGLE_PRECISION_WORKS.items()
+    },
     simulations.SIMULATION_NAME: (simulations.SIMULATION_TITLE, simulations.ERROR_SCALE, simulations.ERROR_BOUND),
     **{
         name: (
@@ -89,6 +98,8 @@ def work(name: str, states: States, threads: Sequence[int], peers: Peers) -> Wor
         contenders = calls.single_states(states, name == "single_forward")
     elif name == simulations.SIMULATION_NAME:
         contenders = simulations.contenders(states, peers.mujoco)
+    elif name in SINGLE_PRECISION_WORKS:
+        contenders = single_precision.contenders(states, SINGLE_PRECISION_WORKS[name], threads)
     elif name in CALL_WORKS:
         contenders = calls.contenders(states, CALL_WORKS[name])
     else:

@@ -8,6 +8,7 @@ import pytest
 from crosscheck.bench import benchmark, cold
 from crosscheck.bench.benchmark import N_PROGRESS_STEPS, Effort
 from crosscheck.bench.calls import CALL_WORKS
+from crosscheck.bench.forms.single_precision import SINGLE_PRECISION_WORKS
 from crosscheck.bench.machine.disturbance import Load
 from crosscheck.bench.machine.timing import Times
 from graphdyn import kr500
@@ -33,6 +34,7 @@ WORKS = (
     "solve_kkt",
     "joint_torque_regressor",
     *DERIVED,
+    *SINGLE_PRECISION_WORKS,
     "simulation",
     *CALL_WORKS,
     "single_inverse",

@@ -10,7 +10,7 @@ from small_benchmark import DERIVED, PEERS, SAMPLES
 import graphdyn
 from crosscheck.bench.calls import CallWork, contenders
 from crosscheck.bench.curves import chain
-from crosscheck.bench.forms import graphdyn_forms, peers, simulations
+from crosscheck.bench.forms import graphdyn_forms, peers, simulations, single_precision
 from crosscheck.bench.states import SINGLE_STATE_SAMPLES, random_states
 from crosscheck.bench.works import GRAPHDYN_FORMS, PINOCCHIO_FORMS, WORK_DESCRIPTIONS
 from crosscheck.reference.mujoco_model import MujocoModel
@@ -56,13 +56,23 @@ class TestErrors:
         assert np.flatnonzero(wrong).tolist() == [7]
 
     @pytest.mark.parametrize(
-        "work", ["inverse_dynamics", "forward_dynamics", "solve_kkt", "joint_torque_regressor", "simulation"]
+        "work",
+        [
+            "inverse_dynamics",
+            "forward_dynamics",
+            "solve_kkt",
+            "joint_torque_regressor",
+            "inverse_dynamics_single",
+            "simulation",
+        ],
     )
     def test_one_wrong_number_of_any_form_is_seen(self, states, work):
         """Of ours and others', in the last column of its sample only; products of columns in the entry of theirs."""
         bound = WORK_DESCRIPTIONS[work][2]
         if work == simulations.SIMULATION_NAME:
             forms = simulations.contenders(states, None)
+        elif work in single_precision.SINGLE_PRECISION_WORKS:
+            forms = single_precision.contenders(states, False, (1,))
         else:
             forms = [*GRAPHDYN_FORMS[work](states, (1,)), *PINOCCHIO_FORMS[work](states, (1,))]
         for form in forms:
