@@ -6,12 +6,15 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections import Counter
 
 import pytest
 from long_check import LONG
 from shared_data import REPOSITORY
 
 import graphdyn
+from crosscheck.commands.crosscheck.command import DEFAULT_ROBOTS
+from crosscheck.comparing.accuracy.measured_states import measured_quantities
 from crosscheck.paper.errata import ERRATA
 from crosscheck.quantities import COMPARED
 from crosscheck.quantities.tolerances import EPS
@@ -103,6 +106,19 @@ def test_the_table_of_agreement_has_every_quantity_within_its_bound():
         assert bound == f"{COMPARED[name].tolerance.bound:.1e}"
         assert len(errors) == 6
         assert all(error == "–" or float(error) <= COMPARED[name].tolerance.bound for error in errors)
+
+
+def test_the_tables_of_accuracy_have_every_quantity_within_its_bound():
+    rows = table_rows("docs/accuracy.md", r"[a-z0-9_]+")
+    measured = {name for name, quantity in measured_quantities().items() if quantity is not None}
+    assert {name for name, *_ in rows} - {"quantity", "bound"} == measured
+    assert Counter(name for name, *_ in rows)["inverse_dynamics"] == 2 + len(DEFAULT_ROBOTS)
+    by_arm = [row for row in rows if row[1].isdigit()]
+    assert len(by_arm) == len(DEFAULT_ROBOTS) * len(measured)
+    for name, bound, *codes in by_arm:
+        assert bound == f"{measured_quantities()[name].row.tolerance.bound / EPS:.0f}"
+        for code in codes:
+            assert code == "–" or float(code.split("; ")[2]) <= float(bound)
 
 
 def test_the_readme_shows_the_rows_that_come_closest_to_their_bounds():
