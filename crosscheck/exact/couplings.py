@@ -12,7 +12,7 @@ import numpy as np
 from graphdyn import RobotModel
 
 Ratios = Mapping[str, tuple[Mapping[str, Fraction], Fraction]]
-"""By the name of a joint that others drive: the ratio to each of these, and the offset."""
+"""Ratios to each driving joint, and the offset, by the name of a joint that others drive."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from crosscheck.exact.balls import Balls, as_balls, bits, decimal, least_root, s
 from crosscheck.exact.equations import system
 from crosscheck.exact.recorded import CONSTANTS, evaluate, recorded
 from crosscheck.exact.robot import Truth
-from crosscheck.exact.source import Source
+from crosscheck.exact.source import ExactSource
 from crosscheck.exact.values import MAX_BITS
 from crosscheck.reference.subject import Robot
 from graphdyn import InvalidInput
@@ -69,7 +69,7 @@ def prove(
     Raises InvalidInput without python-flint, for robots with loops, wrong shapes, and what is no number; urdf's errors
     for a file that cannot be read.
     """
-    source = Source(robot, truth, Reading.of(prove, reading))
+    source = ExactSource(robot, truth, Reading.of(prove, reading))
     with bits(FIRST_BITS):
         source.at(FIRST_BITS)  # refuses what has no exact values
         at_state = None if q is None else _positions(source, q)
@@ -82,7 +82,7 @@ def prove(
 Found = tuple[Statement, str, Result, str]
 
 
-def _inertias(source: Source) -> Iterator[Found]:
+def _inertias(source: ExactSource) -> Iterator[Found]:
     for name, mass, tensor in source.inertials():
         if mass != 0 or any(x != 0 for row in tensor for x in row):
             yield "a real body can have this inertia", name, *possible_inertia(mass, tensor)
@@ -119,8 +119,8 @@ def principal_minor_sums(matrix: Sequence[Sequence[Fraction]]) -> tuple[Fraction
     )
 
 
-def _in_all_poses(source: Source) -> Found:
-    """Of the innermost joint that moves, the body has a velocity or turns: its energy is positive, whatever q."""
+def _in_all_poses(source: ExactSource) -> Found:
+    """The body of the innermost joint that moves has a velocity or turns: its energy is positive, whatever q."""
     statement: Statement = "the mass matrix is positive definite in all poses"
     lacking = [body.name for body in source.model.bodies]
     for precision in _precisions():
@@ -139,7 +139,7 @@ def _in_all_poses(source: Source) -> Found:
     return statement, "", "not proven", f"mass and inertia are not proven to be positive of {said}"
 
 
-def _mass_matrix(source: Source, q: Any) -> Found:
+def _mass_matrix(source: ExactSource, q: Any) -> Found:
     statement: Statement = "the mass matrix is positive definite at this state"
     for precision in _precisions():
         with bits(precision):
@@ -151,7 +151,7 @@ def _mass_matrix(source: Source, q: Any) -> Found:
     return statement, "", "not proven", f"with {MAX_BITS} bits a pivot of its elimination is not distinct from zero"
 
 
-def _constraints(source: Source, q: Any) -> Found:
+def _constraints(source: ExactSource, q: Any) -> Found:
     """φ_q φ_qᵀ is positive definite where the rows of φ_q are independent."""
     statement: Statement = "the constraints have full rank at this state"
     if source.model.couplings:
@@ -165,7 +165,7 @@ def _constraints(source: Source, q: Any) -> Found:
     return statement, "", "not proven", f"φ_q φ_qᵀ is not proven positive definite with {MAX_BITS} bits"
 
 
-def _equations(source: Source, q: Any) -> Found:
+def _equations(source: ExactSource, q: Any) -> Found:
     statement: Statement = "the equations are regular at this state"
     if source.model.couplings:
         return statement, "", "not proven", _COUPLED
@@ -195,32 +195,32 @@ def _definite(matrix: Balls) -> Result:
     return "proven"
 
 
-def _mass_matrix_in_balls(source: Source, precision: int, q: Any) -> Balls:
+def _mass_matrix_in_balls(source: ExactSource, precision: int, q: Any) -> Balls:
     robot = source.at(precision)
     program = recorded(robot, Request("mass_matrix", ("mass_matrix",)))
     found = evaluate(program.program, {"q": list(as_balls(q)), CONSTANTS: program.constants(robot)})["mass_matrix"]
     return np.array(found, dtype=object).reshape(source.model.nv, source.model.nv)
 
 
-def _why_not(source: Source, mass: Balls) -> str:
+def _why_not(source: ExactSource, mass: Balls) -> str:
     """Why a mass matrix is not positive definite."""
     joint = _without_inertia(source, mass)
     return "a pivot of its elimination is not positive" if joint is None else f"joint '{joint}' moves without inertia"
 
 
-def _without_inertia(source: Source, mass: Balls) -> str | None:
+def _without_inertia(source: ExactSource, mass: Balls) -> str | None:
     """The name of a joint whose row of the mass matrix is exactly zero."""
     names = zip(source.model.independent_joints, mass, strict=True)
     return next((name for name, row in names if all(x.is_zero() for x in row)), None)
 
 
-def _system(source: Source, precision: int, q: Any) -> Balls:
+def _system(source: ExactSource, precision: int, q: Any) -> Balls:
     """The matrix of Eq. (111), which velocities and torques do not change."""
     none = list(zeros(source.model.nv))
     return system(source.at(precision), list(as_balls(q)), none, none).matrix
 
 
-def _positions(source: Source, q: Any) -> Any:
+def _positions(source: ExactSource, q: Any) -> Any:
     given = np.asarray(q, dtype=object)
     if given.shape != (source.model.nv,):
         raise InvalidInput(f"q has shape {given.shape}, expected ({source.model.nv},)")

@@ -110,7 +110,7 @@ def _program(recording: _Recording) -> Program:
 
 
 def _degrees_of_freedom(model: RobotModel, array: Callable[..., Any]) -> DegreesOfFreedom:
-    """With the couplings as scalars. array: the next ones, in this shape"""
+    """What the couplings leave free, as scalars. array: the next ones, in this shape"""
     known = model.degrees_of_freedom
     if not model.couplings:
         return known

@@ -12,7 +12,7 @@ from graphdyn import InvalidInput, RobotModel
 from urdf import Reading, written
 
 
-class Source:
+class ExactSource:
     """A robot at any precision."""
 
     def __init__(self, robot: Robot, truth: Truth | None, reading: Reading) -> None:

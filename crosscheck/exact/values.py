@@ -26,7 +26,7 @@ from crosscheck.exact.equations import system
 from crosscheck.exact.ground import BASE_SHAPES, ground
 from crosscheck.exact.recorded import CONSTANTS, GROUND, RecordedRequest, evaluate, recorded
 from crosscheck.exact.robot import Truth
-from crosscheck.exact.source import Source
+from crosscheck.exact.source import ExactSource
 from crosscheck.reference.subject import Robot
 from graphdyn import BaseMotion, InvalidInput, RobotModel, SingularMassMatrix
 from graphdyn.arguments import Reference, closest, frame_choice
@@ -133,7 +133,7 @@ def exact_values(
     if not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
         raise InvalidInput(f"digits is {digits!r}; give an integer from 1 to {MAX_DIGITS}")
     known = VERBS[verb]
-    source = Source(robot, truth, Reading.of(exact_values, reading))
+    source = ExactSource(robot, truth, Reading.of(exact_values, reading))
     chosen = None
     if known.of_frame:
         if frame is None or reference is None:
@@ -168,7 +168,7 @@ class _Exact:
     constants: inputs of the program that do not change from state to state, by precision
     """
 
-    source: Source
+    source: ExactSource
     request: Request
     dense: bool
     digits: int

@@ -113,7 +113,7 @@ _MIMIC_NUMBERS = (("multiplier", "1"), ("offset", "0"))
 def _held(
     elements: Mapping[str, etree._Element], parsed: Parsed, mimics: Mapping[str, WrittenMimic]
 ) -> dict[str, Fraction]:
-    """Where the joints stand that do not move."""
+    """Positions of the joints that do not move."""
 
     def position(name: str) -> Fraction:
         if name not in parsed.locked:

@@ -10,7 +10,8 @@ import numpy as np
 from crosscheck.exact import ExactArray
 from crosscheck.judging.exchange.protocols import number_text
 from crosscheck.judging.exchange.proven_digits import ProvenDigits
-from crosscheck.judging.exchange.rounds import states_for, states_of
+from crosscheck.judging.exchange.rounds import states_of
+from crosscheck.judging.judge import drawn_states, robot_of
 from crosscheck.judging.observing.references import References, check_declared, relative_errors
 from crosscheck.judging.setting import Setting
 from crosscheck.judging.states import JudgedStates
@@ -88,7 +89,8 @@ def vector_tables(
         if "p" in known.shape:
             raise InvalidInput(f"{known.name} has no test vectors: answers of any number of columns may be right")
     check_declared(setting.conventions, functions)
-    drawn = states_for(setting, functions)
+    robot = robot_of(setting, [known.name for known in functions])
+    drawn = drawn_states(robot.model.uncoupled, setting, functions)
     of_states: dict[bool, References] = {}
     for known in functions:
         states = states_of(known, drawn, setting)
@@ -107,7 +109,7 @@ def vector_tables(
                 )
         names_of = known.called_with(setting.external_wrenches)
         arguments = dict(zip(names_of, known.arguments_at(references.states), strict=True))
-        exact = None if digits is None else digits.of(known, chosen, setting, references.states)
+        exact = None if digits is None else digits.of(known, chosen, robot, references.states)
         yield VectorTable(known, chosen, arguments, ours, tolerance, tuple(answers), exact)
 
 
