@@ -9,10 +9,11 @@ from crosscheck.exact.balls import check_installed
 from crosscheck.exact.proofs import Proof, Result, prove
 from crosscheck.exact.robot import Truth
 from crosscheck.exact.sensitivity import HALF_ULP, half_ulp_effects
-from crosscheck.exact.values import ExactArray, exact_values
+from crosscheck.exact.values import MAX_DIGITS, ExactArray, exact_values
 
 __all__ = [
     "HALF_ULP",
+    "MAX_DIGITS",
     "ExactArray",
     "Proof",
     "Result",

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn import InvalidInput
+from urdf.document import NUMBER
 
 Ball = Any
 """A flint.arb."""
@@ -24,6 +25,8 @@ Balls = NDArray[np.object_]
 
 _TIMES_PI = re.compile(r"([+-]?)(?:([0-9.]+(?:/[0-9]+)?)\s*\*?\s*)?(?:pi|π)(?:\s*/\s*([0-9.]+))?")
 """3pi/4, -pi, 0.5*pi, 2/3 π"""
+
+_DECIMAL = re.compile(NUMBER)
 
 
 def bits(precision: int) -> AbstractContextManager[Any]:
@@ -74,6 +77,8 @@ def _ball_of_text(text: str) -> Ball:
             sign, factor, divisor = found.groups()
             share = Fraction(factor or 1) / Fraction(divisor or 1)
             return arb.pi() * ball(-share if sign == "-" else share)
+        if _DECIMAL.fullmatch(text):  # of any length, which Fraction refuses
+            return arb(text)
         return ball(Fraction(text.strip()))
     except (ValueError, ZeroDivisionError):
         raise InvalidInput(

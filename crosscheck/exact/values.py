@@ -86,8 +86,12 @@ class ExactArray:
         return np.array(right).reshape(self.balls.shape)
 
     def errors(self, values: ArrayLike) -> tuple[Array, Array]:
-        """What doubles (…) are wrong by: at least, and at most. Raises InvalidInput for another shape, and NaN."""
-        given = np.asarray(values, dtype=float)
+        """What doubles (…), or decimals as texts, are wrong by: at least, and at most.
+
+        Raises InvalidInput for another shape, and NaN.
+        """
+        given = np.asarray(values)
+        given = given.astype(object if given.dtype.kind in "OU" else float)
         if given.shape != self.balls.shape:
             raise InvalidInput(f"the values have shape {given.shape}, the exact ones {self.balls.shape}")
         with bits(self.bits):

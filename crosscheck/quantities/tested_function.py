@@ -11,6 +11,31 @@ from numpy.typing import ArrayLike
 from graphdyn.layout import Array
 
 
+class LongDecimal(float):
+    """A decimal with more digits than a double holds: the nearest double, which knows the text."""
+
+    text: str
+
+    def __new__(cls, text: str) -> LongDecimal:
+        number = super().__new__(cls, text)
+        number.text = text
+        return number
+
+    def __reduce__(self) -> tuple[type[LongDecimal], tuple[str]]:
+        return LongDecimal, (self.text,)
+
+    @property
+    def digits(self) -> int:
+        """Number of its significant digits."""
+        return significant_digits(self.text)
+
+
+def significant_digits(text: str) -> int:
+    """Number of digits of a decimal from the first one that is not zero."""
+    mantissa = text.lower().partition("e")[0]
+    return len(mantissa.lstrip("+-").replace(".", "").lstrip("0"))
+
+
 @dataclass(frozen=True)
 class Refusal:
     """A stand-in for an answer, where user code says that it has none at a state."""
@@ -25,7 +50,8 @@ class BatchFunction(Protocol):
     def answers(
         self, function: str, states: Sequence[Mapping[str, Array]], shape: tuple[int | None, ...]
     ) -> Sequence[Array | Refusal]:
-        """The answer (shape) at each state. function: its name; states: arguments by name"""
+        """The answer (shape) at each state; arrays of objects where some are a LongDecimal. function: its name; states:
+        arguments by name"""
 
 
 TestedFunction = Callable[..., ArrayLike] | BatchFunction

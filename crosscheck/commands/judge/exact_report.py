@@ -29,9 +29,10 @@ def in_words(errors: ExactErrors) -> str:
     references = ", ".join(f"{name} by {x[worst]:.0e}" for name, x in errors.references.items())
     where = "the decimals of the file" if errors.truth == "file" else "the doubles of the model"
     states = f"{'all' if errors.everywhere else 'at'} {counted(len(errors.states), 'state')}"
+    digits = f"Right to {errors.digits} of {errors.given_digits} digits. " if errors.given_digits else ""
     return (
         f"{said}; {references.replace(' by', ' errs by', 1)}; half an ulp of the inputs causes "
-        f"{errors.caused[worst]:.0e}. {_rounded(errors)}Exact are {where}, {states}."
+        f"{errors.caused[worst]:.0e}. {digits}{_rounded(errors)}Exact are {where}, {states}."
     )
 
 
@@ -39,7 +40,11 @@ def _rounded(errors: ExactErrors) -> str:
     """How many numbers are correctly rounded, where all states were computed."""
     if not errors.everywhere:
         return ""
-    return f"{100 * errors.rounded:.0f} % correctly rounded, the worst number is {errors.ulps:.0f} ulps off. "
+    return f"{100 * errors.rounded:.0f} % correctly rounded, the worst number is {_few(errors.ulps)} ulps off. "
+
+
+def _few(ulps: float) -> str:
+    return f"{ulps:.0f}" if ulps >= 10 else f"{ulps:.1g}"
 
 
 def exact_table(function: JudgedFunction) -> tuple[Block, ...]:

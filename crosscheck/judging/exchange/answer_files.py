@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.exchange.printed_numbers import (
     BeyondDoubles,
     UnreadableAnswer,
+    as_array,
     flat_numbers,
     printed_numbers,
     read_json,
@@ -33,7 +33,8 @@ class BadAnswers(GraphDynError):
 
 @dataclass(frozen=True, eq=False)
 class GivenAnswer:
-    """The numbers of one answer (m,), and where they stand: "answers.csv, line 7"."""
+    """The numbers of one answer (m,), of objects where some are a LongDecimal, and where they stand: "answers.csv, line
+    7"."""
 
     numbers: Array
     where: str
@@ -68,7 +69,7 @@ def _csv(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
                 continue
             raise BadAnswers(f"{where}: {error}; write the id and the numbers of the answer") from None
         if numbers:
-            yield _id(numbers[0], where), GivenAnswer(np.array(numbers[1:]), where)
+            yield _id(numbers[0], where), GivenAnswer(as_array(numbers[1:]), where)
 
 
 def _json(path: Path) -> Iterator[tuple[int, GivenAnswer]]:

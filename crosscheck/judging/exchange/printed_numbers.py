@@ -1,19 +1,26 @@
-"""Numbers as programs print them, in lines and in JSON, nan and inf among them; what a double cannot hold is none."""
+"""Numbers as programs print them, in lines and in JSON, nan and inf among them, and decimals of any length.
+
+Whole numbers that a double cannot hold, and numbers beyond the largest double, are none.
+"""
 
 from __future__ import annotations
 
 import json
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
+from crosscheck.quantities.tested_function import LongDecimal, significant_digits
 from crosscheck.recordings.errors import quoted
 from crosscheck.recordings.table import MAX_EXACT_INTEGER, is_exact
 from graphdyn.layout import Array
 from urdf.document import finite_number
+
+DIGITS_OF_DOUBLES = 17
+"""Significant digits that tell any double from all others."""
 
 MAX_NESTING = 32
 """Largest number of dimensions of an answer."""
@@ -36,8 +43,14 @@ class BeyondDoubles(str):
 
 
 def printed_number(text: str) -> float | None:
-    """The number that a program prints, such as -1.5e-3, nan or -inf; None for anything else."""
-    return float(text) if _NOT_FINITE.fullmatch(text) else finite_number(text)
+    """The number that a program prints, such as -1.5e-3, nan or -inf, a LongDecimal where it has more digits than a
+    double; None for anything else."""
+    return float(text) if _NOT_FINITE.fullmatch(text) else _with_all_digits(text)
+
+
+def _with_all_digits(text: str) -> float | None:
+    number = finite_number(text)
+    return number if number is None or significant_digits(text) <= DIGITS_OF_DOUBLES else LongDecimal(text)
 
 
 def printed_numbers(line: str) -> list[float]:
@@ -74,7 +87,7 @@ def _integer(text: str) -> int | BeyondDoubles:
 
 
 def _decimal(text: str) -> float | BeyondDoubles:
-    number = finite_number(text)
+    number = _with_all_digits(text)
     return BeyondDoubles(text) if number is None else number
 
 
@@ -88,14 +101,33 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def flat_numbers(nested: Any) -> Array:
-    """Numbers in nested lists, row by row (m,); null is no number. Raises UnreadableAnswer for anything else."""
-    numbers = list(_flat(nested, MAX_NESTING))
+    """Numbers in nested lists, row by row (m,), decimals also as texts; null is no number.
+
+    Raises UnreadableAnswer for anything else.
+    """
+    numbers = [_number_of(x) for x in _flat(nested, MAX_NESTING)]
     for number in numbers:
         if isinstance(number, BeyondDoubles) or (isinstance(number, int) and not is_exact(number)):
             raise UnreadableAnswer(f"no double holds {quoted(str(number))}")
         if number is not None and (isinstance(number, bool) or not isinstance(number, int | float)):
             raise UnreadableAnswer("the answer is no array of numbers")
-    return np.array([np.nan if x is None else x for x in numbers], dtype=float)
+    return as_array([np.nan if x is None else x for x in numbers])
+
+
+def as_array(numbers: Sequence[float]) -> Array:
+    """Of doubles; of objects where some are a LongDecimal."""
+    long = any(isinstance(x, LongDecimal) for x in numbers)
+    return np.array(numbers, dtype=object if long else float)
+
+
+def _number_of(given: Any) -> Any:
+    """A number for a decimal in quotation marks, for languages whose JSON has no long numbers."""
+    if not isinstance(given, str) or isinstance(given, BeyondDoubles):
+        return given
+    number = printed_number(given)
+    if number is None:
+        raise UnreadableAnswer(f"{quoted(given)} is no decimal number; write digits and a point, as '-1.25e-3'")
+    return number
 
 
 def _flat(nested: Any, depth: int) -> Iterator[Any]:

@@ -8,12 +8,11 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
 from crosscheck.judging.exchange.line_process import shown
 from crosscheck.judging.exchange.printed_numbers import (
     NoNumber,
     UnreadableAnswer,
+    as_array,
     flat_numbers,
     printed_numbers,
     read_json,
@@ -47,7 +46,7 @@ def _plain_answer(line: str, _number: int, shape: Shape) -> Array | Refusal:
     if line.startswith("error"):
         return Refusal(line.removeprefix("error").lstrip(": ") or "error")
     try:
-        numbers = np.array(printed_numbers(line))
+        numbers = as_array(printed_numbers(line))
     except NoNumber:
         raise UnreadableAnswer(f"{shown(line)}, which is no line of numbers") from None
     except UnreadableAnswer as error:

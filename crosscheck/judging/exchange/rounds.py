@@ -77,7 +77,7 @@ class Replay:
 
     def _answer(self, one: Question, shape: Shape) -> Array | Refusal:
         given = self._given[one.id]
-        wrong = np.flatnonzero(~np.isfinite(given.numbers))
+        wrong = np.flatnonzero(~np.isfinite(given.numbers.astype(float)))
         try:
             found = shaped(given.numbers, shape, f"{given.where}, id {one.id}, {one.function}")
         except UnreadableAnswer as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,12 +34,14 @@ class Answers:
     answered: which ones these are                          (N,)
     failures: message by number of the state
     changed: names of the arguments that the function changed
+    decimals: the values as objects, where some of them are a LongDecimal   (M, …)
     """
 
     values: Array
     answered: NDArray[np.bool_]
     failures: dict[int, str]
     changed: frozenset[str]
+    decimals: NDArray[Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,16 +83,18 @@ class FunctionUnderTest:
     def ask(self, *arguments: Array) -> Answers:
         """The answers at N states, in our joint order. Raises FunctionFailure where no state has one."""
         changed: set[str] = set()
-        found = list(self._answers(arguments, changed))
-        failures = {k: str(answer) for k, answer in enumerate(found) if isinstance(answer, FunctionFailure)}
-        values = [answer for answer in found if not isinstance(answer, FunctionFailure)]
+        all_answers = list(self._answers(arguments, changed))
+        failures = {k: str(answer) for k, answer in enumerate(all_answers) if isinstance(answer, FunctionFailure)}
+        values = [answer for answer in all_answers if not isinstance(answer, FunctionFailure)]
         if not values:
-            raise next(answer for answer in found if isinstance(answer, FunctionFailure))
+            raise next(answer for answer in all_answers if isinstance(answer, FunctionFailure))
         if len({value.shape for value in values}) > 1:
             shapes = " and ".join(sorted({str(value.shape) for value in values}))
             raise FunctionFailure(f"{self.name} returned different shapes at different states: {shapes}")
-        answered = np.array([k not in failures for k in range(len(found))])
-        return Answers(self._in_our_order(np.stack(values)), answered, failures, frozenset(changed))
+        answered = np.array([k not in failures for k in range(len(all_answers))])
+        found = self._in_our_order(np.stack(values))
+        decimals = found if found.dtype == object else None
+        return Answers(found.astype(float), answered, failures, frozenset(changed), decimals)
 
     def function_arguments(self, row: Sequence[Array]) -> dict[str, Array]:
         """The arguments of one state as the function gets them, by name; copies."""

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.exact import ExactArray, Truth, check_installed
+from crosscheck.exact import MAX_DIGITS, ExactArray, Truth, check_installed
 from crosscheck.judging.exact_errors import ROUNDING_FACTOR, ExactErrors
-from crosscheck.judging.judgment import JudgedFunction
 from crosscheck.judging.setting import Setting
-from crosscheck.judging.verdicts.exact_answers import ExactAnswers
+from crosscheck.judging.verdicts.exact_answers import DIGITS, ExactAnswers
 from crosscheck.judging.verdicts.verdicts import Judged
 from crosscheck.quantities.scales import ratio
+from crosscheck.quantities.tested_function import LongDecimal
 from crosscheck.reference.subject import Subject
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.layout import Array
@@ -25,12 +25,15 @@ SINGLE_ULPS = 2.0**29
 """Ulps of double precision in one of single precision."""
 
 
-def needs_exact_values(verdict: JudgedFunction, right: float) -> bool:
-    """Whether the exact values at a few states are worth their time: the references disagree, or the function is wrong
-    by little.
+def needs_exact_values(found: Judged, right: float) -> bool:
+    """Whether the exact values at a few states are worth their time: the references disagree, the function is wrong by
+    little, or its answers have more digits than doubles.
 
     right: largest relative error that right functions have
     """
+    verdict = found.verdict
+    if found.answers.decimals is not None:
+        return True
     largest = max(float(errors.max()) for errors in (*verdict.errors.values(), *verdict.backward_errors.values()))
     return not verdict.references_agree or right < largest < NEEDS_NO_PROOF
 
@@ -100,7 +103,8 @@ def _errors(
     single: bool,
 ) -> ExactErrors:
     states, answer = found.states.rows(rows), found.answer[rows]
-    exact = answers.at(states, truth)
+    texts, given_digits = _decimals(found, rows)
+    exact = answers.at(states, truth, DIGITS if given_digits is None else min(given_digits + DIGITS, MAX_DIGITS))
     group = answers.groups(states)
 
     def largest(values: Array) -> Array:
@@ -108,7 +112,7 @@ def _errors(
         flat = values.reshape(len(rows), -1)
         return np.stack([flat[:, group == k].max(axis=1) for k in range(group.max() + 1)], axis=1)
 
-    least, most = exact.errors(answer)
+    least, most = exact.errors(answer if texts is None else texts)
     caused = largest(answers.caused(states)) * (SINGLE_ULPS if single else 1.0)
     sizes = np.broadcast_to(answers.sizes(exact.doubles(), states), caused.shape)
     excess = ratio(largest(least), ROUNDING_FACTOR * caused)
@@ -132,7 +136,19 @@ def _errors(
         scale=answers.scale,
         rounded=float(exact.is_correctly_rounded(answer).mean()),
         ulps=_ulps_of_worst(exact, most, sizes[:, group]),
+        given_digits=given_digits,
     )
+
+
+def _decimals(found: Judged, rows: NDArray[np.intp]) -> tuple[NDArray[np.object_] | None, int | None]:
+    """The answers as texts, where some have more digits than doubles, and how many digits they have at most."""
+    if found.answers.decimals is None:
+        return None, None
+    given = found.answers.decimals[rows]
+    texts = [x.text if isinstance(x, LongDecimal) else float(x) for x in given.ravel()]
+    digits = max((x.digits for x in given.ravel() if isinstance(x, LongDecimal)), default=None)
+    kept = np.array(texts, dtype=object).reshape(given.shape)
+    return (None, None) if digits is None else (kept, digits)
 
 
 def _ulps_of_worst(exact: ExactArray, most: Array, sizes: Array) -> float:
