@@ -105,7 +105,7 @@ def momentum(links: Links, root: Root, mass: float, q: PerJoint, v: PerJoint) ->
     """about_center_of_mass and about_origin (6 each): linear, then angular momentum, world axes."""
     links, root = rooted(links, root)
     at = places(links, q)
-    of_bodies = [_momentum(link, *twist) for link, twist in zip(links, twists(links, at, root, v), strict=True)]
+    of_bodies = [of_motion(link, *twist) for link, twist in zip(links, twists(links, at, root, v), strict=True)]
     in_ground, about_joint = _at_ground(links, at, transmitted(links, at, of_bodies, None))
     linear, center = root.rotation @ in_ground, _center(links, at, mass)
     about_center = root.rotation @ (about_joint - cross(center, in_ground))
@@ -130,7 +130,7 @@ def centroidal_map(links: Links, root: Root, mass: float, q: PerJoint) -> Scalar
     return np.array(columns, dtype=object).T
 
 
-def _momentum(link: Link, u: Scalars, omega: Scalars) -> Wrench:
+def of_motion(link: Link, u: Scalars, omega: Scalars) -> Wrench:
     """m u + ω × m c, and m c × u + I ω about O_j, of the velocity u of O_j; joint axes."""
     return u * link.mass + cross(omega, link.first_moment), cross(link.first_moment, u) + link.tensor @ omega
 

@@ -53,7 +53,7 @@ class ColumnPasses:
 class Product:
     """±leftᵀ right of arrays that steps before have answered, of which to becomes the product.
 
-    triangular: whether row k of left and right is zero left of column k
+    triangular: whether row k of left and right is zero left of column k, and the product symmetric
     """
 
     left: str
@@ -90,10 +90,10 @@ class BodyProgram:
 
 @dataclass(frozen=True)
 class RecordedPass:
-    """steps: for bodies that turn and for those that slide; a pass over the ground has one for False"""
+    """steps: for each kind of bodies; a pass over the ground, or for a frame, has one for 0"""
 
     order: Order
-    steps: Mapping[bool, BodyProgram]
+    steps: Mapping[int, BodyProgram]
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class Extent:
 class LongProgram:
     """Passes over the bodies of a robot, in their order, and where all arrays are.
 
-    prismatic, inside: of every body; inside is the number of bodies for the ground
+    kinds, inside: of every body; kinds have steps of their own; inside is the number of bodies for the ground
     table: constants of every body (bodies, …)
     arrays: where they are in memory, by name: inputs, outputs, and what steps keep
     vectors: of memory in all
@@ -126,7 +126,7 @@ class LongProgram:
     inputs, outputs: widths of the arrays of the caller; guards: kinds of guards
     """
 
-    prismatic: tuple[bool, ...]
+    kinds: tuple[int, ...]
     inside: tuple[int, ...]
     table: Array
     passes: tuple[Recorded, ...]
@@ -150,12 +150,12 @@ class LongProgram:
         )
 
     def _multiplications(self, product: Product) -> int:
-        return 2 * len(self.inside) * self.arrays[product.to].width // (3 if product.triangular else 1)
+        return 2 * len(self.inside) * self.arrays[product.to].width // (6 if product.triangular else 1)
 
     def _operations(self, each: RecordedPass, in_columns: bool, of_frame: bool) -> int:
         if each.order in ("ground", "frame"):
-            return each.steps[False].program.arithmetic
-        of_body = [each.steps[prismatic].program.arithmetic for prismatic in self.prismatic]
+            return each.steps[0].program.arithmetic
+        of_body = [each.steps[kind].program.arithmetic for kind in self.kinds]
         if each.order in ("path", "beyond"):  # as if the column were one of the body itself, or of those outside
             of_path: list[int] = []
             for body, inside in enumerate(self.inside):

@@ -55,6 +55,9 @@ SHAPES: dict[str, tuple[int | str, ...]] = {
 }
 """Shapes of arrays that are not among ARRAY_SPECS."""
 
+MOST_KINDS = 3
+"""Most kinds of bodies that turn, and of those that slide. Each has code of its own, which takes time to compile."""
+
 PER_BODY = {"n": 1, "bodies": 1, "10 bodies": BODY_PARAMETERS, "couplings": 0, "chord rows": 0}
 """Dimensions of arrays that grow with the robot, and how many entries belong to a body. There are no couplings and
 chords."""
@@ -74,6 +77,7 @@ class Shared:
             links, _ = rooted(links, fixed_root(model))
         self.links = [_turned_to_zero(link) for link in links]
         self.table = np.array([[*_numbers(link), 1.0 / scale] for link, scale in zip(self.links, scales, strict=True)])
+        self.kinds = _kinds([link.prismatic for link in self.links], self.table)
         self.frame: FixedFrame | None = None
         if request.frame is not None:
             self.frame = fixed_frame(model, self.links, request.frame)
@@ -111,17 +115,28 @@ class Shared:
         return sum(prod(shape) for _, shape in self.fields[space].values())
 
     def record(self, each: Pass, in_columns: bool = False) -> RecordedPass:
-        kinds = [False] if each.order in ("ground", "frame") else sorted({link.prismatic for link in self.links})
-        steps = {kind: BodyStep(self, each.order, kind) for kind in kinds}
-        with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia
-            recorded = {kind: step.trace(each.step) for kind, step in steps.items()}
+        kinds = [0] if each.order in ("ground", "frame") else sorted(set(self.kinds))
+        supposed = dict(self._of_ground) if each.order == "outwards" and not in_columns else {}
+        supposed = {column: value for column, value in supposed.items() if not np.isnan(value)}
+        certain = self.known_inside
+        while True:
+            # the ground's numbers hold for all bodies if each body keeps what its inside body is supposed to keep
+            self.known_inside = {**supposed, **certain}
+            steps = {kind: BodyStep(self, each.order, kind) for kind in kinds}
+            with np.errstate(invalid="ignore"):  # 1 / 0 of a joint without inertia
+                recorded = {kind: step.trace(each.step) for kind, step in steps.items()}
+            kept = [step.numbers_kept() for step in steps.values()]
+            holding = {column: x for column, x in supposed.items() if all(known.get(column) == x for known in kept)}
+            if len(holding) == len(supposed):
+                break
+            supposed = holding
+        self.known_inside = certain
         if not in_columns:
-            self._learn(each.order, list(steps.values()))
+            self._learn(each.order, kept)
         return RecordedPass(each.order, recorded)
 
-    def _learn(self, order: Order, steps: Sequence[BodyStep]) -> None:
-        """What a pass leaves in memory that is the same number everywhere."""
-        kept = [step.numbers_kept() for step in steps]
+    def _learn(self, order: Order, kept: Sequence[Mapping[int, float]]) -> None:
+        """What a pass leaves in memory that is the same number everywhere. kept: by each kind of bodies"""
         if order == "ground":
             self._of_ground |= kept[0]
             for column in kept[0]:
@@ -137,10 +152,15 @@ class Shared:
 
 
 class BodyStep:
-    """What a step is given, for all bodies that turn or all that slide: names are those of fields of memory."""
+    """What a step is given, for all bodies of a kind: names are those of fields of memory."""
 
-    def __init__(self, shared: Shared, order: Order, prismatic: bool) -> None:
-        self._shared, self.order, self.prismatic = shared, order, prismatic
+    def __init__(self, shared: Shared, order: Order, kind: int) -> None:
+        self._shared, self.order = shared, order
+        self._bodies = [k for k, each in enumerate(shared.kinds) if each == kind]
+        if order == "frame":
+            assert shared.frame is not None
+            self._bodies = [shared.frame.body]
+        self.prismatic = shared.links[self._bodies[0]].prismatic
         self._recorder = Recorder()
         self._writes: list[tuple[Write, list[Any]]] = []
         self._own: dict[str, Scalars] = {}
@@ -151,21 +171,16 @@ class BodyStep:
     @cached_property
     def link(self) -> Link:
         """Its constants are numbers where all bodies have the same ones."""
-        links = self._shared.links
-        numbers = [k for k, link in enumerate(links) if link.prismatic == self.prismatic]
-        if self.order == "frame":
-            assert self._shared.frame is not None
-            numbers = [self._shared.frame.body]
-        constants = self._constants(numbers)
-        return replace(links[numbers[0]], **by_shapes(constants, NUMBERS), inside=-1)
+        link = self._shared.links[self._bodies[0]]
+        return replace(link, **by_shapes(self._constants, NUMBERS), inside=-1)
 
     @property
     def pivot_scale(self) -> Any:
-        numbers = [k for k, link in enumerate(self._shared.links) if link.prismatic == self.prismatic]
-        return self._constants(numbers)[-1]
+        return self._constants[-1]
 
-    def _constants(self, numbers: Sequence[int]) -> list[Any]:
-        rows = self._shared.table[numbers]
+    @cached_property
+    def _constants(self) -> list[Any]:
+        rows = self._shared.table[self._bodies]
         same = np.all(rows == rows[0], axis=0)
         place = Place(CONSTANTS, ("body",))
         return [float(rows[0, k]) if same[k] else self._input(place, k) for k in range(rows.shape[1])]
@@ -333,3 +348,20 @@ def _turned_to_zero(link: Link) -> Link:
     c, s = link.at_zero
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]], dtype=object)
     return replace(link, rotation=link.rotation @ turn, at_zero=(1.0, 0.0))
+
+
+def _kinds(prismatic: Sequence[bool], table: Array) -> tuple[int, ...]:
+    """The kind of every body: turn or slide, and apart from the others those bodies with the same zeros among their
+    constants that have more of them than all have in common."""
+    kinds, count = np.zeros(len(table), dtype=int), 0
+    for slides in sorted(set(prismatic)):
+        left = np.flatnonzero(np.array(prismatic) == slides)
+        for _ in range(MOST_KINDS - 1):
+            zeros, place, sizes = np.unique(table[left] == 0, axis=0, return_inverse=True, return_counts=True)
+            most = sizes.argmax()
+            if sizes[most] == 1 or zeros[most].sum() == zeros.all(axis=0).sum():
+                break
+            alike = place.ravel() == most
+            kinds[left[alike]], left, count = count, left[~alike], count + 1
+        kinds[left], count = count, count + 1
+    return tuple(kinds.tolist())

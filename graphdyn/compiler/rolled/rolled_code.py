@@ -66,7 +66,7 @@ def emit_long(program: LongProgram, lanes: int, precision: Precision = DOUBLE) -
     names = [*program.inputs, *program.outputs]
     pointers = ", ".join(f"ptr %{name}" for name in ("scratch", *names, "guards"))
     header = f"define internal void @rows(i64 %first, i64 %last, i1 %bypass, {pointers})"
-    tables = [_table("inside", program.inside), _table("slides", tuple(map(int, program.prismatic)))]
+    tables = [_table("inside", program.inside), _table("kinds", program.kinds)]
     rows = loop_over_rows(code, header, [])
     minimum = "declare i64 @llvm.smin.i64(i64, i64)"
     return "\n".join([minimum, *code.declarations, *tables, *functions, *rows, *with_table(lanes, 2 + len(names))])
@@ -107,7 +107,7 @@ def _product(name: str, product: Product, program: LongProgram, lanes: int, prec
     )
     reach = str(inner)
     if product.triangular:
-        reach = code.let(f"add i64 {code.let(f'call i64 @llvm.smin.i64(i64 {i}, i64 {j})')}, {TILE}")
+        reach = code.let(f"add i64 {i}, {TILE}")
         reach = code.let(f"call i64 @llvm.smin.i64(i64 {reach}, i64 {inner})")
     code.do("br label %sum")
 
@@ -122,12 +122,16 @@ def _product(name: str, product: Product, program: LongProgram, lanes: int, prec
     ys = [sums.load(sums.vector, y, place * lanes) for place in range(wide)]
     pairs = [(a, b) for a in range(high) for b in range(wide)]
     found = [sums.call("fma", xs[a], ys[b], f"%sum{a}.{b}") for a, b in pairs]
+    signed = found if product.sign > 0 else [done.let(f"fneg nsz {done.vector} {value}") for value in found]
     for a in range(high):
         row = at(done, to, done.let(f"add i64 {i}, {a}"), j)
         for b in range(wide):
-            value = found[a * wide + b]
-            value = value if product.sign > 0 else done.let(f"fneg nsz {done.vector} {value}")
-            done.store(f"{done.vector} {value}", row, b * lanes)
+            done.store(f"{done.vector} {signed[a * wide + b]}", row, b * lanes)
+    if product.triangular:  # the other half is the same
+        for b in range(wide):
+            row = at(done, to, done.let(f"add i64 {j}, {b}"), i)
+            for a in range(high):
+                done.store(f"{done.vector} {signed[a * wide + b]}", row, a * lanes)
     body = [
         *code.lines,
         "sum:",
@@ -143,7 +147,9 @@ def _product(name: str, product: Product, program: LongProgram, lanes: int, prec
         "summed:",
         *done.lines,
     ]
-    tiles = list(loop_over("column", 0, columns + -columns % wide, wide, body, "%row.do"))
+    tiles = list(
+        loop_over("column", "%row" if product.triangular else 0, columns + -columns % wide, wide, body, "%row.do")
+    )
     yield f"define internal void @{name}(ptr %vectors) {{"
     yield from loop_over("row", 0, rows + -rows % high, high, tiles)
     yield "  ret void"
@@ -164,8 +170,9 @@ def _columns(name: str, each: RecordedColumnPasses, passes: list[str], program: 
 
 def _pass(name: str, each: RecordedPass, program: LongProgram, lanes: int, precision: Precision) -> Iterator[str]:
     """pass(…, of): the step of body after body; of: the body of the column."""
-    for slides, step in each.steps.items():
-        yield from _step(f"{name}_{int(slides)}", step, program, VectorCode(lanes, precision=precision))
+    for kind, step in each.steps.items():
+        if _same(each, kind) == kind:
+            yield from _step(f"{name}_{kind}", step, program, VectorCode(lanes, precision=precision))
     n = len(program.inside)
     yield f"define internal void @{name}({SHARED}, i64 %of) {{"
     if each.order == "ground":
@@ -182,6 +189,11 @@ def _pass(name: str, each: RecordedPass, program: LongProgram, lanes: int, preci
         yield from _along_path(each.order, n, list(_call(name, each, "%body")))
     yield "  ret void"
     yield "}"
+
+
+def _same(each: RecordedPass, kind: int) -> int:
+    """The first kind with the same step."""
+    return next(k for k, step in each.steps.items() if step == each.steps[kind])
 
 
 def _along_path(order: Order, n: int, lines: list[str]) -> Iterator[str]:
@@ -209,16 +221,16 @@ def _call(name: str, each: RecordedPass, body: str) -> Iterator[str]:
     yield f"  %inside.at = getelementptr i64, ptr @inside, i64 {body}"
     yield "  %body.inside = load i64, ptr %inside.at"
     call = f"({SHARED}, i64 {body}, i64 %body.inside, i64 %of)"
-    if len(each.steps) == 1:
-        yield f"  call void @{name}_{int(next(iter(each.steps)))}{call}"
+    if len({_same(each, kind) for kind in each.steps}) == 1:
+        yield f"  call void @{name}_{next(iter(each.steps))}{call}"
         return
-    yield f"  %slides.at = getelementptr i64, ptr @slides, i64 {body}"
-    yield "  %slides.not = load i64, ptr %slides.at"
-    yield "  %turns = icmp eq i64 %slides.not, 0"
-    yield "  br i1 %turns, label %turning, label %sliding"
-    for kind, label in enumerate(("turning", "sliding")):
-        yield f"{label}:"
-        yield f"  call void @{name}_{kind}{call}"
+    yield f"  %kind.at = getelementptr i64, ptr @kinds, i64 {body}"
+    yield "  %kind = load i64, ptr %kind.at"
+    first, *others = each.steps
+    yield f"  switch i64 %kind, label %kind{first} [ {' '.join(f'i64 {k}, label %kind{k}' for k in others)} ]"
+    for kind in each.steps:
+        yield f"kind{kind}:"
+        yield f"  call void @{name}_{_same(each, kind)}{call}"
         yield "  br label %called"
     yield "called:"
 

@@ -36,6 +36,7 @@ MOST_UNROLLED = {
     **dict.fromkeys((*bodies.PASSES, *sums.PASSES, *frames.PASSES), 24),
     "energy_regressor": 16,
     **dict.fromkeys(matrices.PASSES, 12),
+    "mass_matrix_inverse": 16,
     **dict.fromkeys(derivatives.PASSES, 8),
     "forward_dynamics_derivatives": 7,
     "reaction_derivatives": 0,
@@ -91,7 +92,7 @@ def record_long(model: RobotModel, request: Request) -> LongProgram:
     guarded = any(step.program.guards for step in _steps(passes))
     pivots: tuple[Guard, ...] = ("minimum",) if guarded else ()
     return LongProgram(
-        prismatic=tuple(link.prismatic for link in chain),
+        kinds=shared.kinds,
         inside=tuple(link.inside if link.inside >= 0 else n for link in chain),
         table=shared.table,
         passes=tuple(passes),

@@ -1,7 +1,11 @@
-"""Energies, momenta and the center of mass as steps of one body, and where the bodies are."""
+"""Energies, momenta and the center of mass as steps of one body, and where the bodies are.
+
+What is summed up once, and not for every column anew, is summed in joint axes.
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,20 +13,66 @@ import numpy as np
 from graphdyn.compiler.rolled.program import ColumnPasses, Pass
 from graphdyn.compiler.rolled.recording import BodyStep
 from graphdyn.compiler.rolled.steps.world import BODIES, ground, moving, per_rate
-from graphdyn.recursions.momentum import of_parameters
-from graphdyn.scalars.vectors import cross
+from graphdyn.recursions.inverse import inwards
+from graphdyn.recursions.momentum import of_motion, of_parameters
+from graphdyn.recursions.motion import places, resting_root, twists
+from graphdyn.scalars.vectors import E_Z, Scalars, cross, zeros
+
+
+def _ground(x: BodyStep) -> None:
+    """The motion of the ground frame, and sums of all bodies."""
+    x.keep("twist", (x.root.velocity, x.root.omega))
+    for name, shape in SUMS.items():
+        x.sum(name, zeros(*shape))
+
+
+SUMS: dict[str, tuple[int, ...]] = {"energy": (), "mass": (), "moment": (3,), "flow": (3,), "momentum": (2, 3)}
+"""Shapes of sums: kinetic energy, m, m c, the velocity of m c, and linear and angular momentum, about the origin of the
+body; all but the energy of the body and those outside."""
+
+
+def _twist(x: BodyStep) -> tuple[Scalars, Scalars]:
+    """Velocity of the origin and ω."""
+    velocity, omega = x.inside("twist")
+    place, root = places([x.link], [x.joint("q")]), replace(resting_root(), velocity=velocity, omega=omega)
+    (twist,) = twists([x.link], place, root, [x.joint("v")])
+    x.keep("twist", twist)
+    return twist
+
+
+def _kinetic(x: BodyStep) -> None:
+    u, omega = _twist(x)
+    twice = u @ (u * x.link.mass + cross(omega, x.link.first_moment) * 2.0) + omega @ (x.link.tensor @ omega)
+    x.add_at_ground("energy", twice * 0.5)
+
+
+def _own(x: BodyStep) -> None:
+    """What the body itself adds to the sums."""
+    x.sum("mass", x.link.mass)
+    x.sum("moment", x.link.first_moment)
+    x.sum("flow", zeros(3))
+    x.sum("momentum", of_motion(x.link, *_twist(x)))
+
+
+def _gathered(x: BodyStep) -> None:
+    """The sums are complete, and are added to those of the inside body."""
+    (place,) = places([x.link], [x.joint("q")])
+    mass, moment = x.kept("mass"), x.kept("moment")
+    linear = np.array([0.0, 0.0, mass], dtype=object) if x.prismatic else cross(E_Z, moment)
+    x.add("mass", mass)
+    x.add("moment", place.inwards(moment) + place.translation * mass)
+    x.add("flow", place.inwards(x.kept("flow") + linear * x.joint("v")))
+    force, torque = x.kept("momentum")
+    x.add("momentum", inwards(place, (force, torque)))
+
+
+WHOLE = Pass("ground", _ground), Pass("outwards", _own), Pass("inwards", _gathered)
+"""Sums of all bodies at the ground. What nobody reads is not computed."""
 
 
 def _no_energy(x: BodyStep) -> None:
     ground(x)
     x.sum("energy", 0.0)
-
-
-def _kinetic(x: BodyStep) -> None:
-    moving(x)
-    u, omega, moment = x.kept("velocity"), x.kept("omega"), x.kept("moment")
-    twice = u @ (u * x.kept("mass") + cross(omega, moment) * 2.0) + omega @ (x.kept("tensor") @ omega)
-    x.add_at_ground("energy", twice * 0.5)
 
 
 def _potential(x: BodyStep) -> None:
@@ -47,11 +97,13 @@ def _per_parameter(x: BodyStep) -> None:
 
 
 def _center(x: BodyStep) -> None:
-    x.answer("center_of_mass", x.kept("origin") + x.kept("moment") / x.mass)
+    x.answer("center_of_mass", x.root.position + x.root.rotation @ (x.kept("moment") / x.mass))
 
 
 def _center_velocity(x: BodyStep) -> None:
-    x.answer("center_of_mass_velocity", x.kept("velocity") + x.kept("impulse") / x.mass)
+    root, center = x.root, x.kept("moment") / x.mass
+    in_ground = root.velocity + cross(root.omega, center) + x.kept("flow") / x.mass
+    x.answer("center_of_mass_velocity", root.rotation @ in_ground)
 
 
 def _center_column(x: BodyStep) -> None:
@@ -59,13 +111,11 @@ def _center_column(x: BodyStep) -> None:
 
 
 def _momentum(x: BodyStep) -> None:
-    flow, moment, velocity = x.kept("flow"), x.kept("moment"), x.kept("velocity")
-    linear = x.kept("impulse") + velocity * x.mass
-    # ∫ c × ċ dm about joint 1, of ∫ ċ cᵀ dm
-    turning = np.array([flow[2, 1] - flow[1, 2], flow[0, 2] - flow[2, 0], flow[1, 0] - flow[0, 1]], dtype=object)
-    spin = turning + cross(moment, velocity)
-    x.answer("about_center_of_mass", [*linear, *(spin - cross(moment / x.mass, linear))])
-    x.answer("about_origin", [*linear, *(spin + cross(x.kept("origin"), linear))])
+    root, center = x.root, x.kept("moment") / x.mass
+    in_ground, about_joint = x.kept("momentum")
+    linear = root.rotation @ in_ground
+    x.answer("about_center_of_mass", [*linear, *(root.rotation @ (about_joint - cross(center, in_ground)))])
+    x.answer("about_origin", [*linear, *(root.rotation @ about_joint + cross(root.position, linear))])
 
 
 def _momentum_column(x: BodyStep) -> None:
@@ -88,13 +138,13 @@ def _of_bodies(step: Any) -> tuple[Pass, ...]:
 
 
 PASSES: dict[str, tuple[Pass | ColumnPasses, ...]] = {
-    "kinetic_energy": (Pass("ground", _no_energy), Pass("outwards", _kinetic), _energy("kinetic_energy")),
+    "kinetic_energy": (Pass("ground", _ground), Pass("outwards", _kinetic), _energy("kinetic_energy")),
     "potential_energy": (Pass("ground", _no_energy), Pass("outwards", _potential), _energy("potential_energy")),
     "energy_regressor": _of_bodies(_per_parameter),
-    "center_of_mass": (*BODIES, Pass("ground", _center)),
-    "center_of_mass_velocity": (*BODIES, Pass("ground", _center_velocity)),
+    "center_of_mass": (*WHOLE, Pass("ground", _center)),
+    "center_of_mass_velocity": (*WHOLE, Pass("ground", _center_velocity)),
     "center_of_mass_jacobian": (*BODIES, Pass("outwards", _center_column)),
-    "momentum": (*BODIES, Pass("ground", _momentum)),
+    "momentum": (*WHOLE, Pass("ground", _momentum)),
     "centroidal_map": (*BODIES, Pass("outwards", _momentum_column)),
     "maximal_state": _of_bodies(_state),
 }

@@ -87,6 +87,54 @@ def test_what_is_not_a_tree_of_free_joints_has_straight_line_code():
         assert not rolling.is_long(TREE, second)
 
 
+SNAKE = random_tree(13, [0, 1, 2, 3, 4, 5], ["revolute", "revolute", "revolute", "revolute", "prismatic", "revolute"])
+SNAKE = replace(
+    SNAKE,
+    bodies=tuple(replace(SNAKE.bodies[0], name=body.name, center_of_mass=[0, 0, 0.2]) for body in SNAKE.bodies),
+    joints=tuple(
+        replace(joint, axis=np.eye(3)[k % 2], placement=Placement(np.eye(3), [0, 0, 0.4 + 0.1 * k]))
+        for k, joint in enumerate(SNAKE.joints)
+    ),
+)
+"""Of one module, turned by turns about x and y, on a first one that stands elsewhere, with a slide."""
+
+
+def test_bodies_whose_constants_vanish_alike_have_code_of_their_own():
+    """What differs at one body alone does not cost the others their zeros."""
+    request = Request("mass_matrix", ("mass_matrix",))
+    snake, tree = rolling.record_long(SNAKE, request), rolling.record_long(TREE, request)
+    assert len({*snake.kinds[:4]}) > 1  # that turn
+    assert snake.kinds[4] not in (*snake.kinds[:4], snake.kinds[5])
+    assert set(tree.kinds) == {0, 1}
+    placing = next(each for each in snake.passes if each.order == "outwards")
+    assert len({placing.steps[kind].program.arithmetic for kind in snake.kinds[:4]}) > 1
+
+
+@pytest.mark.parametrize(
+    "name", ["static_torque", "joint_accelerations", "momentum", "center_of_mass_velocity", "mass_matrix_inverse"]
+)
+def test_kinds_agree_with_the_equations(name):
+    """On a base at rest too, where more is known to be zero."""
+    verb = VERBS[name]
+    given, moving = arguments(verb, SNAKE)
+    for keywords in ({}, moving):
+        expected = arrays(verb, verb.function(SNAKE, *given, method="projected", **keywords))
+        with on(LONG_ROBOTS):
+            rolled = arrays(verb, verb.function(SNAKE, *given, method="recursive", **keywords))
+        for x, plain in zip(rolled, expected, strict=True):
+            assert np.abs(x - plain).max(initial=0.0) <= SUM * np.abs(plain).max(initial=0.0)
+
+
+def test_what_rests_at_the_ground_and_is_not_moved_rests_everywhere():
+    """A static torque knows no angular velocity on a base at rest, and needs one on a base that turns."""
+    of_rest = rolling.record_long(TREE, Request("static_torque", ("static_torque",)))
+    of_motion = rolling.record_long(TREE, Request("static_torque", ("static_torque",), moving_base=True))
+    for program, columns in ((of_rest, 3), (of_motion, 9)):  # gravity; ω, ω̇ and the acceleration
+        outwards = next(each for each in program.passes if each.order == "outwards")
+        inputs = [given for kind, *given in outwards.steps[0].program.operations if kind == "input"]
+        assert sum(place.of == ("inside",) for place, _ in inputs) == columns
+
+
 def test_what_nobody_reads_is_not_kept():
     """A mass matrix needs arms, axes and composite bodies, and no velocities."""
     program = rolling.record_long(TREE, Request("mass_matrix", ("mass_matrix",)))
