@@ -72,7 +72,7 @@ def compare(
     closed = None if why_open or not looped.chords else looped_case(looped, samples, seed)  # refuses before it all
     model = coupled.uncoupled
     compared = replace(compared, model=model)
-    pinocchio_models, notes = _pinocchio_models(compared)
+    natives, notes = pinocchio_models(compared)
     record = ErrorTable()
     reason = why_not_forward(model)
     skipped = {name: reason for name, quantity in COMPARED.items() if quantity.solves and reason}
@@ -80,19 +80,19 @@ def compare(
     with compiled, threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for number, chunk in enumerate(_chunks(model, samples, seed)):
             # derivatives in the first chunk only: complex steps take long
-            _compare_chunk(record, chunk, pinocchio_models, with_forward=reason is None, derive=number == 0)
+            _compare_chunk(record, chunk, natives, with_forward=reason is None, derive=number == 0)
             if progress:
                 progress(chunk.name, len(chunk.q))
         if coupled.couplings:
             errors = partial(coupled_errors, forward=reason is None)
-            record.add_of_routes(coupled_case(coupled, samples, seed), errors, pinocchio_models)
+            record.add_of_routes(coupled_case(coupled, samples, seed), errors, natives)
         if looped.chords:
             notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
             if why_open:
                 skipped |= dict.fromkeys(LOOPED, why_open)
             elif closed is not None:
-                record.add_of_routes(closed, looped_errors, pinocchio_models)
-        identification = compare_identification(model, pinocchio_models["model"], seed) if has_mass(model) else None
+                record.add_of_routes(closed, looped_errors, natives)
+        identification = compare_identification(model, natives["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:
         record.add_identification(identification)
@@ -104,7 +104,7 @@ def compare(
     assert record.conditioning is not None
     quantities = record.results()
     if not all(quantity.agrees for quantity in quantities.values()):
-        notes += [note for pinocchio in pinocchio_models.values() for note in _reader_wrote(pinocchio.said)]
+        notes += [note for pinocchio in natives.values() for note in _reader_wrote(pinocchio.said)]
     return Comparison(
         robot=compared.name,
         file=compared.file,
@@ -114,7 +114,7 @@ def compare(
         samples=samples,
         seed=seed,
         reading=compared.reading,
-        routes=tuple(pinocchio_models),
+        routes=tuple(natives),
         quantities=quantities,
         not_compared=skipped,
         conditioning=record.conditioning,
@@ -130,16 +130,16 @@ def count_states(robot: Robot, samples: int, seed: int, reading: Reading) -> int
     return sum(len(case.q) for case in cases(model, samples, seed))
 
 
-def _pinocchio_models(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
+def pinocchio_models(compared: Subject) -> tuple[dict[str, PinocchioModel], list[str]]:
     """Pinocchio's models by route, and notes about a route that is not taken."""
-    pinocchio_models = {"model": PinocchioModel.from_model(compared.model)}
+    natives = {"model": PinocchioModel.from_model(compared.model)}
     if not compared.file:
-        return pinocchio_models, ["route 'urdf' not taken: a RobotModel was given, not a file"]
+        return natives, ["route 'urdf' not taken: a RobotModel was given, not a file"]
     try:
         native = PinocchioModel.from_urdf(Path(compared.file), compared.model, compared.reading)
     except PinocchioRefuses as refusal:
-        return pinocchio_models, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
-    return {"urdf": native, **pinocchio_models}, []
+        return natives, [f"route 'urdf' not taken: {refusal}", *_reader_wrote(refusal.said)]
+    return {"urdf": native, **natives}, []
 
 
 def _reader_wrote(said: Iterable[str]) -> list[str]:

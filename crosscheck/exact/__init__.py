@@ -9,12 +9,14 @@ from crosscheck.exact.balls import check_installed
 from crosscheck.exact.proofs import Proof, Result, prove
 from crosscheck.exact.robot import Truth
 from crosscheck.exact.sensitivity import HALF_ULP, half_ulp_effects
+from crosscheck.exact.source import ExactSource
 from crosscheck.exact.values import MAX_DIGITS, ExactArray, exact_values
 
 __all__ = [
     "HALF_ULP",
     "MAX_DIGITS",
     "ExactArray",
+    "ExactSource",
     "Proof",
     "Result",
     "Truth",

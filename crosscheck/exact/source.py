@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import copy
 from fractions import Fraction
 from typing import get_args
 
@@ -36,6 +37,12 @@ class ExactSource:
                 of_model(self.model) if self._written is None else of_file(self.model, self._written)
             )
         return self._known[precision]
+
+    def moved(self, model: RobotModel) -> ExactSource:
+        """The same robot on another base and in another gravity, those of a model of it."""
+        found = copy(self)
+        found.model, found._known = model, {}
+        return found
 
     def inertials(self) -> Iterator[tuple[str, Fraction, Sequence[Sequence[Fraction]]]]:
         """Name, mass, and tensor (3, 3) about the center of mass: of each <inertial>, or of each body of the model."""

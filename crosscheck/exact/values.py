@@ -102,7 +102,7 @@ class ExactArray:
 
 
 def exact_values(
-    robot: Robot,
+    robot: Robot | ExactSource,
     verb: str,
     *arguments: Any,
     digits: int = 30,
@@ -117,7 +117,7 @@ def exact_values(
 ) -> dict[str, ExactArray]:
     """What a function of graphdyn would answer if it computed without rounding: its arrays, by name.
 
-    robot: name, path of a URDF, or RobotModel
+    robot: name, path of a URDF, or RobotModel; or an ExactSource, which has a truth of its own
     verb: name of the function, such as "joint_torques"; arguments: as it takes them, (…, n). Doubles count as they are;
         fractions and texts ('0.3', '2/3', '-3pi/4') as what they say
     digits: so many are proven, relative to the largest entry of an array at a state
@@ -137,7 +137,7 @@ def exact_values(
     if not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
         raise InvalidInput(f"digits is {digits!r}; give an integer from 1 to {MAX_DIGITS}")
     known = VERBS[verb]
-    source = ExactSource(robot, truth, Reading.of(exact_values, reading))
+    source = robot if isinstance(robot, ExactSource) else ExactSource(robot, truth, Reading.of(exact_values, reading))
     chosen = None
     if known.of_frame:
         if frame is None or reference is None:

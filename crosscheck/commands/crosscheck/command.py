@@ -56,6 +56,8 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
     if options.exact is not None:
         refuse(options, ("samples", "resume"), "is not for --exact [N], which says how many random states are measured")
+    else:
+        refuse(options, ("truth",), "is for --exact")
     if folder and options.three_d:
         raise typer.BadParameter("--3d is not for folders; name the robots")
     if folder and reading.stated:

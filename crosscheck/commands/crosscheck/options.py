@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -53,9 +53,17 @@ class CrosscheckOptions(ReadingOptions, PageOptions, WorkerOptions):
             parser=exact_states,
             show_default=f"{EXACT_STATES} states where N is left out",
             help="Measure the errors of all codes against exact values instead, at N random states (extra `exact`). "
-            "An arm takes ten seconds with 20 states, a minute with 200.",
+            "An arm takes ten seconds with 20 states, half a minute with 100.",
         ),
     ] = None
+    truth: Annotated[
+        Literal["model", "file"],
+        typer.Option(
+            "--truth",
+            help="With --exact: the doubles of the model in memory, on which all codes work, or the decimals of the "
+            "file, so that errors of reading count, too.",
+        ),
+    ] = "model"
     resume: Annotated[
         bool, typer.Option("--resume", help="Keep the results in --json FILE whose robot and options are unchanged.")
     ] = False

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from crosscheck.comparing.accuracy.results import PINOCCHIO
 from crosscheck.comparing.compared_states import ComparedStates, compared_readings
-from crosscheck.exact import ExactArray, exact_values
+from crosscheck.exact import ExactArray, ExactSource, exact_values
 from crosscheck.quantities import COMPARED, Quantity, TabulatedQuantity
 from crosscheck.quantities.measures import Chosen
 from crosscheck.quantities.scales import largest, ratio
@@ -67,9 +67,13 @@ def measured_quantities() -> dict[str, MeasuredQuantity | None]:
 
 @dataclass(frozen=True, eq=False)
 class MeasuredStates:
-    """States of a case; exact values are computed when they are first needed."""
+    """States of a case; exact values are computed when they are first needed.
+
+    source: the robot of these states, whose values are exact
+    """
 
     states: ComparedStates
+    source: ExactSource
     _known: dict[object, dict[str, ExactArray]] = field(default_factory=dict, repr=False)
 
     def errors(self, quantity: MeasuredQuantity, others: Mapping[str, Array]) -> dict[str, Array]:
@@ -90,11 +94,11 @@ class MeasuredStates:
 
     def proven_regular(self) -> NDArray[np.bool_]:
         """Whether the mass matrix is proven regular (N,)."""
-        model, q = self.states.model, self.states.q
+        q = self.states.q
 
         def proven(rows: Array) -> bool:
             try:
-                exact_values(model, "mass_matrix_inverse", rows, digits=DIGITS, truth="model")
+                exact_values(self.source, "mass_matrix_inverse", rows, digits=DIGITS)
             except SingularMassMatrix:
                 return False
             return True
@@ -116,7 +120,7 @@ class MeasuredStates:
             given = [getattr(states, name) for name in VERBS[verb].inputs]
             asked = {"frame": frame, **options} if frame is not None else {}
             self._known[key] = exact_values(
-                states.model, verb, *given, digits=DIGITS, truth="model", external_wrenches=states.loads, **asked
+                self.source, verb, *given, digits=DIGITS, external_wrenches=states.loads, **asked
             )
         return self._known[key]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import nullcontext
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -12,20 +13,21 @@ from threadpoolctl import threadpool_limits
 
 from crosscheck.comparing.accuracy.measured_states import MeasuredQuantity, MeasuredStates, measured_quantities
 from crosscheck.comparing.accuracy.results import MUJOCO, PINOCCHIO, CodeErrors, QuantityErrors, TrueErrors
-from crosscheck.comparing.compare import Progress, why_not_forward
+from crosscheck.comparing.compare import Progress, pinocchio_models, why_not_forward
 from crosscheck.comparing.compared_states import ComparedStates
-from crosscheck.exact import check_installed
+from crosscheck.exact import ExactSource, Truth, check_installed
 from crosscheck.quantities.states import RANDOM, Case, cases, has_mass
 from crosscheck.quantities.tolerances import EPS
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.reference.pinocchio_model import PinocchioModel
-from crosscheck.reference.subject import Robot, check_counts, refuse_chords, subject
-from graphdyn import RobotModel, mass_matrix
+from crosscheck.reference.subject import Robot, Subject, check_counts, refuse_chords, subject
+from graphdyn import InvalidInput, mass_matrix
 from graphdyn.arguments import reproducible
 from graphdyn.compiler import interpreted
 from graphdyn.equations import singular
 from graphdyn.layout import Array
 from urdf import Reading, ReadingKeywords
+from urdf.reading import AS_IT_STANDS
 
 COMPILED_FROM = 100
 """Random states from which the recursive method is compiled: exact values take longer than compiling then."""
@@ -40,32 +42,42 @@ def true_errors(
     samples: int = 20,
     seed: int = 0,
     *,
+    truth: Truth = "model",
     progress: Progress | None = None,
     **reading: Unpack[ReadingKeywords],
 ) -> TrueErrors:
     """Measure how far graphdyn, Pinocchio and, where installed, MuJoCo are from exact values.
 
-    Exact are the doubles of the model in memory, on which all of them work. States, quantities, scales and bounds are
-    those of compare, and so are the special states of each quantity. An arm takes ten seconds with 20 random states, a
-    minute with 200.
+    States, quantities, scales and bounds are those of compare, and so are the special states of each quantity. An arm
+    takes ten seconds with 20 random states, half a minute with 100.
 
     robot: name (urdf.robots), path of a URDF, or RobotModel
     samples: random states, to which the special ones are added. From 100 on the recursive method is compiled for the
         random ones; else it runs on NumPy
+    truth: "model" takes the doubles of the model in memory as exact, on which all of them work; "file" the decimals of
+        the file, which Pinocchio then reads itself: errors of reading count, too
     progress: called with the name of a kind of state and the number of states just done
     reading: as in urdf.load, for names and paths only
 
     Where joints drive each other (RobotModel.couplings), the quantities are those of the robot without couplings.
 
-    Raises InvalidInput without python-flint, for robots with loops, for invalid samples or seed, and for a way to read
-    a RobotModel; urdf's errors for a file that cannot be loaded.
+    Raises InvalidInput without python-flint, for robots with loops, for invalid samples, seed or truth, for the truth
+    of a file where there is none or joints drive each other, and for a way to read a RobotModel; urdf's errors for a
+    file that cannot be loaded.
     """
     check_installed()
     check_counts(samples, seed)
     compared = subject(robot, Reading.of(true_errors, reading))
     refuse_chords(compared.model, "have no exact values; from Python, measure its tree: urdf.load(…).opened")
     model = compared.model.uncoupled
-    found = _Measurement(model)
+    if truth == "file" and compared.model.couplings:
+        raise InvalidInput(
+            f"robot '{model.name}': joints drive each other, and the errors are those of the robot without couplings; "
+            "use truth='model', or mimic='independent'"
+        )
+    given, how = (robot, compared.reading) if truth == "file" else (model, AS_IT_STANDS)
+    source = ExactSource(given, truth, how)
+    found = _Measurement(compared, source)
     with threadpool_limits(limits=1, user_api="blas"):  # threads slow down matrices this small
         for case in cases(model, samples, seed):
             compiled = case.name == RANDOM and samples >= COMPILED_FROM
@@ -85,7 +97,7 @@ def true_errors(
         samples=samples,
         seed=seed,
         reading=compared.reading,
-        truth="model",
+        truth=source.truth,
         compiled=samples >= COMPILED_FROM,
         quantities=found.results(),
         not_measured=found.not_measured,
@@ -100,7 +112,8 @@ class _Measurement:
     not_measured: quantities left out, with the reason; not_regular: states where forward dynamics was, by kind
     """
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, compared: Subject, source: ExactSource) -> None:
+        model = compared.model.uncoupled
         reason, massless = why_not_forward(model), not has_mass(model)
         self.not_measured: dict[str, str] = {}
         self.not_regular: Counter[str] = Counter()
@@ -115,19 +128,23 @@ class _Measurement:
                 self.not_measured[name] = "no body has mass: kinematics only"
             else:
                 self._quantities.append(quantity)
-        self._pinocchio = PinocchioModel.from_model(model)
+        self._source, self._pinocchio = source, PinocchioModel.from_model(model)
+        if source.truth == "file":
+            known, self.notes = pinocchio_models(replace(compared, model=model))
+            self._pinocchio = known.get("urdf", self._pinocchio)
         self._solves, self._mujoco_refused = reason is None, False
         self._errors: dict[tuple[str, str, str], list[Array]] = {}
 
     def measure(self, case: Case) -> None:
         """Add the errors at these states."""
         regular = ~singular(mass_matrix(case.model, case.q)) if self._solves else np.zeros(len(case.q), dtype=bool)
-        every = MeasuredStates(ComparedStates.of(case, regular, self._pinocchio))
+        source = self._source.moved(case.model)
+        every = MeasuredStates(ComparedStates.of(case, regular, self._pinocchio), source)
         solvable = every
         if self._solves:
             regular &= every.proven_regular()
             self.not_regular[case.name] += int((~regular).sum())
-            solvable = every if regular.all() else MeasuredStates(every.states.rows(regular))
+            solvable = every if regular.all() else MeasuredStates(every.states.rows(regular), source)
         mujoco = self._of_mujoco(every.states)
         for quantity in self._quantities:
             states, asked = (solvable, regular) if quantity.row.solves else (every, slice(None))

@@ -17,7 +17,7 @@ from crosscheck.commands.program.options import files_below, is_folder
 from crosscheck.comparing.accuracy import TrueErrors, true_errors
 from crosscheck.comparing.compare import count_states
 from crosscheck.distributing import Lost
-from crosscheck.exact import check_installed
+from crosscheck.exact import Truth, check_installed
 from graphdyn import GraphDynError
 from urdf import Reading
 
@@ -32,13 +32,14 @@ class MeasuringTask:
     robot: str
     samples: int
     seed: int
+    truth: Truth
 
 
 def examine(task: MeasuringTask) -> TrueErrors | str:
     """The errors of one robot, or why there are none."""
     try:
         with warnings.catch_warnings(action="ignore"):
-            return true_errors(task.robot, task.samples, task.seed)
+            return true_errors(task.robot, task.samples, task.seed, truth=task.truth)
     except (GraphDynError, OSError) as error:
         return str(error)
     except Exception as error:
@@ -77,7 +78,9 @@ def _in_turn(
         try:
             total = count_states(robot, samples, options.seed, how) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
-                found: TrueErrors | str = true_errors(robot, samples, options.seed, reading=how, progress=advance)
+                found: TrueErrors | str = true_errors(
+                    robot, samples, options.seed, truth=options.truth, reading=how, progress=advance
+                )
         except (GraphDynError, OSError) as error:
             complain(error, context)
             found = str(error)
@@ -98,7 +101,7 @@ def _in_processes(
     robots = list(dict.fromkeys(robots))
     found: dict[str, TrueErrors | str] = {}
     with progress("exact values", len(robots)) as advance:
-        tasks = [MeasuringTask(robot, options.exact or 0, options.seed) for robot in robots]
+        tasks = [MeasuringTask(robot, options.exact or 0, options.seed, options.truth) for robot in robots]
         for k, outcome in options.workers.each(examine, tasks):
             found[robots[k]] = f"it was lost: {outcome.reason}; report it" if isinstance(outcome, Lost) else outcome
             advance(robots[k], 1)

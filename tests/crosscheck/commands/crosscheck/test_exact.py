@@ -110,6 +110,7 @@ def test_folders(few, arm, tmp_path, monkeypatch):
     [
         (["--exact", "0"], "'0' is not a number of states; give a whole number from 1 on"),
         (["--exact=2.5"], "'2.5' is not a number of states"),
+        (["--truth", "file"], "--truth is for --exact"),
         (["--exact", "--samples", "3"], "--samples is not for --exact [N], which says how many random states"),
     ],
 )

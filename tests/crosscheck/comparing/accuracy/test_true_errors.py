@@ -8,9 +8,11 @@ import pytest
 from long_check import few
 from planting import mixed_tree
 from random_trees import random_tree
+from urdf_text import joint, link, robot_text
 
 import crosscheck
 import graphdyn
+import urdf
 from crosscheck.comparing.accuracy import measuring
 from crosscheck.comparing.accuracy.measured_states import MeasuredQuantity, measured_quantities
 from crosscheck.quantities import COMPARED, QUANTITIES, TabulatedQuantity
@@ -161,3 +163,26 @@ def test_massless_robots_have_no_forward_dynamics(only):
 def test_refused_counts(samples):
     with pytest.raises(InvalidInput, match="give a whole number of random states, at least 1"):
         crosscheck.true_errors(wheel(), samples)
+
+
+def test_errors_of_reading_count_where_the_file_is_the_truth(only, tmp_path):
+    """The double of a mass of 0.1 kg is not the decimal, and the torque m g l of a pendulum inherits that."""
+    only("gravity_torque")
+    path = tmp_path / "pendulum.urdf"
+    hanging = link("bob", 0.1, xyz="1 0 0"), joint("pivot", "base", "bob", "continuous", '<axis xyz="0 1 0"/>')
+    path.write_text(robot_text("pendulum", link("base", None), *hanging), encoding="utf-8")
+    computed = abs(Fraction(graphdyn.gravity_torque(urdf.load(path), [0.0], method="projected").item()))
+    for truth, mass in (("file", Fraction(1, 10)), ("model", Fraction(0.1))):
+        found = crosscheck.true_errors(path, 1, truth=truth)
+        assert found.truth == truth
+        errors = found.quantities["gravity_torque"].codes["projected"]
+        exact = mass * Fraction(9.81)
+        expected = float(abs(computed - exact) / exact) / EPS
+        assert errors.largest_by_case["zero pose at rest"] == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_truth_of_a_file_needs_one():
+    with pytest.raises(InvalidInput, match="is a model: there is no file of it"):
+        crosscheck.true_errors(wheel(), 1, truth="file")
+    with pytest.raises(InvalidInput, match="use 'file' or 'model'"):
+        crosscheck.true_errors(wheel(), 1, truth="files")
