@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import functools
+from typing import Annotated, Any
 
 import typer
 
@@ -76,9 +77,15 @@ def options(
         raise typer.Exit(AGREED)
 
 
+@functools.cache
+def _commands() -> Any:
+    """The commands with their options, made of the functions once, however often the program runs in one process."""
+    return typer.main.get_command(app)
+
+
 def run() -> None:
     """The command that was typed. Errors are handled in crosscheck.commands.program.exits."""
-    app()
+    _commands()()
 
 
 own_process.program = run

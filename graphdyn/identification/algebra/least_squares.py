@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -21,11 +22,17 @@ from graphdyn.layout import Array
 
 def one_thread() -> AbstractContextManager[Any]:
     """Limit NumPy's and SciPy's linear algebra to one thread. Sums of graphdyn.compiler keep their threads."""
-    import scipy.linalg  # noqa: F401  # imported where first used; a library must be loaded to be limited
-    from threadpoolctl import threadpool_limits
-
-    limited: AbstractContextManager[Any] = threadpool_limits(limits=1, user_api="blas")
+    limited: AbstractContextManager[Any] = _linear_algebra().limit(limits=1, user_api="blas")
     return limited
+
+
+@cache
+def _linear_algebra() -> Any:
+    """The loaded libraries, looked up once: that takes a millisecond, the limit itself a fiftieth of it."""
+    import scipy.linalg  # noqa: F401  # imported where first used; a library must be loaded to be limited
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def triangle(matrix: Array) -> Array:
