@@ -1,5 +1,8 @@
-"""The program `graphdyn`: one file per command, imported without Pinocchio, which the commands import when they run."""
+"""The program `graphdyn`: one file per command, imported without Pinocchio, which the commands import when they run.
 
-from crosscheck.commands.application import app, main
+A process that works for one command imports this command alone.
+"""
 
-__all__ = ["app", "main"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, submod_attrs={"application": ["app", "main"]})

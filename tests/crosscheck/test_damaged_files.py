@@ -11,8 +11,8 @@ import pytest
 from long_check import few
 from mutants.formats import FORMATS
 from mutants.mutant import mutant
-from mutants.outcomes import Trial
-from mutants.processes import Result, unexpected
+from mutants.outcomes import Result, Trial
+from mutants.processes import unexpected
 from mutants.readings import Reading
 
 from crosscheck.recordings import BadRecordingFile

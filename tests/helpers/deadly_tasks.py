@@ -4,6 +4,8 @@ import os
 import signal
 from pathlib import Path
 
+from mutants.outcomes import Result, Trial
+
 
 def deadly(task):
     """Kills its process for a negative number, and once for a path."""
@@ -16,3 +18,11 @@ def deadly(task):
 
 def own_number(_task):
     return os.getpid()
+
+
+def ends_at_two(_seed, cases, connection):
+    """The work on mutants that agree, but the one with the number 2, which ends its process."""
+    for format, number in cases:
+        if number == 2:
+            os._exit(1)
+        connection.send(Result(format, number, (), Trial("agrees")))

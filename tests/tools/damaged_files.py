@@ -16,8 +16,8 @@ from pathlib import Path
 
 from mutants.formats import FORMATS
 from mutants.mutant import mutant
-from mutants.outcomes import Trial
-from mutants.processes import Result, run, table, unexpected
+from mutants.outcomes import Result, Trial
+from mutants.processes import run, table, unexpected
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 

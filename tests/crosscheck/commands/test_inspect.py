@@ -340,6 +340,7 @@ class TestSweep:
 
     def test_a_file_that_kills_its_process(self, many, monkeypatch):
         monkeypatch.setattr(inspect_many, "MIN_PARALLEL_FILES", 1)
+        monkeypatch.setattr(inspect_many, "cores", lambda: 1)
         for path in sorted(many.iterdir())[4:]:
             path.unlink()
         (many / "03.urdf").rename(many / "03_fatal.urdf")

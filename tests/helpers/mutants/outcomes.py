@@ -22,6 +22,16 @@ class Trial:
     detail: str = ""
 
 
+@dataclass(frozen=True)
+class Result:
+    """A mutant, by format and number of a seed, what was done to the file, and what became of it."""
+
+    format: str
+    number: int
+    kinds: tuple[str, ...]
+    trial: Trial
+
+
 class Unexpected(Exception):
     """A fault of this project."""
 

@@ -7,27 +7,16 @@ import multiprocessing
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 
 from mutants.formats import FORMATS
 from mutants.mutant import mutant
-from mutants.outcomes import OUTCOMES, Trial
+from mutants.outcomes import OUTCOMES, Result, Trial
 
 SECONDS = 120
 """One mutant takes some 10 milliseconds, the first of a process seconds; a process that works on one for so long is
 stopped."""
-
-
-@dataclass(frozen=True)
-class Result:
-    """A mutant, by format and number of a seed, what was done to the file, and what became of it."""
-
-    format: str
-    number: int
-    kinds: tuple[str, ...]
-    trial: Trial
 
 
 def run(

@@ -8,12 +8,13 @@ import os
 
 import numpy as np
 import pytest
+from deadly_tasks import ends_at_two
 from inspected.sample import CLEAN, LIMIT, changed
 from mutants import processes
 from mutants.formats import robot
 from mutants.mutant import mutant
 from mutants.outcomes import Trial
-from mutants.processes import Result, run, table, unexpected
+from mutants.processes import run, table, unexpected
 from mutants.trial import CLAIMS, trial
 
 import urdf
@@ -141,16 +142,9 @@ class TestExplained:
 
 
 def test_a_process_that_ends_is_unexpected_and_the_rest_goes_on(monkeypatch):
-    monkeypatch.setattr(processes, "_work", _ends_at_two)
+    monkeypatch.setattr(processes, "_work", ends_at_two)
     results = run(["urdf"], 0, range(4), 1)
     assert [result.number for result in results] == [0, 1, 2, 3]
     assert unexpected(results) == [
         f"urdf 2 ({', '.join(mutant('urdf', 0, 2).kinds)}): its process ended, or it took longer than 120 s"
     ]
-
-
-def _ends_at_two(seed, cases, connection):
-    for format, number in cases:
-        if number == 2:
-            os._exit(1)
-        connection.send(Result(format, number, (), Trial("agrees")))

@@ -84,6 +84,10 @@ def here(monkeypatch):
     return compared
 
 
+def without_mass(text):
+    return re.sub(r"<inertial>.*?</inertial>", "", text, flags=re.DOTALL)
+
+
 @pytest.fixture
 def folder(tmp_path, small_arm):
     """good.urdf, sub/bare.urdf without mass, sub/broken.urdf, and an empty folder."""
@@ -92,8 +96,7 @@ def folder(tmp_path, small_arm):
     (folder / "empty").mkdir()
     text = small_arm.read_text(encoding="utf-8")
     (folder / "good.urdf").write_text(text, encoding="utf-8")
-    bare = re.sub(r"<inertial>.*?</inertial>", "", text, flags=re.DOTALL)
-    (folder / "sub" / "bare.urdf").write_text(bare, encoding="utf-8")
+    (folder / "sub" / "bare.urdf").write_text(without_mass(text), encoding="utf-8")
     (folder / "sub" / "broken.urdf").write_text("<robot name='x'>\n", encoding="utf-8")
     return folder
 
@@ -129,9 +132,12 @@ def examined(monkeypatch, some_record):
 
 
 class TestOutcomes:
-    def test_in_processes(self, program, folder, tmp_path, monkeypatch):
+    def test_in_processes(self, program, folder, pendulum, tmp_path, monkeypatch):
         monkeypatch.setattr(console, "PROGRESS_INTERVAL", math.inf)  # however slow the machine, no line of progress
-        done = program(folder, "--samples", 1, "--jobs", 2, "--json", tmp_path / "r.json")
+        text = pendulum.read_text(encoding="utf-8")
+        (folder / "good.urdf").write_text(text, encoding="utf-8")
+        (folder / "sub" / "bare.urdf").write_text(without_mass(text), encoding="utf-8")
+        done = program(folder, "--samples", 1, "--jobs", 1, "--json", tmp_path / "r.json")
         assert done.code == BAD_INPUT
         assert done.err == ""
         assert done.out.startswith("graphdyn against Pinocchio: incomplete\n")

@@ -124,11 +124,6 @@ class TestEnds:
         assert f'own.py", line {line} in crashes' in done.err
         assert f"error: the process was ended by signal {int(signal.SIGSEGV)} (" in done.err.splitlines()[-1]
 
-    def test_by_an_exception_that_means_exit(self, judged):
-        done = judged("exits")
-        assert (done.code, done.out) == (BAD_INPUT, "")
-        assert done.err.startswith("error: inverse_dynamics raised SystemExit: 0 (")
-
     @pytest.mark.parametrize("option", few(["--term", "--known-torque", "--methods"], "--term"))
     def test_when_imported_for_an_identification(self, folder, program_with_processes, option):
         (folder / "own.py").write_text(ENDS, encoding="utf-8")
@@ -216,6 +211,11 @@ class TestErrors:
         assert done.code == BAD_INPUT
         line = CODE.splitlines().index(after) + 2
         assert done.err.startswith(f"error: {own}, line {line}, {words}")
+
+    def test_an_exception_that_means_exit_is_one_of_them(self, program, own):
+        done = program(*judge("exits"))
+        assert (done.code, done.out) == (BAD_INPUT, "")
+        assert done.err.startswith("error: inverse_dynamics raised SystemExit: 0 (")
 
     def test_of_an_import(self, program, own):
         own.write_text("\n\n1 / 0\n", encoding="utf-8")
