@@ -85,13 +85,14 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
     moving = np.ones(x.shape[-1])
     if held is not None:
         moving[held] = 0.0
-    gaps, damping = loops.gaps(x) / loops.row_units, np.full(len(x), 1.0)
+    links, damping = loops.links(x), np.full(len(x), 1.0)
+    gaps = loops.gaps_of(links) / loops.row_units
     best = np.linalg.norm(gaps, axis=-1)
     for _ in range(MAX_ASSEMBLY_STEPS):
         todo = np.flatnonzero((np.abs(gaps).max(axis=-1, initial=0.0) > GAP_ROUNDING) & (damping < 1e12))
         if not todo.size:
             break
-        jacobian = loops.in_units(loops.jacobian(loops.links(x[todo]))) * moving
+        jacobian = loops.in_units(loops.jacobian(links.rows(todo))) * moving
         left, values, right = np.linalg.svd(jacobian, full_matrices=False)
         mu = (damping[todo] * best[todo] ** 2)[:, None]
         kept = values > 1e-12 * values.max(axis=-1, keepdims=True, initial=0.0)
@@ -100,11 +101,13 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
         longest = np.abs(step).max(axis=-1, initial=0.0, keepdims=True)
         shorter = np.minimum(1.0, 1.0 / np.where(longest > 0, longest, 1.0))  # at most 1 rad or a unit of length
         tried = x[todo] + step * shorter * loops.column_units
-        new = loops.gaps(tried) / loops.row_units
+        there = loops.links(tried)
+        new = loops.gaps_of(there) / loops.row_units
         size = np.linalg.norm(new, axis=-1)
         better = size < best[todo]
         accepted = todo[better]
         x[accepted], gaps[accepted], best[accepted] = tried[better], new[better], size[better]
+        links.replace_rows(accepted, there.rows(better))
         damping[todo] = np.where(better, np.maximum(damping[todo] / 4, 1e-8), damping[todo] * 8)
         damping[todo[~better & (size < CLOSED_TOLERANCE)]] = np.inf  # rounding
     return x.reshape(q.shape), gaps.reshape(*batch, loops.n_rows) * loops.row_units

@@ -66,6 +66,15 @@ class Links:
     linear_drift: Array
     angular_drift: Array
 
+    def rows(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> Links:
+        """Those at some of the states (N, …)."""
+        return Links(**{name: array[which] for name, array in vars(self).items()})
+
+    def replace_rows(self, which: NDArray[np.intp], others: Links) -> None:
+        """Take over those at other states, in place."""
+        for name, array in vars(self).items():
+            array[which] = getattr(others, name)
+
 
 @dataclass(frozen=True, eq=False)
 class Ends:
@@ -179,7 +188,10 @@ class Loops:
 
         Orientations by the angle of the shortest turn, so that a body flipped by 180° is not closed.
         """
-        links = self.links(q)
+        return self.gaps_of(self.links(q))
+
+    def gaps_of(self, links: Links) -> Array:
+        """The gaps (…, m) of links that are known."""
         return np.concatenate([_gap(end, links) for end in self.ends(links)], axis=-1)
 
     def jacobian(self, links: Links) -> Array:

@@ -1,6 +1,7 @@
 """Fixtures of the cross-check tests."""
 
 import errno
+import functools
 import math
 import os
 import re
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pyarrow
 import pytest
+import typer
 from faults.textbook import TextbookArm
 from identified.study_tables import study_tables
 from planting import PLANTED, Plant, compared, mixed_tree, remember_comparisons, remember_our_answers, with_body
@@ -199,6 +201,14 @@ def _our_answers_once(request):
             remember_our_answers(patch)
         if any(room in request.path.parts for room in SAYING):
             remember_comparisons(patch)
+        yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _commands_once():
+    """What typer's runner makes of the functions of the program for each call is the same every time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("typer.testing._get_command", functools.cache(typer.main.get_command))
         yield
 
 

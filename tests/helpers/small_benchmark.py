@@ -57,6 +57,7 @@ def measured():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(benchmark, "QUICK_EFFORT", SMALL)
         patch.setattr("crosscheck.bench.contender.MIN_STEADY_TIME", SMALL.duration)
+        patch.setattr("crosscheck.bench.machine.disturbance.N_COPIES", 1)
         patch.setattr("crosscheck.bench.identification.in_fresh_process", identified)
         result = benchmark.benchmark("kr500", kr500(), SAMPLES, 0, 2, True, False, lambda _, count: steps.append(count))
     assert sum(steps) == N_PROGRESS_STEPS

@@ -25,9 +25,11 @@ def tag_of(element: etree._Element) -> str:
     Pinocchio too compares tags as written, and URDF has no tags with a prefix.
     """
     tag = element.tag
-    if not isinstance(tag, str) or (tag.startswith("{") and element.prefix is not None):
+    if not isinstance(tag, str):
         return ""
-    return tag.rpartition("}")[2]
+    if not tag.startswith("{"):
+        return tag
+    return tag.rpartition("}")[2] if element.prefix is None else ""
 
 
 def written_tag(element: etree._Element) -> str:

@@ -191,7 +191,7 @@ class TestCommands:
         assert done.err.count("\n") == 1
 
     def test_identified(self, clean, arm, tmp_path):
-        clean("identify", "--robot", arm, "--seconds", 10, "--methods", "wls", "--cutoff", 10, "--poses", 1)
+        clean("identify", "--robot", arm, "--seconds", 2, "--methods", "wls", "--cutoff", 10, "--poses", 1)
 
     def test_columns_of_a_recording(self, clean, arm, tmp_path):
         log = tmp_path / "log.csv"

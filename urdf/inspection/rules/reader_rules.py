@@ -103,8 +103,9 @@ def _parts(element: etree._Element, written: etree._Element) -> Iterator[tuple[e
     """Pairs of a child and the same child as written; the first of each tag, which is the one that urdfdom reads."""
     seen = set()
     for part, as_written in zip(element, written, strict=True):
-        if tag_of(part) not in seen:
-            seen.add(tag_of(part))
+        tag = tag_of(part)
+        if tag not in seen:
+            seen.add(tag)
             yield part, as_written
 
 
