@@ -1,0 +1,3 @@
+from .application import app, main
+
+__all__ = ["app", "main"]
