@@ -251,13 +251,12 @@ class TestFolder:
         shown = {row[0]: row[1:] for row in texts(everything)}
         assert list(shown) == ["good.urdf", "bad.urdf", "light.urdf", "lost.urdf"]
         for comparison, name, taken in zip(comparisons, shown, ("both", "model"), strict=False):
-            part, error, bound, nearest = max(
-                (of_bound(one), one["max_relative_error"], one["bound"], title)
-                for title, one in plain(robot_record(comparison))["quantities"].items()
-            )
-            verdict, routes, *numbers, reason = shown[name]
+            quantities = plain(robot_record(comparison))["quantities"]
+            part = max(map(of_bound, quantities.values()))
+            verdict, routes, nearest, *numbers, reason = shown[name]
             assert (verdict, routes) == ("agrees" if part <= 1 else "DISAGREES", taken)
-            assert numbers == [nearest, f"{error:.1e}", f"{bound:.1e}"]
+            assert of_bound(quantities[nearest]) == part
+            assert numbers == [f"{quantities[nearest][key]:.1e}" for key in ("max_relative_error", "bound")]
             assert (reason == "") == (part <= 1)
         assert shown["light.urdf"][:2] == ["kinematics only", "both"]
         assert shown["lost.urdf"] == ["refused", "–", "–", "–", "–", "no link in lost.urdf"]
