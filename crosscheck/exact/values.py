@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import signature
 from itertools import product
 from typing import Any, Literal, Unpack
 
@@ -33,7 +34,7 @@ from graphdyn.arguments import Reference, closest, frame_choice
 from graphdyn.compiler import Request
 from graphdyn.layout import BODY_DOF, Array
 from graphdyn.recursions import ARRAY_SPECS, RECURSIONS
-from graphdyn.verbs import VERBS
+from graphdyn.verbs import VERBS, Verb
 from urdf import Reading, ReadingKeywords
 
 MAX_BITS = 2000
@@ -137,6 +138,7 @@ def exact_values(
     if not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
         raise InvalidInput(f"digits is {digits!r}; give an integer from 1 to {MAX_DIGITS}")
     known = VERBS[verb]
+    _refuse_options(known, method, external_wrenches, base, frame)
     source = robot if isinstance(robot, ExactSource) else ExactSource(robot, truth, Reading.of(exact_values, reading))
     chosen = None
     if known.of_frame:
@@ -146,8 +148,6 @@ def exact_values(
     if len(arguments) != len(known.inputs):
         raise InvalidInput(f"{verb} takes {', '.join(known.inputs)}; {len(arguments)} arguments were given")
     inputs = dict(zip(known.inputs, arguments, strict=True))
-    if base is not None and base.moves and verb in _OF_BASES_AT_REST:
-        raise InvalidInput(f"{verb} takes a base at rest, here as in graphdyn")
     moving = base is not None and RECURSIONS[known.recursion].on_moving_base
     request = Request(known.recursion, known.outputs, external_wrenches is not None, moving, chosen)
     if method == "dense" and (source.model.couplings or not set(known.outputs) <= _DENSE_OUTPUTS):
@@ -159,6 +159,24 @@ def exact_values(
         inputs |= {name: getattr(placed, name) for name in BASE_SHAPES}
     return _Exact(source, request, method == "dense", digits).answer(_rows(source.model, inputs))
 
+
+def _refuse_options(
+    known: Verb, method: str, external_wrenches: Any, base: BaseMotion | None, frame: str | None
+) -> None:
+    """Raises InvalidInput for what the function does not take."""
+    if method not in _METHODS:
+        raise InvalidInput(f"method is {method!r}; use 'recursive' or 'dense'")
+    if external_wrenches is not None and "external_wrenches" not in signature(known.function).parameters:
+        raise InvalidInput(f"{known.name} takes no external wrenches; omit external_wrenches")
+    if frame is not None and not known.of_frame:
+        raise InvalidInput(f"{known.name} speaks of no frame; omit frame")
+    if base is not None and not isinstance(base, BaseMotion):
+        raise InvalidInput(f"base is of type {type(base).__name__}; give a graphdyn.BaseMotion")
+    if base is not None and base.moves and known.name in _OF_BASES_AT_REST:
+        raise InvalidInput(f"{known.name} takes a base at rest, here as in graphdyn")
+
+
+_METHODS = ("recursive", "dense")
 
 _OF_BASES_AT_REST = ("coriolis_matrix", "frame_jacobian_derivative")
 
@@ -258,7 +276,11 @@ def _rows(model: RobotModel, inputs: Mapping[str, Any]) -> tuple[tuple[int, ...]
         if array.shape[array.ndim - len(trailing) :] != trailing:
             raise InvalidInput(f"{name} has shape {array.shape}, expected (…, {', '.join(map(str, trailing))})")
         arrays[name] = (array, len(trailing))
-    batch = np.broadcast_shapes(*(array.shape[: array.ndim - depth] for array, depth in arrays.values()))
+    shapes = {name: array.shape[: array.ndim - depth] for name, (array, depth) in arrays.items()}
+    try:
+        batch = np.broadcast_shapes(*shapes.values())
+    except ValueError as error:
+        raise InvalidInput(f"leading dimensions do not broadcast: {shapes}") from error
     full = {name: np.broadcast_to(x, (*batch, *x.shape[x.ndim - depth :])) for name, (x, depth) in arrays.items()}
     indices: Sequence[tuple[int, ...]] = list(product(*map(range, batch)))
     return batch, [{name: array[index] for name, array in full.items()} for index in indices]

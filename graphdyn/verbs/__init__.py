@@ -4,6 +4,6 @@ graphdyn exports what `__all__` of the files says; here is what other packages n
 """
 
 from graphdyn.verbs.single_state import SingleState
-from graphdyn.verbs.verb import VERBS
+from graphdyn.verbs.verb import VERBS, Verb
 
-__all__ = ["VERBS", "SingleState"]
+__all__ = ["VERBS", "SingleState", "Verb"]

@@ -309,6 +309,11 @@ class TestRefusals:
             ("gravity_torque", [["1/0"]], {}, "'1/0' is no number"),
             ("gravity_torque", [[float("nan")]], {}, "nan is no finite number"),
             ("gravity_torque", [[None]], {}, "None is no finite number"),
+            ("gravity_torque", [[0.1]], {"method": "projected"}, "method is 'projected'; use 'recursive' or 'dense'"),
+            ("gravity_torque", [[0.1]], {"frame": "body1"}, "gravity_torque speaks of no frame; omit frame"),
+            ("gravity_torque", [[0.1]], {"base": 3}, "base is of type int; give a graphdyn.BaseMotion"),
+            ("mass_matrix", [[0.1]], {"external_wrenches": [[0] * 6]}, "mass_matrix takes no external wrenches; omit"),
+            ("bias_torque", [[[0.1]] * 2, [[0.1]] * 3], {}, r"leading dimensions do not broadcast: .*'v': \(3,\)"),
             ("frame_jacobian", [[0.1]], {}, "frame_jacobian speaks of a frame; give frame= and reference="),
         ],
     )
