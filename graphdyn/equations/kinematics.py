@@ -22,7 +22,7 @@ from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, solve
+from graphdyn.model.spatial import apply, cardano_angles, cardano_rate_matrix, cross, solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,6 +220,26 @@ def link_origins(state: MaximalState) -> Array:
     return origins
 
 
+def levers(state: MaximalState) -> Array:
+    """From O_k to the center of mass of body i (…, k, i, 3), zero where i is not outside joint k; world axes [m].
+
+    Summed from link to link: in a difference of two positions in the world the short lever of a wrist loses digits.
+    """
+    vertices, origins, on_path = state.vertices, link_origins(state), state.model.graph.path_matrix()[..., None]
+    arms = np.einsum("...iab,ib->...ia", state.rotation, vertices.center[1:])
+    found = np.zeros((*arms.shape[:-1], *arms.shape[-2:]), dtype=arms.dtype)
+    for j, joint in enumerate(state.model.joints):
+        i = joint.inside - 1
+        if i < 0:
+            continue
+        if joint.is_prismatic:
+            link = origins[..., j, :] - origins[..., i, :]
+        else:
+            link = apply(state.rotation[..., i, :, :], joint.placement.translation)
+        found[..., j, :] = (found[..., i, :] + link[..., None, :]) * on_path[:, i]
+    return (found + arms[..., None, :, :]) * on_path
+
+
 def frame_placement(
     model: RobotModel, q: ArrayLike, name: str, *, base: BaseMotion | None = None
 ) -> tuple[Array, Array]:
@@ -239,10 +259,8 @@ def frame_placement(
 def null_space(state: MaximalState) -> Array:
     """N (…, 6n, nv) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
     model = state.model
-    axes, origins = joint_axes(state), link_origins(state)
-    on_path = model.graph.path_matrix()
-    lever = state.position[..., :, None, :] - origins[..., None, :, :]  # body i, joint k
-    axis = axes[..., None, :, :]
+    axes, on_path = joint_axes(state), model.graph.path_matrix()
+    lever, axis = np.swapaxes(levers(state), -2, -3), axes[..., None, :, :]  # body i, joint k
     revolute = np.array([not joint.is_prismatic for joint in model.joints])[:, None]
     linear = np.where(revolute, cross(axis, lever), axis)
     angular = np.where(revolute, np.einsum("...iba,...kb->...ika", state.rotation, axes), 0.0)

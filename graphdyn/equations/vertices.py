@@ -12,6 +12,7 @@ import numpy as np
 from graphdyn.arguments.base_motion import Ground
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
+from graphdyn.model.spatial import apply
 
 
 class Vertices:
@@ -40,20 +41,31 @@ class Vertices:
     def arm(self, i: int, point: Array) -> Array:
         """Vector from the center of mass of vertex i to a point given in its link axes (3,), in world axes (…, 3)
         [m]."""
-        arm: Array = self.rotation[..., i, :, :] @ (point - self.center[i])
-        return arm
+        return self.seen(i, point - self.center[i])
+
+    def seen(self, i: int, vector: Array, axes: int | None = None) -> Array:
+        """A vector given in the link axes of vertex i (3,), in world axes (…, 3), or in the link axes of a vertex: of
+        the same one as it is, without rounding."""
+        if axes == i:
+            return vector
+        in_world = self.rotation[..., i, :, :] @ vector
+        return in_world if axes is None else self.turned(in_world, axes)
+
+    def turned(self, vector: Array, axes: int) -> Array:
+        """A vector given in world axes (…, 3), in the link axes of a vertex."""
+        return apply(np.swapaxes(self.rotation[..., axes, :, :], -1, -2), vector)
 
 
 @dataclass(frozen=True, eq=False)
 class JointVectors:
-    """What joint j holds, as vectors in world axes: the data that make a joint type.
+    """What joint j holds, as vectors in the axes of the world or of a body: the data that make a joint type.
 
     arm_i, arm_j: c_ij and c_jj, from the centers of mass to the joint        (…, 3)    [m]
     gap: r_i + c_ij - r_j - c_jj                                              (…, 3)    [m]
     held: directions along which the gap is held at zero                      (…, k, 3)
     held_turns: whether these directions turn with the inside body, or are the world axes
     inside, outside: pairs of vectors a (fixed in body i), b (fixed in body j) held normal   (…, 5-k, 3)
-    axis: p                                                                   (…, 3)
+    axis: p, fixed in body j                                                  (…, 3)
 
     Revolute: the gap along the three world axes (Eq. 65); t_2·p = 0 and -t_1·p = 0.
     Prismatic: the gap along t_1 and t_2; t_2·p = 0, -t_1·p = 0 and t_1·t_2 = 0.
@@ -69,32 +81,33 @@ class JointVectors:
     axis: Array
 
 
-def joint_vectors(model: RobotModel, vertices: Vertices, j: int) -> JointVectors:
-    """The vectors of joint j (1 … n) at the given poses."""
+def joint_vectors(model: RobotModel, vertices: Vertices, j: int, axes: int | None = None) -> JointVectors:
+    """The vectors of joint j (1 … n) at the given poses, in world axes, or in the link axes of a vertex."""
     joint = model.joints[j - 1]
     i = joint.inside
-    in_world = vertices.rotation[..., i, :, :] @ joint.placement.rotation  # joint axes, fixed in body i
-    t_1, t_2 = (in_world @ t for t in joint.axis_normals)
-    on_j = vertices.rotation[..., j, :, :]  # the same axes, fixed in body j: they coincide at q = 0
-    p_on_j = on_j @ joint.axis
-    arm_i = vertices.arm(i, joint.placement.translation)
-    arm_j = vertices.arm(j, np.zeros(3))
-    inside, outside = [t_2, -t_1], [p_on_j, p_on_j]
+
+    def on(body: int, *vectors: Array) -> Array:
+        return np.stack([vertices.seen(body, x, axes) for x in vectors], axis=-2)
+
+    t_1, t_2 = (joint.placement.rotation @ t for t in joint.axis_normals)  # fixed in body i
+    inside, outside = [t_2, -t_1], [joint.axis, joint.axis]  # on body j the same axes: they coincide at q = 0
     if joint.is_prismatic:
-        held = np.stack([t_1, t_2], axis=-2)
+        held = on(i, t_1, t_2)
         inside.append(t_1)
-        outside.append(on_j @ joint.axis_normals[1])
+        outside.append(joint.axis_normals[1])
     else:
-        held = np.broadcast_to(np.eye(3), (*t_1.shape[:-1], 3, 3))
+        held = np.eye(3) if axes is None else vertices.rotation[..., axes, :, :]
+    arm_i, arm_j = vertices.arm(i, joint.placement.translation), vertices.arm(j, np.zeros(3))
+    gap = vertices.position[..., i, :] + arm_i - vertices.position[..., j, :] - arm_j
     return JointVectors(
-        arm_i=arm_i,
-        arm_j=arm_j,
-        gap=vertices.position[..., i, :] + arm_i - vertices.position[..., j, :] - arm_j,
+        arm_i=vertices.seen(i, joint.placement.translation - vertices.center[i], axes),
+        arm_j=vertices.seen(j, -vertices.center[j], axes),
+        gap=gap if axes is None else vertices.turned(gap, axes),
         held=held,
         held_turns=joint.is_prismatic,
-        inside=np.stack(inside, axis=-2),
-        outside=np.stack(outside, axis=-2),
-        axis=in_world @ joint.axis,
+        inside=on(i, *inside),
+        outside=on(j, *outside),
+        axis=vertices.seen(j, joint.axis, axes),
     )
 
 

@@ -10,7 +10,7 @@ from graphdyn.equations.kinematics import MaximalState
 from graphdyn.equations.system.unconstrained import actuator_terms
 from graphdyn.equations.vertices import JointVectors, Vertices, joint_vectors
 from graphdyn.layout import ANGULAR, JOINT_CONSTRAINTS, LINEAR, Array, body_rows, joint_rows
-from graphdyn.model.spatial import cross
+from graphdyn.model.spatial import apply, cross
 
 
 def constraints(state: MaximalState) -> tuple[Array, Array]:
@@ -26,23 +26,14 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
         i = joint.inside
         vectors = joint_vectors(model, vertices, j)
         omega_i, omega_j = vertices.angular_velocity[..., i, :], vertices.angular_velocity[..., j, :]
-        held, arm_i, arm_j = vectors.held, vectors.arm_i[..., None, :], vectors.arm_j[..., None, :]
-        gap = vectors.gap[..., None, :] if vectors.held_turns else np.zeros(3)
-        normal = cross(vectors.inside, vectors.outside)  # d(a·b)/dt = (ω_i - ω_j)·(a × b)
-
-        # d(u·gap)/dt = u·(ṙ_i + ω_i × c_ij - ṙ_j - ω_j × c_jj) + (ω_i × u)·gap
-        for body, sign, turn_of_held in ((i, 1.0, cross(arm_i - gap, held)), (j, -1.0, cross(arm_j, held))):
+        if i == 0:
+            zeta[..., joint_rows(j)] -= _prescribed(vectors, state.ground)
+        for body, sign in ((i, 1.0), (j, -1.0)):
             if body == 0:
-                zeta[..., joint_rows(j)] -= _prescribed(held, turn_of_held, normal, state.ground)
                 continue
-            block = np.zeros((*batch, JOINT_CONSTRAINTS, 6), dtype=phi_q.dtype)
-            k = held.shape[-2]
-            to_body = vertices.rotation[..., body, :, :]
-            block[..., :k, LINEAR] = sign * held
-            block[..., :k, ANGULAR] = sign * (turn_of_held @ to_body)
-            block[..., k:, ANGULAR] = sign * (normal @ to_body)
-            phi_q[..., joint_rows(j), body_rows(body)] = block
-
+            block = phi_q[..., joint_rows(j), body_rows(body)]
+            block[..., : vectors.held.shape[-2], LINEAR] = sign * vectors.held
+            block[..., ANGULAR] = sign * _turning(joint_vectors(model, vertices, j, axes=body), of_inside=body == i)
         zeta[..., joint_rows(j)] -= np.concatenate(
             [_gap_curvature(vectors, vertices, i, j), _angle_curvature(vectors, omega_i, omega_j)], axis=-1
         )
@@ -59,11 +50,24 @@ def coupling_rows(state: MaximalState) -> Array:
     return rows
 
 
-def _prescribed(held: Array, turn_of_held: Array, normal: Array, ground: Ground | None) -> Array:
+def _turning(vectors: JointVectors, of_inside: bool) -> Array:
+    """What φ̇ gains by ω_i, or by -ω_j (…, 5, 3), in the axes of the vectors. A body is seen in its own: the moment of a
+    force along c_ij vanishes exactly there, and does not shake a light wrist.
+
+    d(u·gap)/dt = u·(ṙ_i + ω_i × c_ij - ṙ_j - ω_j × c_jj) + (ω_i × u)·gap; d(a·b)/dt = (ω_i - ω_j)·(a × b).
+    """
+    arm = vectors.arm_i if of_inside else vectors.arm_j
+    if of_inside and vectors.held_turns:
+        arm = arm - vectors.gap
+    return np.concatenate([cross(arm[..., None, :], vectors.held), cross(vectors.inside, vectors.outside)], axis=-2)
+
+
+def _prescribed(vectors: JointVectors, ground: Ground | None) -> Array:
     """The part of φ̈ that the prescribed acceleration of the ground gives (…, 5): ∂²φ/∂t² on the right of Eq. (108)."""
     assert ground is not None
-    linear, angular = ground.acceleration[..., LINEAR, None], ground.acceleration[..., ANGULAR, None]
-    return np.concatenate([held @ linear + turn_of_held @ angular, normal @ angular], axis=-2)[..., 0]
+    part = apply(_turning(vectors, of_inside=True), ground.acceleration[..., ANGULAR])
+    part[..., : vectors.held.shape[-2]] += apply(vectors.held, ground.acceleration[..., LINEAR])
+    return part
 
 
 def _gap_curvature(vectors: JointVectors, vertices: Vertices, i: int, j: int) -> Array:

@@ -5,7 +5,7 @@ A wrench here is force and moment in world axes, the moment about the joint O_j.
 
 import numpy as np
 
-from graphdyn.equations.kinematics import MaximalState, joint_axes, link_origins
+from graphdyn.equations.kinematics import MaximalState, joint_axes, levers
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.spatial import cross
 
@@ -20,8 +20,7 @@ def transmitted_wrenches(state: MaximalState, body_wrenches: Array) -> Array:
     t = state.model.graph.path_matrix()
     force = body_wrenches[..., LINEAR]
     moment = np.einsum("...iab,...ib->...ia", state.rotation, body_wrenches[..., ANGULAR])
-    lever = state.position[..., None, :, :] - link_origins(state)[..., :, None, :]  # joint k, body i
-    at_joint = moment[..., None, :, :] + cross(lever, force[..., None, :, :])
+    at_joint = moment[..., None, :, :] + cross(levers(state), force[..., None, :, :])
     return np.concatenate([t @ force, np.einsum("ki,...kia->...ka", t, at_joint)], axis=-1)
 
 

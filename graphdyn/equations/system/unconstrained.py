@@ -56,19 +56,15 @@ def actuator_terms(state: MaximalState) -> Array:
     n = model.n_bodies
     columns = np.zeros((*state.position.shape[:-1], 6, n), dtype=state.position.dtype)
     for k, joint in enumerate(model.joints, start=1):
-        vectors = joint_vectors(model, vertices, k)
         for i in (joint.inside, k):
             if i == 0:
                 continue
-            sign = -s[i - 1, k - 1]
-            to_body = np.swapaxes(state.rotation[..., i - 1, :, :], -1, -2)
+            sign, vectors = -s[i - 1, k - 1], joint_vectors(model, vertices, k, axes=i)
+            moment = vectors.axis
             if joint.is_prismatic:
-                arm = vectors.arm_j if i == k else vectors.arm_i
-                columns[..., i - 1, LINEAR, k - 1] = sign * vectors.axis
-                moment = cross(arm, vectors.axis)
-            else:
-                moment = vectors.axis
-            columns[..., i - 1, ANGULAR, k - 1] = sign * (to_body @ moment[..., None])[..., 0]
+                columns[..., i - 1, LINEAR, k - 1] = sign * vertices.seen(k, joint.axis)
+                moment = cross(vectors.arm_j if i == k else vectors.arm_i, vectors.axis)
+            columns[..., i - 1, ANGULAR, k - 1] = sign * moment
     return stacked_rows(columns)
 
 
