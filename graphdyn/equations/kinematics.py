@@ -22,7 +22,7 @@ from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
 from graphdyn.model.robot_model import RobotModel, check_model
-from graphdyn.model.spatial import apply, cardano_angles, cardano_rate_matrix, cross, solve
+from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,19 +225,22 @@ def levers(state: MaximalState) -> Array:
 
     Summed from link to link: in a difference of two positions in the world the short lever of a wrist loses digits.
     """
-    vertices, origins, on_path = state.vertices, link_origins(state), state.model.graph.path_matrix()[..., None]
+    joints, vertices, on_path = state.model.joints, state.vertices, state.model.graph.path_matrix()[..., None]
+    turned = vertices.rotation[..., [joint.inside for joint in joints], :, :]
+    links = np.einsum("...jab,jb->...ja", turned, np.stack([joint.placement.translation for joint in joints]))
     arms = np.einsum("...iab,ib->...ia", state.rotation, vertices.center[1:])
     found = np.zeros((*arms.shape[:-1], *arms.shape[-2:]), dtype=arms.dtype)
-    for j, joint in enumerate(state.model.joints):
+    for j, joint in enumerate(joints):
         i = joint.inside - 1
         if i < 0:
             continue
+        link = links[..., j, :]
         if joint.is_prismatic:
-            link = origins[..., j, :] - origins[..., i, :]
-        else:
-            link = apply(state.rotation[..., i, :, :], joint.placement.translation)
+            link = state.position[..., j, :] - arms[..., j, :] - (state.position[..., i, :] - arms[..., i, :])
         found[..., j, :] = (found[..., i, :] + link[..., None, :]) * on_path[:, i]
-    return (found + arms[..., None, :, :]) * on_path
+    found += arms[..., None, :, :]
+    found *= on_path
+    return found
 
 
 def frame_placement(

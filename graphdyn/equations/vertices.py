@@ -12,7 +12,6 @@ import numpy as np
 from graphdyn.arguments.base_motion import Ground
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.model.spatial import apply
 
 
 class Vertices:
@@ -41,73 +40,69 @@ class Vertices:
     def arm(self, i: int, point: Array) -> Array:
         """Vector from the center of mass of vertex i to a point given in its link axes (3,), in world axes (…, 3)
         [m]."""
-        return self.seen(i, point - self.center[i])
+        arm: Array = self.rotation[..., i, :, :] @ (point - self.center[i])
+        return arm
 
-    def seen(self, i: int, vector: Array, axes: int | None = None) -> Array:
-        """A vector given in the link axes of vertex i (3,), in world axes (…, 3), or in the link axes of a vertex: of
-        the same one as it is, without rounding."""
-        if axes == i:
-            return vector
-        in_world = self.rotation[..., i, :, :] @ vector
-        return in_world if axes is None else self.turned(in_world, axes)
+    def from_link(self, i: int, vectors: Array) -> Array:
+        """Vectors in the link axes of vertex i as rows (k, 3), in world axes (…, k, 3)."""
+        return vectors @ np.swapaxes(self.rotation[..., i, :, :], -1, -2)
 
-    def turned(self, vector: Array, axes: int) -> Array:
-        """A vector given in world axes (…, 3), in the link axes of a vertex."""
-        return apply(np.swapaxes(self.rotation[..., axes, :, :], -1, -2), vector)
+    def to_link(self, i: int, vectors: Array) -> Array:
+        """Vectors in world axes as rows (…, k, 3), in the link axes of vertex i (…, k, 3)."""
+        return vectors @ self.rotation[..., i, :, :]
 
 
 @dataclass(frozen=True, eq=False)
 class JointVectors:
-    """What joint j holds, as vectors in the axes of the world or of a body: the data that make a joint type.
+    """What joint j holds, as vectors in world axes: the data that make a joint type.
 
-    arm_i, arm_j: c_ij and c_jj, from the centers of mass to the joint        (…, 3)    [m]
     gap: r_i + c_ij - r_j - c_jj                                              (…, 3)    [m]
+    arm_i, arm_j: c_ij and c_jj, from the centers of mass to the joint        (…, 3)    [m]
     held: directions along which the gap is held at zero                      (…, k, 3)
     held_turns: whether these directions turn with the inside body, or are the world axes
     inside, outside: pairs of vectors a (fixed in body i), b (fixed in body j) held normal   (…, 5-k, 3)
-    axis: p, fixed in body j                                                  (…, 3)
+    on_i, on_j: the arm above pairs a, or b, in the link axes in which they are fixed        (6-k, 3)
 
     Revolute: the gap along the three world axes (Eq. 65); t_2·p = 0 and -t_1·p = 0.
     Prismatic: the gap along t_1 and t_2; t_2·p = 0, -t_1·p = 0 and t_1·t_2 = 0.
     """
 
+    gap: Array
     arm_i: Array
     arm_j: Array
-    gap: Array
     held: Array
     held_turns: bool
     inside: Array
     outside: Array
-    axis: Array
+    on_i: Array
+    on_j: Array
 
 
-def joint_vectors(model: RobotModel, vertices: Vertices, j: int, axes: int | None = None) -> JointVectors:
-    """The vectors of joint j (1 … n) at the given poses, in world axes, or in the link axes of a vertex."""
+def joint_vectors(model: RobotModel, vertices: Vertices, j: int) -> JointVectors:
+    """The vectors of joint j (1 … n) at the given poses."""
     joint = model.joints[j - 1]
     i = joint.inside
-
-    def on(body: int, *vectors: Array) -> Array:
-        return np.stack([vertices.seen(body, x, axes) for x in vectors], axis=-2)
-
-    t_1, t_2 = (joint.placement.rotation @ t for t in joint.axis_normals)  # fixed in body i
-    inside, outside = [t_2, -t_1], [joint.axis, joint.axis]  # on body j the same axes: they coincide at q = 0
+    t_1, t_2 = joint.axis_normals @ joint.placement.rotation.T  # joint axes, fixed in body i
+    on_i = [joint.placement.translation - vertices.center[i], t_2, -t_1]
+    on_j = [-vertices.center[j], joint.axis, joint.axis]  # the same axes, fixed in body j: they coincide at q = 0
+    held = np.eye(3)
     if joint.is_prismatic:
-        held = on(i, t_1, t_2)
-        inside.append(t_1)
-        outside.append(joint.axis_normals[1])
-    else:
-        held = np.eye(3) if axes is None else vertices.rotation[..., axes, :, :]
-    arm_i, arm_j = vertices.arm(i, joint.placement.translation), vertices.arm(j, np.zeros(3))
-    gap = vertices.position[..., i, :] + arm_i - vertices.position[..., j, :] - arm_j
+        on_i.append(t_1)
+        on_j.append(joint.axis_normals[1])
+        held = vertices.from_link(i, np.stack([t_1, t_2]))
+    rows_i, rows_j = np.stack(on_i), np.stack(on_j)
+    of_i, of_j = vertices.from_link(i, rows_i), vertices.from_link(j, rows_j)
+    arm_i, arm_j = of_i[..., 0, :], of_j[..., 0, :]
     return JointVectors(
-        arm_i=vertices.seen(i, joint.placement.translation - vertices.center[i], axes),
-        arm_j=vertices.seen(j, -vertices.center[j], axes),
-        gap=gap if axes is None else vertices.turned(gap, axes),
+        gap=vertices.position[..., i, :] + arm_i - vertices.position[..., j, :] - arm_j,
+        arm_i=arm_i,
+        arm_j=arm_j,
         held=held,
         held_turns=joint.is_prismatic,
-        inside=on(i, *inside),
-        outside=on(j, *outside),
-        axis=vertices.seen(j, joint.axis, axes),
+        inside=of_i[..., 1:, :],
+        outside=of_j[..., 1:, :],
+        on_i=rows_i,
+        on_j=rows_j,
     )
 
 

@@ -26,14 +26,15 @@ def constraints(state: MaximalState) -> tuple[Array, Array]:
         i = joint.inside
         vectors = joint_vectors(model, vertices, j)
         omega_i, omega_j = vertices.angular_velocity[..., i, :], vertices.angular_velocity[..., j, :]
-        if i == 0:
-            zeta[..., joint_rows(j)] -= _prescribed(vectors, state.ground)
-        for body, sign in ((i, 1.0), (j, -1.0)):
+        k = vectors.held.shape[-2]
+        for body, sign, turning in ((i, 1.0, _with_inside), (j, -1.0, _with_outside)):
+            angular = turning(vectors, vertices, body)
             if body == 0:
+                zeta[..., joint_rows(j)] -= _prescribed(vectors.held, vertices.from_link(0, angular), state.ground)
                 continue
             block = phi_q[..., joint_rows(j), body_rows(body)]
-            block[..., : vectors.held.shape[-2], LINEAR] = sign * vectors.held
-            block[..., ANGULAR] = sign * _turning(joint_vectors(model, vertices, j, axes=body), of_inside=body == i)
+            block[..., :k, LINEAR] = sign * vectors.held
+            block[..., ANGULAR] = sign * angular
         zeta[..., joint_rows(j)] -= np.concatenate(
             [_gap_curvature(vectors, vertices, i, j), _angle_curvature(vectors, omega_i, omega_j)], axis=-1
         )
@@ -50,23 +51,33 @@ def coupling_rows(state: MaximalState) -> Array:
     return rows
 
 
-def _turning(vectors: JointVectors, of_inside: bool) -> Array:
-    """What φ̇ gains by ω_i, or by -ω_j (…, 5, 3), in the axes of the vectors. A body is seen in its own: the moment of a
-    force along c_ij vanishes exactly there, and does not shake a light wrist.
-
-    d(u·gap)/dt = u·(ṙ_i + ω_i × c_ij - ṙ_j - ω_j × c_jj) + (ω_i × u)·gap; d(a·b)/dt = (ω_i - ω_j)·(a × b).
-    """
-    arm = vectors.arm_i if of_inside else vectors.arm_j
-    if of_inside and vectors.held_turns:
-        arm = arm - vectors.gap
-    return np.concatenate([cross(arm[..., None, :], vectors.held), cross(vectors.inside, vectors.outside)], axis=-2)
+# What φ̇ gains by ω_i, and by -ω_j, in link axes:
+# d(u·gap)/dt = u·(ṙ_i + ω_i × c_ij - ṙ_j - ω_j × c_jj) + (ω_i × u)·gap and d(a·b)/dt = (ω_i - ω_j)·(a × b).
+# What is fixed in the body keeps the digits of the model: a force along c_jj has no moment, and the moments t_1 and t_2
+# have no share along p, in which a light wrist would show their rounding.
 
 
-def _prescribed(vectors: JointVectors, ground: Ground | None) -> Array:
+def _with_inside(vectors: JointVectors, vertices: Vertices, i: int) -> Array:
+    """(…, 5, 3), in the link axes of i."""
+    arm, a = vectors.on_i[:1], vectors.on_i[1:]
+    if vectors.held_turns:
+        arm = arm - vertices.to_link(i, vectors.gap[..., None, :])
+    turning = cross(arm, vertices.to_link(i, vectors.held)), cross(a, vertices.to_link(i, vectors.outside))
+    return np.concatenate(turning, axis=-2)
+
+
+def _with_outside(vectors: JointVectors, vertices: Vertices, j: int) -> Array:
+    """(…, 5, 3), in the link axes of j."""
+    arm, b = vectors.on_j[:1], vectors.on_j[1:]
+    turning = cross(arm, vertices.to_link(j, vectors.held)), cross(vertices.to_link(j, vectors.inside), b)
+    return np.concatenate(turning, axis=-2)
+
+
+def _prescribed(held: Array, turning: Array, ground: Ground | None) -> Array:
     """The part of φ̈ that the prescribed acceleration of the ground gives (…, 5): ∂²φ/∂t² on the right of Eq. (108)."""
     assert ground is not None
-    part = apply(_turning(vectors, of_inside=True), ground.acceleration[..., ANGULAR])
-    part[..., : vectors.held.shape[-2]] += apply(vectors.held, ground.acceleration[..., LINEAR])
+    part = apply(turning, ground.acceleration[..., ANGULAR])
+    part[..., : held.shape[-2]] += apply(held, ground.acceleration[..., LINEAR])
     return part
 
 

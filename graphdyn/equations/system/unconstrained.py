@@ -6,7 +6,6 @@ Rotational rows are moments in body axes, so that A is symmetric (docs/deviation
 import numpy as np
 
 from graphdyn.equations.kinematics import MaximalState
-from graphdyn.equations.vertices import joint_vectors
 from graphdyn.layout import ANGULAR, LINEAR, Array, block_diagonal, stacked, stacked_rows
 from graphdyn.model.spatial import apply, cross
 
@@ -56,15 +55,16 @@ def actuator_terms(state: MaximalState) -> Array:
     n = model.n_bodies
     columns = np.zeros((*state.position.shape[:-1], 6, n), dtype=state.position.dtype)
     for k, joint in enumerate(model.joints, start=1):
-        for i in (joint.inside, k):
+        axis = vertices.from_link(k, joint.axis[None])
+        for i, point in ((joint.inside, joint.placement.translation), (k, np.zeros(3))):
             if i == 0:
                 continue
-            sign, vectors = -s[i - 1, k - 1], joint_vectors(model, vertices, k, axes=i)
-            moment = vectors.axis
+            sign = -s[i - 1, k - 1]
+            on_body = joint.axis if i == k else vertices.to_link(i, axis)[..., 0, :]
             if joint.is_prismatic:
-                columns[..., i - 1, LINEAR, k - 1] = sign * vertices.seen(k, joint.axis)
-                moment = cross(vectors.arm_j if i == k else vectors.arm_i, vectors.axis)
-            columns[..., i - 1, ANGULAR, k - 1] = sign * moment
+                columns[..., i - 1, LINEAR, k - 1] = sign * axis[..., 0, :]
+                on_body = cross(point - vertices.center[i], on_body)
+            columns[..., i - 1, ANGULAR, k - 1] = sign * on_body
     return stacked_rows(columns)
 
 
