@@ -6,6 +6,7 @@ from fractions import Fraction
 
 import mpmath
 import numpy as np
+import pinocchio
 import pytest
 from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 from robots.mechanisms import four_bar
@@ -13,6 +14,7 @@ from robots.mechanisms import four_bar
 import crosscheck
 import graphdyn
 import urdf
+from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import Coupling, InvalidInput, SingularMassMatrix
 from graphdyn.verbs import VERBS
 
@@ -35,6 +37,10 @@ FIXED = BEAM.replace("WELD", "fixed").replace(
 
 ROUNDING = 1e-13
 """Of doubles, relative to the largest entry of an array; measured below 3e-15 for these robots."""
+
+NEAR = 1.5
+"""99 % quantile of the errors of projected accelerations over that of aba, at 100 states of the KR500: measured 0.6 to
+0.8 with three seeds, and 2.2 to 4.3 with levers that are differences of positions in the world."""
 
 OUTPUTS = ("body_accelerations", "multipliers")
 
@@ -320,3 +326,23 @@ class TestRefusals:
     def test_bad_input(self, verb, arguments, options, said):
         with pytest.raises(InvalidInput, match=said):
             crosscheck.exact_values(NAMED["one_revolute"], verb, *arguments, **options)
+
+
+def aba(robot, q, v, tau):
+    return pinocchio.aba(robot.native, robot.data, robot.configuration(q), v, tau)[robot.columns]
+
+
+def test_projected_accelerations_are_as_near_as_those_of_the_articulated_body_algorithm():
+    model, rng = graphdyn.kr500(), np.random.default_rng(0)
+    q, v = model.random_state(rng, 100)
+    tau = graphdyn.joint_torques(model, q, v, 5 * rng.normal(size=q.shape))
+    exact = of_robot(model, "joint_accelerations", q, v, tau, digits=30)
+    robot = PinocchioModel.from_model(model)
+    codes = {
+        "projected": graphdyn.joint_accelerations(model, q, v, tau, method="projected"),
+        "aba": np.array([aba(robot, *state) for state in zip(q, v, tau, strict=True)]),
+    }
+    errors = {
+        name: np.quantile(exact.errors(a)[1].max(axis=1) / np.abs(a).max(axis=1), 0.99) for name, a in codes.items()
+    }
+    assert errors["projected"] < NEAR * errors["aba"]
