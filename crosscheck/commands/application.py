@@ -22,6 +22,7 @@ from crosscheck.commands.program.console import accept_all_characters
 from crosscheck.commands.program.exits import AGREED, Command, CommandGroup, ended_by_signals, refuse_closed_output
 from crosscheck.commands.program.settings import as_command
 from crosscheck.commands.questions import command as questions
+from crosscheck.commands.recording import command as recording
 from crosscheck.commands.robots import command as robots
 from crosscheck.commands.show import command as show
 from crosscheck.commands.simulate import command as simulate
@@ -38,6 +39,7 @@ COMMANDS = (
     (export.run, "export", export.EPILOG),
     (vectors.run, "vectors", vectors.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
+    (recording.run, "recording", recording.EPILOG),
     (identify.run, "identify", identify.EPILOG),
     (simulate.run, "simulate", simulate.EPILOG),
     (excite.run, "excite", excite.EPILOG),

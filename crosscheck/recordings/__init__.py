@@ -29,6 +29,8 @@ from crosscheck.recordings.preparation.splits import (
     split_by_time,
     time_folds,
 )
+from crosscheck.recordings.recognizing.recognized import Answers, RecognizedLog
+from crosscheck.recordings.recognizing.recognizing import recognize
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
 from crosscheck.recordings.virtual import save_virtual_recording
 from crosscheck.recordings.virtual_reading import load_virtual_recording
@@ -36,12 +38,14 @@ from crosscheck.recordings.virtual_reading import load_virtual_recording
 __all__ = [
     "DROPPABLE",
     "AmbiguousColumns",
+    "Answers",
     "BadMapping",
     "BadRecordingFile",
     "ColumnMapping",
     "DirtyRecording",
     "PartitionedRecording",
     "Provenance",
+    "RecognizedLog",
     "Recording",
     "RecordingFinding",
     "ResidualAnalysis",
@@ -59,6 +63,7 @@ __all__ = [
     "load_virtual_recording",
     "lowpass",
     "mapping_of",
+    "recognize",
     "recording_of",
     "resampled",
     "residual_analysis",

@@ -18,6 +18,7 @@ from crosscheck.commands.program.delivery import deliver, planned_figures
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.output_files import OutputFile
+from crosscheck.commands.program.reading_options import reading_arguments
 from crosscheck.commands.program.recording_options import show_findings
 from crosscheck.distributing import LocalProcesses, Lost
 
@@ -129,7 +130,8 @@ def _recordings(options: ExciteOptions, option: str, logs: list[Path] | None, mo
     if not logs:
         return []
     with progress("read", len(logs)) as advance:
-        found = options.recordings(option, logs, model.independent_joints, advance)
+        named = ("--robot", options.robot, *reading_arguments(options))
+        found = options.recordings(option, logs, model.independent_joints, advance, named)
     show_findings(finding for recording in found for finding in recording.findings)
     return [differentiated(recording, options.low_pass) for recording in found]
 

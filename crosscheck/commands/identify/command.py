@@ -17,7 +17,8 @@ from crosscheck.commands.program.console import out, progress, say, warnings_sho
 from crosscheck.commands.program.delivery import deliver, recorded
 from crosscheck.commands.program.exits import AGREED, DISAGREED
 from crosscheck.commands.program.options import EXAMPLES
-from crosscheck.commands.program.recording_options import show_findings
+from crosscheck.commands.program.reading_options import reading_arguments
+from crosscheck.commands.program.recording_options import naming_recording_command, show_findings
 from crosscheck.report.plain_text import printable
 from graphdyn.errors import counted
 
@@ -91,8 +92,9 @@ def from_recordings(options: IdentifyOptions, robot: str, asked: Asked) -> Ident
     logs, validate, reading = options.logs or [], options.validate or [], options.reading
     joints = urdf.load(robot, reading=reading).independent_joints
     with progress("read", len(logs) + len(validate)) as advance:
-        recordings = options.recordings("LOG", logs, joints, advance, options.rate)
-        unseen = options.recordings("--validate", validate, joints, advance, options.rate)
+        named = ("--robot", robot, *reading_arguments(options))
+        recordings = options.recordings("LOG", logs, joints, advance, named, options.rate)
+        unseen = options.recordings("--validate", validate, joints, advance, named, options.rate)
     show_findings(finding for recording in [*recordings, *unseen] for finding in recording.findings)
     held_out = options.held_out(unseen)
     with progress("identify", number_of_steps(asked.models, held_out)) as advance:
@@ -112,14 +114,16 @@ def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified
             names = _expanded(paths)
             return PartitionedRecording(names, options.mapping, None, options.rate, cutoff, workers=workers)
 
-        found = identify(
-            robot,
-            recording(options.logs or []),
-            held_out=recording(options.validate) if options.validate else None,
-            progress=advance,
-            reading=options.reading,
-            **asked._asdict(),
-        )
+        named = ("--robot", robot, *reading_arguments(options))
+        with naming_recording_command(options.logs or [], named, options.mapping):
+            found = identify(
+                robot,
+                recording(options.logs or []),
+                held_out=recording(options.validate) if options.validate else None,
+                progress=advance,
+                reading=options.reading,
+                **asked._asdict(),
+            )
     read = [*found.recordings, *(trial.test for trial in found.division.trials)]
     every = [finding for recording in read for finding in recording.findings]
     once = {(finding.code, finding.message): finding for finding in reversed(every)}  # the same is said of many logs

@@ -50,6 +50,10 @@ class OutputFile:
     def robot(cls, name: str) -> OutputFile:
         return cls(name, (".urdf", ".xml"))
 
+    @classmethod
+    def mapping(cls, name: str) -> OutputFile:
+        return cls(name, (".toml",))
+
     @property
     def path(self) -> Path:
         return Path(self.name)

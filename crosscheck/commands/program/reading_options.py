@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
@@ -89,6 +89,20 @@ class ReadingOptions:
             dict(pairs("--xacro", self.xacro, "NAME=VALUE")),
             dict(pairs("--xacro-package", self.xacro_package, "NAME=FOLDER")),
         )
+
+
+def reading_arguments(options: ReadingOptions) -> list[str]:
+    """The arguments with which a robot is read in the same way by another command."""
+    arguments: list[str] = []
+    for each in fields(ReadingOptions):
+        value, option = getattr(options, each.name), f"--{each.name.replace('_', '-')}"
+        if value == each.default:
+            continue
+        if isinstance(value, list):
+            arguments += [part for one in value for part in (option, one)]
+        else:
+            arguments += [option, *map(str, value if isinstance(value, tuple) else (value,))]
+    return arguments
 
 
 def refuse_for_several(reading: Reading) -> None:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from shlex import join
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
@@ -58,9 +60,18 @@ class ColumnOptions:
         return dict(zip(names, values, strict=True)) if "=" in text else values[0]
 
     def recordings(
-        self, option: str, logs: list[Path], joints: tuple[str, ...], advance: Advance, rate: float | None = None
+        self,
+        option: str,
+        logs: list[Path],
+        joints: tuple[str, ...],
+        advance: Advance,
+        robot: Sequence[str],
+        rate: float | None = None,
     ) -> list[Recording]:
-        """The recordings of the files, as many files for each as the mapping names. Raises as load_recording."""
+        """The recordings of the files, as many files for each as the mapping names. Raises as load_recording.
+
+        robot: arguments that name it and say how it is read, for the command that a refusal names
+        """
         from crosscheck.recordings import DROPPABLE, load_mapping, load_recording
 
         columns = load_mapping(self.mapping) if self.mapping is not None else None
@@ -82,7 +93,8 @@ class ColumnOptions:
         recordings = []
         for group in groups:
             advance(group[0].name, 0)
-            recordings.append(load_recording(group, columns, joints=joints, rate=rate, drop=codes))
+            with naming_recording_command(logs, robot, self.mapping):
+                recordings.append(load_recording(group, columns, joints=joints, rate=rate, drop=codes))
             advance(group[0].name, len(group))
         return recordings
 
@@ -96,6 +108,28 @@ class RecordingOptions(ColumnOptions):
     rate: Annotated[
         float | None, typer.Option(metavar="HZ", help="Samples per second, for files without a column of time.")
     ] = None
+
+
+@contextmanager
+def naming_recording_command(logs: Sequence[Path], robot: Sequence[str], mapping: Path | None) -> Iterator[None]:
+    """Without a mapping, whatever is refused for want of one names the command that writes one.
+
+    robot: arguments that name it and say how it is read
+    """
+    from crosscheck.recordings import AmbiguousColumns, BadMapping
+
+    try:
+        yield
+    except (AmbiguousColumns, BadMapping) as error:
+        if mapping is not None:
+            raise
+        together = logs if len(logs) <= MOST_FILES_OF_A_LOG else logs[:1]
+        command = ["graphdyn", "recording", *map(str, together), *robot, "--write-mapping", "columns.toml"]
+        raise BadMapping(f"{error}; `{join(command)}` shows what is recognized, and writes one") from error
+
+
+MOST_FILES_OF_A_LOG = 4
+"""Number of files up to which those of a command may hold the columns of one log."""
 
 
 def show_findings(findings: Iterable[RecordingFinding]) -> None:

@@ -81,7 +81,10 @@ def _table(path: Path, topic: str, messages: list[tuple[int, Any]], joints: tupl
     have = [set(joints) <= set(message.name) for _, message in messages]
     if not any(have):
         listed = in_words(sorted(frozenset.union(*sets)))
-        raise BadRecordingFile(f"{path}: no message on {topic} has all of {in_words(joints)}; there are: {listed}")
+        raise AmbiguousColumns(
+            f"{path}: no message on {topic} has all of {in_words(joints)}; there are: {listed}; "
+            "say in a mapping (docs/recordings.md) which is which"
+        )
     if not all(have):
         text = f"{counted(have.count(False), 'message')} on {topic} without all of {in_words(joints)}"
         findings.append(RecordingFinding("other-joints", "note", str(path), None, (), text, "they are left out"))
@@ -138,7 +141,16 @@ def write_mcap(recording: RecordedMotion, path: Path, metadata: Mapping[str, str
 
 
 def _read(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...] | None) -> RecordedTable:
-    return read_bag(path, mapping.topic if mapping else None, (mapping and mapping.joints) or joints)
+    return read_bag(path, mapping.topic if mapping else None, _joints_of_messages(mapping) or joints)
+
+
+def _joints_of_messages(mapping: ColumnMapping | None) -> tuple[str, ...] | None:
+    """The joints as the messages call them, by the columns of positions; otherwise as the mapping calls them."""
+    if mapping is None:
+        return None
+    columns = mapping.channels["q"].columns if "q" in mapping.channels else ()
+    names = tuple(str(column).removeprefix("position.") for column in columns)
+    return names if columns and all(str(column).startswith("position.") for column in columns) else mapping.joints
 
 
 FORMATS = (Format((".mcap", ".bag", ".db3"), _read, write=write_mcap),)

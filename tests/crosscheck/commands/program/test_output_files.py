@@ -30,6 +30,7 @@ READS = {
     "export": ("{robot}",),
     "vectors": ("{robot}", "--out", "vectors"),
     "inspect": ("{robot}",),
+    "recording": ("{log}", "--robot", "{robot}"),
     "identify": (
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),
         *("--known-torque", "{code}:K", "--methods", "wls,{method}:E"),

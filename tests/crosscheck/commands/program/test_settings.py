@@ -14,7 +14,7 @@ from crosscheck.commands.program.settings import as_command
 READING = ("--lock", "--chain", "--gravity", "--mimic", "--loops", "--repair", "--xacro", "--xacro-package")
 READERS = [
     *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect", "identify", "simulate"),
-    *("excite", "bench"),
+    *("recording", "excite", "bench"),
 ]
 
 

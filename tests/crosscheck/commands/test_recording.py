@@ -1,0 +1,75 @@
+"""`graphdyn recording`: exit codes, the mapping that is written, page, JSON file; and commands that print it."""
+
+import json
+import re
+import shlex
+
+import numpy as np
+import pytest
+from identified.small_study import ARM
+from jsonschema import Draft202012Validator
+from shared_data import REPOSITORY
+
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+
+SCHEMA = json.loads((REPOSITORY / "docs/schemas/recording-1.schema.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A robot, a log with two clocks that agree, and one whose torques are currents."""
+    (tmp_path / "small.urdf").write_text(ARM, encoding="utf-8")
+    t = np.arange(0, 4, 0.01)
+    q = np.column_stack([np.sin(2 * t), 2 * np.cos(1.5 * t)])
+    columns = np.column_stack([t, t, q, np.cos(q)])
+    for name, effort in (("log.csv", "tau_{}_Nm"), ("currents.csv", "current_{}")):
+        head = ["stamp_s", "bag_t_s", "q_1_rad", "q_2_rad", effort.format(1), effort.format(2)]
+        np.savetxt(tmp_path / name, columns, header=",".join(head), comments="", delimiter=",")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_identify_prints_the_command_that_helps(program, folder):
+    stopped = program("identify", "log.csv", "--robot", "small.urdf", "--lock", "elbow=0.1")
+    assert stopped.code == BAD_INPUT
+    printed = re.search(r"`graphdyn (.*?)` shows what is recognized, and writes one", stopped.err)[1]
+    assert printed == "recording log.csv --robot small.urdf --lock elbow=0.1 --write-mapping columns.toml"
+    stopped = program("identify", "log.csv", "--robot", "small.urdf")
+    printed = shlex.split(re.search(r"`graphdyn (.*?)`", stopped.err)[1])
+    done = program(*printed)
+    assert done.code == AGREED, done.err
+    assert (folder / "columns.toml").is_file()
+    following = done.out[done.out.index("graphdyn identify") :].split()
+    assert following[1:] == ["identify", "log.csv", "--robot", "small.urdf", "--mapping", "columns.toml"]
+    used = program(*following[1:], "--cutoff", "8", "--methods", "wls", "--folds", "1000")  # read, then refused
+    assert "mapping" not in used.err
+
+
+def test_what_is_left_to_be_said(program, folder):
+    done = program("recording", "currents.csv", "--robot", "small.urdf", "--write-mapping", "m.toml",
+                   "--json", "r.json", "--html", "r.html")  # fmt: skip
+    assert done.code == DISAGREED
+    assert "currents.csv: not yet\n400 rows; left to be said: tau." in done.out
+    assert "--gain G,G or --unit 'tau=N m'" in done.out.replace("\n", " ")
+    text = (folder / "m.toml").read_text(encoding="utf-8")
+    assert "# STILL TO BE SAID: these are currents: their gains [N m/A at the joints] are not known" in text
+    record = json.loads((folder / "r.json").read_text(encoding="utf-8"))
+    Draft202012Validator(SCHEMA).validate(record)
+    assert record["mapping"] == text
+    assert [choice["quantity"] for choice in record["open"]] == ["tau"]
+    assert "current_*" in (folder / "r.html").read_text(encoding="utf-8")
+    assert program("recording", "currents.csv", "--robot", "small.urdf", "--gain", "2,3").code == AGREED
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--unit", "q"), "--unit q: give QUANTITY=…, with one of time, q, v, tau"),
+        (("--rate", "0"), "--rate 0: give Hz above zero"),
+        (("--gain", "1,2,3"), "gain has 3 numbers, the robot 2 joints"),
+    ],
+)
+def test_refusals(program, folder, arguments, message):
+    done = program("recording", "log.csv", "--robot", "small.urdf", *arguments)
+    assert done.code == BAD_INPUT
+    assert message in done.err
