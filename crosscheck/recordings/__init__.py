@@ -29,7 +29,7 @@ from crosscheck.recordings.preparation.splits import (
     split_by_time,
     time_folds,
 )
-from crosscheck.recordings.recognizing.recognized import Answers, RecognizedLog
+from crosscheck.recordings.recognizing.recognized import RecognizedLog, Untold
 from crosscheck.recordings.recognizing.recognizing import recognize
 from crosscheck.recordings.recording import Provenance, Recording, concatenated, recording_of
 from crosscheck.recordings.virtual import save_virtual_recording
@@ -38,7 +38,6 @@ from crosscheck.recordings.virtual_reading import load_virtual_recording
 __all__ = [
     "DROPPABLE",
     "AmbiguousColumns",
-    "Answers",
     "BadMapping",
     "BadRecordingFile",
     "ColumnMapping",
@@ -51,6 +50,7 @@ __all__ = [
     "ResidualAnalysis",
     "Split",
     "StreamedRecording",
+    "Untold",
     "chosen_cutoff",
     "concatenated",
     "decimated_columns",

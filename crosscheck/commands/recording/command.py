@@ -17,7 +17,7 @@ from crosscheck.commands.program.reading_options import ReadingOptions, reading_
 from crosscheck.commands.program.recording_options import numbers
 
 if TYPE_CHECKING:
-    from crosscheck.recordings import Answers
+    from crosscheck.recordings import Untold
 
 EPILOG = f"""{EXAMPLES}  graphdyn recording log.csv --robot ur5 --write-mapping columns.toml
   graphdyn recording bag/ --robot arm.urdf --html columns.html
@@ -30,7 +30,7 @@ MAPPING_NAME = "columns.toml"
 
 
 @dataclass(frozen=True, kw_only=True)
-class AnswerOptions:
+class UntoldOptions:
     """What a log does not tell."""
 
     PANEL: ClassVar[str] = "What the log does not tell"
@@ -54,13 +54,13 @@ class AnswerOptions:
     topic: Annotated[str | None, typer.Option(metavar="NAME", help="Topic of a bag with several.")] = None
 
     @property
-    def answers(self) -> Answers:
+    def untold(self) -> Untold:
         """Raises typer.BadParameter for texts of another form."""
-        from crosscheck.recordings import Answers
+        from crosscheck.recordings import Untold
 
         if self.rate is not None and not self.rate > 0:
             raise typer.BadParameter(f"--rate {self.rate:g}: give Hz above zero")
-        return Answers(
+        return Untold(
             self.rate,
             () if self.ratio is None else tuple(numbers("--ratio", self.ratio)),
             () if self.gain is None else tuple(numbers("--gain", self.gain)),
@@ -70,7 +70,7 @@ class AnswerOptions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RecognitionOptions(AnswerOptions, ReadingOptions, ReportOptions):
+class RecognitionOptions(UntoldOptions, ReadingOptions, ReportOptions):
     """What `graphdyn recording` is asked for."""
 
     logs: Annotated[
@@ -102,9 +102,9 @@ def run(options: RecognitionOptions) -> None:
     from crosscheck.commands.recording.report import recording_report
     from crosscheck.recordings import recognize
 
-    answers = options.answers
+    untold = options.untold
     model = urdf.load(options.robot, reading=options.reading)
-    found = recognize(options.logs, model, answers, topic=options.topic)
+    found = recognize(options.logs, model, untold, topic=options.topic)
     name = options.write_mapping.name if options.write_mapping else MAPPING_NAME
     following = ["graphdyn", "identify", *found.files, "--robot", options.robot, "--mapping", name]
     deliver(recording_report(found, join([*following, *reading_arguments(options)])), options)

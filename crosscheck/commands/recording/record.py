@@ -6,23 +6,23 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from crosscheck.recordings import RecognizedLog
-from crosscheck.recordings.recognizing.recognized import Block, Clock, OpenChoice
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock, RecognizedClock
 from crosscheck.report.records.record import CommandRecord, Count, Number, Record, attribute, written
 
 
-class ClockRecord(Record, of=Clock, leave_out=("values",)):
+class RecognizedClockRecord(Record, of=RecognizedClock, leave_out=("values",)):
     """A column of time."""
 
 
-class BlockRecord(Record, of=Block, leave_out=("values",)):
+class RecognizedBlockRecord(Record, of=RecognizedBlock, leave_out=("values",)):
     """Columns of one quantity."""
 
 
-class ChoiceRecord(Record, of=OpenChoice):
+class OpenChoiceRecord(Record, of=OpenChoice):
     """What the log does not tell."""
 
 
-class RecordingRecord(CommandRecord, of=RecognizedLog, format="graphdyn recording 1"):
+class RecognitionRecord(CommandRecord, of=RecognizedLog, format="graphdyn recording 1"):
     """What the columns of a log are.
 
     complete: the mapping can be used as it is
@@ -31,12 +31,12 @@ class RecordingRecord(CommandRecord, of=RecognizedLog, format="graphdyn recordin
     complete: bool = attribute()
     rows: Count
     rate: Number
-    clocks: Sequence[ClockRecord]
-    blocks: Sequence[BlockRecord]
+    clocks: Sequence[RecognizedClockRecord]
+    blocks: Sequence[RecognizedBlockRecord]
     others: Mapping[str, str]
-    open: Sequence[ChoiceRecord]
+    open: Sequence[OpenChoiceRecord]
 
 
 def record(found: RecognizedLog, command: Sequence[str]) -> dict[str, Any]:
     """All of it but the numbers of the columns."""
-    return written(RecordingRecord, found, command=command)
+    return written(RecognitionRecord, found, command=command)

@@ -10,20 +10,20 @@ import numpy as np
 
 from crosscheck.recordings.mapping.column_names import NANOSECONDS_PART, SECONDS_PART, meaning
 from crosscheck.recordings.mapping.units import TIME_UNITS
-from crosscheck.recordings.recognizing.recognized import Clock, OpenChoice
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedClock
 from crosscheck.recordings.recognizing.together import alike, likely_units, steps_evenly
-from crosscheck.recordings.recognizing.work import Work, column_of
+from crosscheck.recordings.recognizing.work import LogWork, column_of
 from crosscheck.recordings.table import RecordedTable, in_words
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
 
-def clocks_of(work: Work) -> list[Clock]:
+def clocks_of(work: LogWork) -> list[RecognizedClock]:
     """The columns of time; those that agree with the one that is taken are no choice."""
     found = [clock for table in work.tables for clock in _named_clocks(work, table)]
     if not found:
         found = [clock for table in work.tables for clock in _unnamed_clocks(work, table)]
-    wanted = work.answers.take.get("time")
+    wanted = work.untold.take.get("time")
     chosen = [clock for clock in found if wanted in (None, *map(str, clock.columns))]
     if wanted is not None and not chosen:
         raise InvalidInput(f"no clock has the column {wanted!r}; there are {in_words(_names(found))}")
@@ -42,7 +42,7 @@ def clocks_of(work: Work) -> list[Clock]:
     return [replace(first, taken=True), *(clock for clock in found if clock.columns != first.columns)]
 
 
-def _named_clocks(work: Work, table: RecordedTable) -> Iterator[Clock]:
+def _named_clocks(work: LogWork, table: RecordedTable) -> Iterator[RecognizedClock]:
     for number, name in enumerate(table.names):
         said = meaning(name, work.model.independent_joints)
         part = SECONDS_PART.fullmatch(name)
@@ -56,7 +56,7 @@ def _named_clocks(work: Work, table: RecordedTable) -> Iterator[Clock]:
             yield from _clock(work, table, (number,), table.values[:, number], unit, "by its name")
 
 
-def _unnamed_clocks(work: Work, table: RecordedTable) -> Iterator[Clock]:
+def _unnamed_clocks(work: LogWork, table: RecordedTable) -> Iterator[RecognizedClock]:
     for number in range(len(table.names)):
         values = table.values[:, number]
         if steps_evenly(values):
@@ -64,8 +64,8 @@ def _unnamed_clocks(work: Work, table: RecordedTable) -> Iterator[Clock]:
 
 
 def _clock(
-    work: Work, table: RecordedTable, numbers: tuple[int, ...], values: Array, unit: str, why: str
-) -> Iterator[Clock]:
+    work: LogWork, table: RecordedTable, numbers: tuple[int, ...], values: Array, unit: str, why: str
+) -> Iterator[RecognizedClock]:
     """A clock, unless it stands still; the unit is that with which it has a likely rate."""
     steps = np.diff(values[np.isfinite(values)])
     period = float(np.median(steps)) if steps.size else 0.0
@@ -75,14 +75,14 @@ def _clock(
         size, unit = table.seconds[numbers[0]], "s"
     else:
         likely = likely_units(period)
-        unit = unit or work.answers.units.get("time", "") or (likely[0] if likely else "s")
+        unit = unit or work.untold.units.get("time", "") or (likely[0] if likely else "s")
         size = TIME_UNITS.get(unit, 1.0)
     rate = 1 / (period * size)
-    yield Clock(
+    yield RecognizedClock(
         tuple(column_of(table, k) for k in numbers), table.path.name, unit, rate, False,
         f"{why}; a row every {period:.6g} {unit}, {rate:.6g} Hz", values,
     )  # fmt: skip
 
 
-def _names(clocks: Sequence[Clock]) -> list[str]:
+def _names(clocks: Sequence[RecognizedClock]) -> list[str]:
     return [str(clock.columns[0]) for clock in clocks]

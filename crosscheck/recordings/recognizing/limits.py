@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from crosscheck.recordings.mapping.units import TURNING_UNITS
-from crosscheck.recordings.recognizing.work import Work
+from crosscheck.recordings.recognizing.work import LogWork
 from graphdyn.layout import Array
 
 LIMIT_SLACK = 0.1
@@ -20,7 +20,7 @@ LEAST_DEGREES = 2 * np.pi
 """Range below which positions that may be rad are not taken for degrees: a motion of 6° identifies nothing."""
 
 
-def units_within(work: Work, values: Array) -> list[str]:
+def units_within(work: LogWork, values: Array) -> list[str]:
     """Units in which positions (N, n) are within the limits; deg only for motion that would be seen."""
     found = [unit for unit in ("rad", "deg") if beyond(work, values * TURNING_UNITS["q"][unit]) <= LIMIT_SLACK]
     size = float(np.max(np.ptp(values, axis=0), initial=0.0))
@@ -29,7 +29,7 @@ def units_within(work: Work, values: Array) -> list[str]:
     return found
 
 
-def beyond(work: Work, q: Array) -> float:
+def beyond(work: LogWork, q: Array) -> float:
     """By how much positions (N, n) [rad or m] leave the limits, as a part of the range, at the worst joint."""
     worst = 0.0
     for j, (lower, upper) in enumerate(_ranges(work)):
@@ -39,13 +39,13 @@ def beyond(work: Work, q: Array) -> float:
     return float(worst)
 
 
-def reaches(work: Work, values: Array) -> Array:
+def reaches(work: LogWork, values: Array) -> Array:
     """The largest position of each joint as a multiple of its largest limit."""
     most = np.nanmax(np.abs(values), axis=0, initial=0.0)
     return np.array([size / max(abs(a), abs(b)) for size, (a, b) in zip(most, _ranges(work), strict=True)])
 
 
-def _ranges(work: Work) -> Iterator[tuple[float, float]]:
+def _ranges(work: LogWork) -> Iterator[tuple[float, float]]:
     by_name = {joint.name: joint for joint in work.model.joints}
     for name in work.model.independent_joints:
         limits = by_name[name].limits

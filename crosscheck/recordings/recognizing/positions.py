@@ -10,10 +10,10 @@ import numpy as np
 from crosscheck.recordings.mapping.units import TURNING_UNITS
 from crosscheck.recordings.recognizing.blocks import ColumnBlock
 from crosscheck.recordings.recognizing.limits import beyond, reaches, units_within
-from crosscheck.recordings.recognizing.recognized import Block, OpenChoice
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock
 from crosscheck.recordings.recognizing.together import CLEAR_FACTOR, rates, unit_of_rate
 from crosscheck.recordings.recognizing.torques import fit_of, is_likely
-from crosscheck.recordings.recognizing.work import Work, how_told
+from crosscheck.recordings.recognizing.work import LogWork, how_told
 from graphdyn.layout import Array
 
 EXPLAINED = 0.3
@@ -25,8 +25,8 @@ LEAST_MOTION = 0.02
 
 
 def positions(
-    work: Work, found: Sequence[ColumnBlock], torques: Sequence[ColumnBlock], rate: float | None
-) -> list[Block]:
+    work: LogWork, found: Sequence[ColumnBlock], torques: Sequence[ColumnBlock], rate: float | None
+) -> list[RecognizedBlock]:
     if not found:
         question = "no columns are recognized as positions of the joints"
         lines = ('[q] columns = ["…"]', 'unit = "rad"')
@@ -45,7 +45,9 @@ def positions(
     return [block, *blocks]
 
 
-def _in_degrees_or_of_motors(work: Work, block: Block, torques: Sequence[ColumnBlock], rate: float | None) -> Block:
+def _in_degrees_or_of_motors(
+    work: LogWork, block: RecognizedBlock, torques: Sequence[ColumnBlock], rate: float | None
+) -> RecognizedBlock:
     """Positions beyond the limits in rad: in degrees, if these explain a torque; or an open choice."""
     degrees = replace(block, unit="deg", side="joint")
     fitting = "deg" in units_within(work, block.values)
@@ -58,7 +60,9 @@ def _in_degrees_or_of_motors(work: Work, block: Block, torques: Sequence[ColumnB
     return block
 
 
-def _turning_as_torques_say(work: Work, block: Block, torques: Sequence[ColumnBlock], rate: float | None) -> Block:
+def _turning_as_torques_say(
+    work: LogWork, block: RecognizedBlock, torques: Sequence[ColumnBlock], rate: float | None
+) -> RecognizedBlock:
     """Positions that may be rad or deg, in the unit that explains some torque clearly better; or an open choice."""
     units = ("rad", "deg")
     for torque in torques:
@@ -74,17 +78,17 @@ def _turning_as_torques_say(work: Work, block: Block, torques: Sequence[ColumnBl
     return block
 
 
-def _unit_of_position(work: Work, block: ColumnBlock, values: Array) -> tuple[str, str, str]:
+def _unit_of_position(work: LogWork, block: ColumnBlock, values: Array) -> tuple[str, str, str]:
     """Unit, side and reason. Opens a choice where both are possible."""
     how = how_told(block)
-    given = work.answers.units.get("q", "") or ("rad" if block.unit == "SI" else block.unit)
+    given = work.untold.units.get("q", "") or ("rad" if block.unit == "SI" else block.unit)
     fitting = units_within(work, values)
-    if work.answers.ratio and block.side != "joint" and not (given and given in fitting):
+    if work.untold.ratio and block.side != "joint" and not (given and given in fitting):
         return given or "rad", "motor", f"{how}; beyond the limits of the joints, so in front of the gears"
     if given:
         if given in fitting:
             return given, "joint", f"{how}; {given}, within the limits of the robot"
-        if beyond(work, values * TURNING_UNITS["q"].get(given, 1.0)) > 1 and "q" not in work.answers.units:
+        if beyond(work, values * TURNING_UNITS["q"].get(given, 1.0)) > 1 and "q" not in work.untold.units:
             _ask_for_ratio(work, values, given)
             return given, "", how
         work.assumed.append(f"positions in {given} leave the limits of the robot: their zeros may differ")
@@ -96,7 +100,7 @@ def _unit_of_position(work: Work, block: ColumnBlock, values: Array) -> tuple[st
     return "", "", how
 
 
-def _ask_for_ratio(work: Work, values: Array, other: str) -> None:
+def _ask_for_ratio(work: LogWork, values: Array, other: str) -> None:
     """Positions beyond the limits: in front of the gears, or in another unit."""
     least = [f"{1 + int(size):d}" for size in reaches(work, values)]
     question = "positions in rad are beyond the limits of the joints: in front of the gears"
@@ -114,16 +118,16 @@ def _ask_for_ratio(work: Work, values: Array, other: str) -> None:
 
 
 def velocities(
-    work: Work, found: Sequence[ColumnBlock], q: Block | None, rate: float | None
-) -> tuple[list[Block], float | None]:
+    work: LogWork, found: Sequence[ColumnBlock], q: RecognizedBlock | None, rate: float | None
+) -> tuple[list[RecognizedBlock], float | None]:
     """Velocities that are the rates of the positions, and the rate of the rows, if they tell it."""
     if not found or q is None:
         return [work.block(block, "v", block.unit, "", "", False) for block in found], rate
-    blocks: list[Block] = []
+    blocks: list[RecognizedBlock] = []
     for block in found:
         factor = _factor(work, q, block)
         taken = not block.computed and factor is not None and not any(one.taken for one in blocks)
-        unit = "rad/s" if block.unit == "SI" else work.answers.units.get("v", "") or block.unit
+        unit = "rad/s" if block.unit == "SI" else work.untold.units.get("v", "") or block.unit
         why = "its sum is not the change of the positions"
         if block.computed:
             why = f"{block.computed!r} in its name: computed, not measured"
@@ -147,7 +151,7 @@ def velocities(
     return blocks, rate
 
 
-def _factor(work: Work, q: Block, block: ColumnBlock) -> float | None:
+def _factor(work: LogWork, q: RecognizedBlock, block: ColumnBlock) -> float | None:
     """v as a multiple of the change of q per row, both as recorded; None if it is not its rate."""
     v, n = np.nan_to_num(work.values(block)), len(q.columns)
     links = rates(np.column_stack([np.nan_to_num(q.values), v]))[np.arange(n), n + np.arange(n)]

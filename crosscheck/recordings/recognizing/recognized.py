@@ -9,7 +9,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Answers:
+class Untold:
     """What the user says where a log does not tell.
 
     rate: samples per second
@@ -27,7 +27,7 @@ class Answers:
 
 
 @dataclass(frozen=True, eq=False)
-class Clock:
+class RecognizedClock:
     """The time of the rows.
 
     columns: name or number from 1; with a second one for nanoseconds
@@ -48,7 +48,7 @@ class Clock:
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class RecognizedBlock:
     """Columns of one quantity, in the order of the joints, and how they are read.
 
     quantity: "q", "v", "a", "tau", "temperature"; "" for what is not used
@@ -105,8 +105,8 @@ class RecognizedLog:
     joints: tuple[str, ...]
     rows: int
     rate: float | None
-    clocks: tuple[Clock, ...]
-    blocks: tuple[Block, ...]
+    clocks: tuple[RecognizedClock, ...]
+    blocks: tuple[RecognizedBlock, ...]
     others: Mapping[str, str]
     assumed: tuple[str, ...]
     open: tuple[OpenChoice, ...]
@@ -117,6 +117,6 @@ class RecognizedLog:
         """Whether the mapping can be used as it is."""
         return not self.open
 
-    def of(self, quantity: str) -> Block | None:
+    def of(self, quantity: str) -> RecognizedBlock | None:
         """The block that is taken for a quantity."""
         return next((block for block in self.blocks if block.quantity == quantity and block.taken), None)

@@ -17,11 +17,17 @@ from crosscheck.recordings.mapping.units import known_unit
 from crosscheck.recordings.recognizing.blocks import ColumnBlock, block_sizes, named_blocks, quantity_of
 from crosscheck.recordings.recognizing.clocks import clocks_of
 from crosscheck.recordings.recognizing.positions import positions, velocities
-from crosscheck.recordings.recognizing.recognized import Answers, Block, Clock, OpenChoice, RecognizedLog
+from crosscheck.recordings.recognizing.recognized import (
+    OpenChoice,
+    RecognizedBlock,
+    RecognizedClock,
+    RecognizedLog,
+    Untold,
+)
 from crosscheck.recordings.recognizing.skeleton import skeleton
 from crosscheck.recordings.recognizing.torques import torques
 from crosscheck.recordings.recognizing.unnamed import unnamed_blocks
-from crosscheck.recordings.recognizing.work import Work, column_of, how_told
+from crosscheck.recordings.recognizing.work import LogWork, column_of, how_told
 from crosscheck.recordings.table import RecordedTable, in_words
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.errors import counted
@@ -30,7 +36,7 @@ from graphdyn.errors import counted
 def recognize(
     paths: str | PathLike[str] | Sequence[str | PathLike[str]],
     model: RobotModel,
-    answers: Answers | None = None,
+    untold: Untold | None = None,
     *,
     topic: str | None = None,
 ) -> RecognizedLog:
@@ -38,25 +44,25 @@ def recognize(
 
     paths: one file, or several with the same rows
     model: the robot that was recorded
-    answers: what the log does not tell
+    untold: what the log does not tell
     topic: of a bag with several
 
     Raises BadRecordingFile for files that cannot be read or have different numbers of rows, BadMapping for unknown
-    units, InvalidInput for answers of another number than the robot has joints, or that name no columns, OSError.
+    units, InvalidInput for another number of gains or ratios than joints, or for columns that are not there, OSError.
     """
-    answers = answers or Answers()
+    untold = untold or Untold()
     joints = model.independent_joints
-    for name, given in (("ratio", answers.ratio), ("gain", answers.gain)):
+    for name, given in (("ratio", untold.ratio), ("gain", untold.gain)):
         if given and len(given) != len(joints):
             raise InvalidInput(f"{name} has {counted(len(given), 'number')}, the robot {counted(len(joints), 'joint')}")
-    for quantity, unit in answers.units.items():
+    for quantity, unit in untold.units.items():
         known_unit(quantity, unit, "the unit that is given")
     files = [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
     tables = [_table(path, joints, topic) for path in files]
     if len({len(table.values) for table in tables}) > 1:
         listed = in_words(f"{table.path} {len(table.values)}" for table in tables)
         raise BadRecordingFile(f"files with different numbers of rows ({listed}); give those of one log")
-    return _recognized(Work(tables, model, answers))
+    return _recognized(LogWork(tables, model, untold))
 
 
 def _table(path: Path, joints: tuple[str, ...], topic: str | None) -> RecordedTable:
@@ -66,14 +72,15 @@ def _table(path: Path, joints: tuple[str, ...], topic: str | None) -> RecordedTa
         return read_table(path, ColumnMapping("", (), {}, topic=topic) if topic else None, None)
 
 
-def _recognized(work: Work) -> RecognizedLog:
+def _recognized(work: LogWork) -> RecognizedLog:
+    """Clocks, then positions, then what depends on them: rates, velocities, torques."""
     joints = work.model.independent_joints
     clocks = clocks_of(work)
     clock = next((one for one in clocks if one.taken), None)
     found = named_blocks(work.tables, joints)
     if not any(block.quantity == "q" for block in found):
         found = unnamed_blocks(work, found, clocks) or found
-    rate = clock.rate if clock else work.answers.rate
+    rate = clock.rate if clock else work.untold.rate
     loads = [block for block in found if block.quantity in ("tau", "current", "unnamed")]
     q = positions(work, [block for block in found if block.quantity == "q"], loads, rate)
     taken_q = next((block for block in q if block.taken), None)
@@ -85,7 +92,7 @@ def _recognized(work: Work) -> RecognizedLog:
     rest = [block for block in found if block.quantity in ("a", "temperature", "")]
     blocks = [*q, *v, *tau, *map(partial(_rest, work), rest)]
     used = [block for block in blocks if block.taken]
-    text = skeleton(joints, clock, rate, used, len(work.tables) > 1, work.answers, work.open)
+    text = skeleton(joints, clock, rate, used, len(work.tables) > 1, work.untold, work.open)
     return RecognizedLog(
         tuple(str(table.path) for table in work.tables),
         joints,
@@ -100,7 +107,7 @@ def _recognized(work: Work) -> RecognizedLog:
     )
 
 
-def _rest(work: Work, block: ColumnBlock) -> Block:
+def _rest(work: LogWork, block: ColumnBlock) -> RecognizedBlock:
     if block.quantity == "temperature" and not block.computed:
         return work.block(block, "temperature", "degC", "", how_told(block))
     if block.quantity == "a":
@@ -109,7 +116,7 @@ def _rest(work: Work, block: ColumnBlock) -> Block:
     return work.block(block, "", "", "", why, False)
 
 
-def _others(work: Work, found: Sequence[ColumnBlock], clocks: Sequence[Clock]) -> dict[str, str]:
+def _others(work: LogWork, found: Sequence[ColumnBlock], clocks: Sequence[RecognizedClock]) -> dict[str, str]:
     """Columns that are in no block, and sets of columns for another number of joints."""
     others: dict[str, str] = {}
     n = len(work.model.independent_joints)

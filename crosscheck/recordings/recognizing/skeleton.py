@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from crosscheck.recordings.recognizing.recognized import Answers, Block, Clock, OpenChoice
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock, RecognizedClock, Untold
 
 RULE = "# STILL TO BE SAID: "
 """Before what has to be written into the file before it can be used."""
@@ -12,11 +12,11 @@ RULE = "# STILL TO BE SAID: "
 
 def skeleton(
     joints: Sequence[str],
-    clock: Clock | None,
+    clock: RecognizedClock | None,
     rate: float | None,
-    blocks: Iterable[Block],
+    blocks: Iterable[RecognizedBlock],
     several_files: bool,
-    answers: Answers,
+    untold: Untold,
     choices: Sequence[OpenChoice],
 ) -> str:
     """The text. blocks: those that are taken"""
@@ -38,15 +38,15 @@ def skeleton(
     for quantity in ("q", "v", "a", "tau", "temperature"):
         block, choices_here = taken.get(quantity), open_of.get(quantity, [])
         if block is not None:
-            lines += ["", *_table(block, joints, several_files, answers), *_open(choices_here)]
+            lines += ["", *_table(block, joints, several_files, untold), *_open(choices_here)]
         elif choices_here:
             lines += ["", f"# [{quantity}]", *_open(choices_here)]
-    if answers.ratio and any(block.side == "motor" for block in taken.values()):
-        lines += ["", "[transmission]", f"ratio = {_numbers(answers.ratio)}"]
+    if untold.ratio and any(block.side == "motor" for block in taken.values()):
+        lines += ["", "[transmission]", f"ratio = {_numbers(untold.ratio)}"]
     return "\n".join(lines) + "\n"
 
 
-def _table(block: Block, joints: Sequence[str], several_files: bool, answers: Answers) -> Iterator[str]:
+def _table(block: RecognizedBlock, joints: Sequence[str], several_files: bool, untold: Untold) -> Iterator[str]:
     yield f"[{block.quantity}]"
     yield f"# {block.why}"
     if several_files:
@@ -56,11 +56,11 @@ def _table(block: Block, joints: Sequence[str], several_files: bool, answers: An
         yield f"unit = {_quoted(block.unit)}"
     if block.side == "motor":
         yield 'side = "motor"'
-    if block.quantity == "tau" and answers.gain:
-        yield f"gain = {_numbers(answers.gain)}"
+    if block.quantity == "tau" and untold.gain:
+        yield f"gain = {_numbers(untold.gain)}"
 
 
-def _columns(block: Block, joints: Sequence[str]) -> str:
+def _columns(block: RecognizedBlock, joints: Sequence[str]) -> str:
     """A pattern where the names follow one, otherwise a list."""
     for place, texts in (("{joint}", joints), ("{number}", [str(k) for k in range(1, len(joints) + 1)])):
         if block.columns == tuple(block.label.replace("*", text) for text in texts):

@@ -8,9 +8,9 @@ import numpy as np
 
 from crosscheck.recordings.mapping.units import TURNING_UNITS
 from crosscheck.recordings.recognizing.blocks import ColumnBlock
-from crosscheck.recordings.recognizing.recognized import Block, OpenChoice
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock
 from crosscheck.recordings.recognizing.together import CLEAR_FACTOR, TorqueFit, torque_fit
-from crosscheck.recordings.recognizing.work import Work, how_told
+from crosscheck.recordings.recognizing.work import LogWork, how_told
 from crosscheck.recordings.table import in_words
 from graphdyn.layout import Array
 
@@ -24,7 +24,9 @@ PROPORTIONAL = 1e-3
 """Relative residual up to which one block is another times a factor for each joint."""
 
 
-def torques(work: Work, found: Sequence[ColumnBlock], q: Block | None, rate: float | None) -> list[Block]:
+def torques(
+    work: LogWork, found: Sequence[ColumnBlock], q: RecognizedBlock | None, rate: float | None
+) -> list[RecognizedBlock]:
     if not found:
         question = "no columns are recognized as torques or currents"
         work.open.append(OpenChoice("tau", question, ("--take tau=LABEL",), ('[tau] columns = ["…"]',)))
@@ -34,13 +36,13 @@ def torques(work: Work, found: Sequence[ColumnBlock], q: Block | None, rate: flo
     unnamed = [block for block in found if block.quantity == "unnamed"]
     named = [block for block in found if block.quantity != "unnamed"]
     measured = [block for block in named if block.quantity == "tau" and not block.computed]
-    if measured and "tau" not in work.answers.take:
+    if measured and "tau" not in work.untold.take:
         dropped += [
             work.block(b, "tau", b.unit, b.side, "torques are there too", False)
             for b in named if b.quantity == "current"
         ]  # fmt: skip
         named = [block for block in named if block.quantity == "tau"]
-    if not named or work.answers.take.get("tau", "") in [block.label for block in unnamed]:
+    if not named or work.untold.take.get("tau", "") in [block.label for block in unnamed]:
         named, more = _explained(work, unnamed, fits)
         dropped += more
     else:
@@ -54,8 +56,8 @@ def torques(work: Work, found: Sequence[ColumnBlock], q: Block | None, rate: flo
 
 
 def _explained(
-    work: Work, unnamed: Sequence[ColumnBlock], fits: dict[str, TorqueFit | None]
-) -> tuple[list[ColumnBlock], list[Block]]:
+    work: LogWork, unnamed: Sequence[ColumnBlock], fits: dict[str, TorqueFit | None]
+) -> tuple[list[ColumnBlock], list[RecognizedBlock]]:
     """Of blocks without names, that which the equations of motion explain; all where none stands out."""
     sizes = {block.label: fit.residual for block in unnamed if (fit := fits[block.label]) is not None}
     ordered = sorted((b for b in unnamed if b.label in sizes), key=lambda b: sizes[b.label])
@@ -71,12 +73,12 @@ def _explained(
     return [best], others
 
 
-def _of_motors(work: Work, found: list[ColumnBlock]) -> tuple[list[ColumnBlock], list[Block]]:
+def _of_motors(work: LogWork, found: list[ColumnBlock]) -> tuple[list[ColumnBlock], list[RecognizedBlock]]:
     """Without torques of motors that are others of the joints, divided by the ratios of the gears."""
     kept, dropped = [], []
     for block in found:
         twin = next((b for b in found if b.side == "joint" and block.side == "motor" and _times(work, b, block)), None)
-        if twin is None or work.answers.take.get("tau") == block.label:
+        if twin is None or work.untold.take.get("tau") == block.label:
             kept.append(block)
             continue
         ratio = in_words(f"{r:.6g}" for r in _times(work, twin, block))
@@ -84,7 +86,7 @@ def _of_motors(work: Work, found: list[ColumnBlock]) -> tuple[list[ColumnBlock],
     return kept, dropped
 
 
-def _times(work: Work, one: ColumnBlock, other: ColumnBlock) -> tuple[float, ...]:
+def _times(work: LogWork, one: ColumnBlock, other: ColumnBlock) -> tuple[float, ...]:
     """The factor of each joint, if one is the other times a factor."""
     a, b = np.nan_to_num(work.values(one)), np.nan_to_num(work.values(other))
     size = np.sum(b * b, axis=0)
@@ -95,34 +97,34 @@ def _times(work: Work, one: ColumnBlock, other: ColumnBlock) -> tuple[float, ...
     return tuple(factor.tolist()) if close.all() else ()
 
 
-def fit_of(work: Work, q: Block | None, block: ColumnBlock, rate: float | None) -> TorqueFit | None:
+def fit_of(work: LogWork, q: RecognizedBlock | None, block: ColumnBlock, rate: float | None) -> TorqueFit | None:
     """The fit of a torque to the motion; None if the motion at the joints is not known."""
-    if q is None or rate is None or not q.unit or not q.side or (q.side == "motor" and not work.answers.ratio):
+    if q is None or rate is None or not q.unit or not q.side or (q.side == "motor" and not work.untold.ratio):
         return None
     factor = TURNING_UNITS["q"].get(q.unit, 1.0)
-    ratio = np.array(work.answers.ratio) if q.side == "motor" else 1.0
+    ratio = np.array(work.untold.ratio) if q.side == "motor" else 1.0
     position, tau = q.values * factor / ratio, work.values(block)
     if _side(work, block, q) == "motor":
-        tau = tau * np.array(work.answers.ratio)
+        tau = tau * np.array(work.untold.ratio)
     if not (np.isfinite(position).all() and np.isfinite(tau).all()):
         return None
     return torque_fit(work.model, rate, position, tau)
 
 
 def _measured_torque(
-    work: Work, block: ColumnBlock, fit: TorqueFit | None, q: Block | None, found: Sequence[ColumnBlock]
-) -> Block:
+    work: LogWork, block: ColumnBlock, fit: TorqueFit | None, q: RecognizedBlock | None, found: Sequence[ColumnBlock]
+) -> RecognizedBlock:
     """The torque with unit and side. Opens a choice for what neither name nor size tells."""
-    how, answers, side = how_told(block), work.answers, _side(work, block, q)
-    unit = answers.units.get("tau", "") or ("N m" if block.unit == "SI" else block.unit)
+    how, untold, side = how_told(block), work.untold, _side(work, block, q)
+    unit = untold.units.get("tau", "") or ("N m" if block.unit == "SI" else block.unit)
     size = fit.gain if fit else None
     told = f"; {size:.3g} times the torques of the robot's file" if size is not None else ""
-    if answers.gain:
+    if untold.gain:
         return work.block(block, "tau", unit or "A", side, f"{how}; with the gains given")
     if block.quantity == "current" and unit not in ("N m", "kN m", "mN m"):
         _ask_for_gain(work, block, fit, found)
         return work.block(block, "tau", unit or "A", side, f"{how}; currents")
-    if block.side == "motor" and not answers.ratio:
+    if block.side == "motor" and not untold.ratio:
         n = len(work.model.independent_joints)
         question = "torques of the motors: the ratios of the gears are not known"
         needed = ('side = "motor"', "[transmission] ratio = [" + ", ".join("…" for _ in range(n)) + "]")
@@ -130,7 +132,7 @@ def _measured_torque(
         return work.block(block, "tau", unit or "N m", "", how)
     likely = size is None or is_likely(size)
     if unit:
-        if not likely and "tau" not in answers.units:
+        if not likely and "tau" not in untold.units:
             work.assumed.append(f"torques are {size:.3g} times those of the robot's file: check unit, side and file")
         return work.block(block, "tau", unit, side, f"{how}; {unit}{told}")
     if size is not None and likely:
@@ -142,13 +144,13 @@ def _measured_torque(
     return work.block(block, "tau", "", side, how)
 
 
-def _side(work: Work, block: ColumnBlock, q: Block | None) -> str:
+def _side(work: LogWork, block: ColumnBlock, q: RecognizedBlock | None) -> str:
     """The side of the gears of a torque; if its name does not tell, that of the positions."""
     at_motor = block.side == "motor" or (block.side == "" and q is not None and q.side == "motor")
-    return "motor" if work.answers.ratio and at_motor else "joint"
+    return "motor" if work.untold.ratio and at_motor else "joint"
 
 
-def _ask_for_gain(work: Work, block: ColumnBlock, fit: TorqueFit | None, found: Sequence[ColumnBlock]) -> None:
+def _ask_for_gain(work: LogWork, block: ColumnBlock, fit: TorqueFit | None, found: Sequence[ColumnBlock]) -> None:
     """Gains of currents as candidates: by torques that the controller computed, and by the robot's file."""
     lines = []
     for other in found:
@@ -162,7 +164,7 @@ def _ask_for_gain(work: Work, block: ColumnBlock, fit: TorqueFit | None, found: 
     work.open.append(OpenChoice("tau", question, (option, "--unit 'tau=N m'"), tuple(lines)))
 
 
-def _slopes(work: Work, block: ColumnBlock, other: ColumnBlock) -> Array:
+def _slopes(work: LogWork, block: ColumnBlock, other: ColumnBlock) -> Array:
     a, b = np.nan_to_num(work.values(other)), np.nan_to_num(work.values(block))
     with np.errstate(invalid="ignore", divide="ignore"):
         return np.asarray(np.sum(a * b, axis=0) / np.sum(b * b, axis=0))

@@ -8,13 +8,13 @@ import numpy as np
 
 from crosscheck.recordings.recognizing.blocks import ColumnBlock
 from crosscheck.recordings.recognizing.limits import units_within
-from crosscheck.recordings.recognizing.recognized import Clock
+from crosscheck.recordings.recognizing.recognized import RecognizedClock
 from crosscheck.recordings.recognizing.together import CLEAR_FACTOR, rates, runs, sequences
-from crosscheck.recordings.recognizing.work import Work, column_of, columns_shown
+from crosscheck.recordings.recognizing.work import LogWork, column_of, columns_shown
 from graphdyn.layout import Array
 
 
-def unnamed_blocks(work: Work, named: Sequence[ColumnBlock], clocks: Sequence[Clock]) -> list[ColumnBlock]:
+def unnamed_blocks(work: LogWork, named: Sequence[ColumnBlock], clocks: Sequence[RecognizedClock]) -> list[ColumnBlock]:
     """Positions, velocities, accelerations and what may be torques, in columns whose names tell nothing."""
     n = len(work.model.independent_joints)
     found: list[ColumnBlock] = [block for block in named if block.quantity]
@@ -51,7 +51,9 @@ def unnamed_blocks(work: Work, named: Sequence[ColumnBlock], clocks: Sequence[Cl
     return found
 
 
-def _without_rates(work: Work, index: int, groups: Sequence[tuple[int, ...]], free: Sequence[int]) -> list[ColumnBlock]:
+def _without_rates(
+    work: LogWork, index: int, groups: Sequence[tuple[int, ...]], free: Sequence[int]
+) -> list[ColumnBlock]:
     """Positions and torques of which no column is the rate of another: positions are within the limits."""
     values = work.tables[index].values
     within = [group for group in groups if units_within(work, values[:, [free[k] for k in group]])]
@@ -64,7 +66,7 @@ def _without_rates(work: Work, index: int, groups: Sequence[tuple[int, ...]], fr
     return [_unnamed(work, index, group, free, "unnamed") for group in groups]
 
 
-def _unnamed(work: Work, index: int, group: Sequence[int], free: Sequence[int], quantity: str) -> ColumnBlock:
+def _unnamed(work: LogWork, index: int, group: Sequence[int], free: Sequence[int], quantity: str) -> ColumnBlock:
     numbers = tuple(free[k] for k in group)
     return ColumnBlock(index, numbers, columns_shown(work.tables[index], numbers), quantity)
 

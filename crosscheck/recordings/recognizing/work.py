@@ -9,23 +9,23 @@ from shlex import quote
 import numpy as np
 
 from crosscheck.recordings.recognizing.blocks import ColumnBlock
-from crosscheck.recordings.recognizing.recognized import Answers, Block, OpenChoice
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock, Untold
 from crosscheck.recordings.table import RecordedTable, in_words
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.layout import Array
 
 
 @dataclass(eq=False)
-class Work:
+class LogWork:
     """The work on one log.
 
-    tables: of its files; model: the robot; answers: what the user says
+    tables: of its files; model: the robot; untold: what the user says
     assumed: what was taken though the log does not prove it; open: what is left to be said
     """
 
     tables: Sequence[RecordedTable]
     model: RobotModel
-    answers: Answers
+    untold: Untold
     assumed: list[str] = field(default_factory=list)
     open: list[OpenChoice] = field(default_factory=list)
 
@@ -33,17 +33,19 @@ class Work:
         table = self.tables[block.table]
         return np.column_stack([table.doubles(k) for k in block.numbers])
 
-    def block(self, block: ColumnBlock, quantity: str, unit: str, side: str, why: str, taken: bool = True) -> Block:
+    def block(
+        self, block: ColumnBlock, quantity: str, unit: str, side: str, why: str, taken: bool = True
+    ) -> RecognizedBlock:
         table = self.tables[block.table]
         columns = tuple(column_of(table, k) for k in block.numbers)
-        return Block(
+        return RecognizedBlock(
             quantity, columns, block.label, table.path.name, "" if unit == "SI" else unit, side, taken, why,
             self.values(block),
         )  # fmt: skip
 
-    def chosen(self, quantity: str, found: Sequence[ColumnBlock]) -> tuple[ColumnBlock | None, list[Block]]:
+    def chosen(self, quantity: str, found: Sequence[ColumnBlock]) -> tuple[ColumnBlock | None, list[RecognizedBlock]]:
         """The one block that can be taken, None if that is left to be said; and the others with the reasons."""
-        wanted = self.answers.take.get(quantity)
+        wanted = self.untold.take.get(quantity)
         if wanted is not None:
             match = [block for block in found if block.label == wanted]
             if len(match) != 1:

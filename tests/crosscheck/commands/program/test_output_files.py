@@ -92,7 +92,15 @@ class TestCommands:
 
     def test_every_option_that_writes_is_known(self):
         """A new one has to be an OutputFile, which alone is checked."""
-        assert {option for _, option in OUTPUTS} == {"--json", "--html", "--urdf", "--to", "--out", "--further"}
+        assert {option for _, option in OUTPUTS} == {
+            "--json",
+            "--html",
+            "--urdf",
+            "--to",
+            "--out",
+            "--further",
+            "--write-mapping",
+        }
         for name, option in OUTPUTS:
             (parameter,) = (p for p in COMMANDS[name].params if option in p.opts)
             context = COMMANDS[name].make_context(name, [*READS[name], option, "x"])

@@ -7,7 +7,7 @@ from shared_data import DATA, existing
 
 import graphdyn
 import urdf
-from crosscheck.recordings import Answers, BadMapping, BadRecordingFile, load_recording, mapping_of, recognize
+from crosscheck.recordings import BadMapping, BadRecordingFile, Untold, load_recording, mapping_of, recognize
 from crosscheck.toml_text import parsed_toml
 from graphdyn import InvalidInput
 
@@ -83,7 +83,7 @@ def test_columns_of_joint_after_joint(arm, log, tmp_path):
     untold = recognize(path, arm)
     assert not untold.complete
     assert "--rate HZ" in untold.open[0].options
-    found = recognize(path, arm, Answers(rate=RATE))
+    found = recognize(path, arm, Untold(rate=RATE))
     assert found.complete
     assert_is(read_back(path, found, arm), log)
 
@@ -111,7 +111,7 @@ class TestUniversalRobots:
             read_back(path, found, arm)
 
     def test_with_gains(self, arm, log, path):
-        found = recognize(path, arm, Answers(gain=tuple(GAINS)))
+        found = recognize(path, arm, Untold(gain=tuple(GAINS)))
         assert found.complete
         assert_is(read_back(path, found, arm), log)
         unused = {block.label: block.why for block in found.blocks if not block.taken}
@@ -127,9 +127,9 @@ def test_of_several_none_is_taken_unless_it_is_said(arm, log, tmp_path):
     assert found.of("q") is None
     choice = next(choice for choice in found.open if choice.quantity == "q")
     assert choice.options == ("--take 'q=q_a_rad_*'", "--take 'q=q_b_rad_*'")
-    assert_is(read_back(path, recognize(path, arm, Answers(take={"q": "q_a_rad_*"})), arm), log)
+    assert_is(read_back(path, recognize(path, arm, Untold(take={"q": "q_a_rad_*"})), arm), log)
     with pytest.raises(InvalidInput, match=r"no block 'q_c' of q; there are q_a_rad_\*, q_b_rad_\*"):
-        recognize(path, arm, Answers(take={"q": "q_c"}))
+        recognize(path, arm, Untold(take={"q": "q_c"}))
 
 
 def test_clocks_that_differ(arm, log, tmp_path):
@@ -137,7 +137,7 @@ def test_clocks_that_differ(arm, log, tmp_path):
     names = [["time_s", "stamp_s"], numbered("q_rad_"), numbered("tau_Nm_")]
     path = csv(tmp_path / "log.csv", names, t, 1.1 * t, q, tau)
     assert recognize(path, arm).open[0].options == ("--take time=time_s", "--take time=stamp_s")
-    found = recognize(path, arm, Answers(take={"time": "time_s"}))
+    found = recognize(path, arm, Untold(take={"time": "time_s"}))
     assert found.rate == pytest.approx(RATE)
     assert_is(read_back(path, found, arm), log)
 
@@ -152,15 +152,15 @@ def test_the_velocities_tell_the_rate(arm, log, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("answers", "message"),
+    ("untold", "message"),
     [
-        (Answers(ratio=(1.0, 2.0)), "ratio has 2 numbers, the robot 6 joints"),
-        (Answers(units={"q": "ell"}), "the unit that is given: 'ell' is not a unit of q"),
+        (Untold(ratio=(1.0, 2.0)), "ratio has 2 numbers, the robot 6 joints"),
+        (Untold(units={"q": "ell"}), "the unit that is given: 'ell' is not a unit of q"),
     ],
 )
-def test_answers_that_cannot_be(arm, answers, message, tmp_path):
+def test_answers_that_cannot_be(arm, untold, message, tmp_path):
     with pytest.raises(InvalidInput, match=message):
-        recognize(tmp_path / "log.csv", arm, answers)
+        recognize(tmp_path / "log.csv", arm, untold)
 
 
 def test_files_of_several_logs(arm, log, tmp_path):
@@ -186,8 +186,8 @@ def test_tx40():
     paths = [folder / "pos_read_data.csv", folder / "curr_data.csv"]
     arm = urdf.load(folder / "tx40.urdf")
     assert {choice.quantity for choice in recognize(paths, arm).open} == {"time", "q", "tau"}
-    answers = Answers(rate=5000, ratio=(32, 32, 45, -48, 45, 32), units={"tau": "N m"})
-    found = recognize(paths, arm, answers)
+    untold = Untold(rate=5000, ratio=(32, 32, 45, -48, 45, 32), units={"tau": "N m"})
+    found = recognize(paths, arm, untold)
     assert found.complete
     assert (found.of("q").side, found.of("tau").side) == ("motor", "motor")
     assert np.abs(read_back(paths, found, arm).q).max() < 2 * np.pi
