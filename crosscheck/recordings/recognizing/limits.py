@@ -10,7 +10,7 @@ from crosscheck.recordings.mapping.units import TURNING_UNITS
 from crosscheck.recordings.recognizing.work import LogWork
 from graphdyn.layout import Array
 
-LIMIT_SLACK = 0.1
+ZERO_SLACK = 0.1
 """Part of the range of a joint by which its positions may leave its limits: zeros differ from those of the file."""
 
 MOST_TURNS = 4 * np.pi
@@ -22,7 +22,7 @@ LEAST_DEGREES = 2 * np.pi
 
 def units_within(work: LogWork, values: Array) -> list[str]:
     """Units in which positions (N, n) are within the limits; deg only for motion that would be seen."""
-    found = [unit for unit in ("rad", "deg") if beyond(work, values * TURNING_UNITS["q"][unit]) <= LIMIT_SLACK]
+    found = [unit for unit in ("rad", "deg") if beyond(work, values * TURNING_UNITS["q"][unit]) <= ZERO_SLACK]
     size = float(np.max(np.ptp(values, axis=0), initial=0.0))
     if found == ["rad", "deg"] and size < LEAST_DEGREES:
         return ["rad"]
