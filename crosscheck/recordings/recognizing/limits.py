@@ -30,7 +30,7 @@ def units_within(work: LogWork, values: Array) -> list[str]:
 
 
 def beyond(work: LogWork, q: Array) -> float:
-    """By how much positions (N, n) [rad or m] leave the limits, as a part of the range, at the worst joint."""
+    """The distance of positions (N, n) [rad or m] beyond the limits, as a part of the range, at the worst joint."""
     worst = 0.0
     for j, (lower, upper) in enumerate(_ranges(work)):
         here = q[:, j][np.isfinite(q[:, j])]

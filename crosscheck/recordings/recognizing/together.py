@@ -107,7 +107,7 @@ CLEAR_SHARE = 0.3
 """Share of the torque that the robot's file must explain for a gain to mean something."""
 
 CLEAR_FACTOR = 1.5
-"""By which the residual of one reading must be smaller than that of another to be taken for it."""
+"""Ratio of residuals from which one reading is taken rather than another."""
 
 FITTED_ROWS, FIT_CUTOFF = 1500, 6.0
 """Rows of a fit; its low-pass [Hz], at most a tenth of the rate."""

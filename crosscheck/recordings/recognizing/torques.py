@@ -58,7 +58,7 @@ def torques(
 def _explained(
     work: LogWork, unnamed: Sequence[ColumnBlock], fits: dict[str, TorqueFit | None]
 ) -> tuple[list[ColumnBlock], list[RecognizedBlock]]:
-    """Of blocks without names, that which the equations of motion explain; all where none stands out."""
+    """The one of the blocks without names that the equations of motion explain; all where none stands out."""
     sizes = {block.label: fit.residual for block in unnamed if (fit := fits[block.label]) is not None}
     ordered = sorted((b for b in unnamed if b.label in sizes), key=lambda b: sizes[b.label])
     best = ordered[0] if ordered else None
