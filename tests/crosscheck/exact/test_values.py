@@ -333,7 +333,7 @@ def aba(robot, q, v, tau):
 
 
 def test_projected_accelerations_are_as_near_as_those_of_the_articulated_body_algorithm():
-    model, rng = graphdyn.kr500(), np.random.default_rng(0)
+    model, rng = urdf.load("kr500"), np.random.default_rng(0)
     q, v = model.random_state(rng, 100)
     tau = graphdyn.joint_torques(model, q, v, 5 * rng.normal(size=q.shape))
     exact = of_robot(model, "joint_accelerations", q, v, tau, digits=30)
