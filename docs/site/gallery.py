@@ -41,6 +41,11 @@ EXHIBITS = (
         ("crosscheck", "kr500", "--samples", "50"),
     ),
     Exhibit(
+        "accuracy",
+        "How far graphdyn and Pinocchio are from exact values, as points beside the bounds.",
+        ("crosscheck", "kr500", "--exact", "5"),
+    ),
+    Exhibit(
         "judge",
         "An inverse dynamics with one wrong sign, and the diagnosis.",
         ("judge", "ur5", "--inverse-dynamics", "textbook.py:textbook_rnea"),

@@ -32,8 +32,8 @@ from urdf.reading import AS_IT_STANDS
 COMPILED_FROM = 100
 """Random states from which the recursive method is compiled: exact values take longer than compiling then."""
 
-STATES_AT_ONCE = 100
-"""Random states handled at once, some seconds."""
+STATES_AT_ONCE = 25
+"""Random states handled at once, some seconds: progress is told after each part."""
 
 
 @reproducible()
