@@ -127,7 +127,7 @@ def judge_functions(
             answers = function.ask(*known.arguments_at(against.states))
             declared = {x: way for x, way in setting.conventions.items() if x in known.conventions}
             found = judged(function, answers, against, declared, setting.bound)
-            if setting.exact or needs_exact_values(found, known.tolerance.bound):
+            if setting.exact or needs_exact_values(found):
                 say(f"computing exact values of {name}")
                 found = with_exact_errors(found, robot, setting, notes)
             verdicts[name] = found.verdict

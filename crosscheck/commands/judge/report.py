@@ -158,7 +158,7 @@ def _errors(judgment: Judgment) -> Table:
 
 
 def _verdict(function: JudgedFunction, errors: Mapping[str, Array]) -> Verdict:
-    """Of these errors; of the answers where exact values decide."""
+    """The verdict by these errors, or by exact values where they decide."""
     right = function.right_where_answered if function.decided_by_proof else function.within(errors)
     return verdict_of(right, function.decided)
 

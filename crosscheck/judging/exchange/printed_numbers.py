@@ -126,7 +126,7 @@ def _number_of(given: Any) -> Any:
         return given
     number = printed_number(given)
     if number is None:
-        raise UnreadableAnswer(f"{quoted(given)} is no decimal number; write digits and a point, as '-1.25e-3'")
+        raise UnreadableAnswer(f"{quoted(given)} is no decimal number, such as '-1.25e-3'")
     return number
 
 

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from crosscheck.exact import MAX_DIGITS, ExactArray, Truth, check_installed
 from crosscheck.judging.exact_errors import ROUNDING_FACTOR, ExactErrors
 from crosscheck.judging.setting import Setting
-from crosscheck.judging.verdicts.exact_answers import DIGITS, ExactAnswers
+from crosscheck.judging.verdicts.exact_answers import PROVEN_DIGITS, ExactAnswers
 from crosscheck.judging.verdicts.verdicts import Judged
 from crosscheck.quantities.scales import ratio
 from crosscheck.quantities.tested_function import LongDecimal
+from crosscheck.quantities.tolerances import AGREEMENT
 from crosscheck.reference.subject import Subject
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.layout import Array
@@ -25,17 +26,15 @@ SINGLE_ULPS = 2.0**29
 """Ulps of double precision in one of single precision."""
 
 
-def needs_exact_values(found: Judged, right: float) -> bool:
+def needs_exact_values(found: Judged) -> bool:
     """Whether the exact values at a few states are worth their time: the references disagree, the function is wrong by
     little, or its answers have more digits than doubles.
-
-    right: largest relative error that right functions have
     """
     verdict = found.verdict
     if found.answers.decimals is not None:
         return True
     largest = max(float(errors.max()) for errors in (*verdict.errors.values(), *verdict.backward_errors.values()))
-    return not verdict.references_agree or right < largest < NEEDS_NO_PROOF
+    return not verdict.references_agree or AGREEMENT.bound < largest < NEEDS_NO_PROOF
 
 
 def with_exact_errors(found: Judged, robot: Subject, setting: Setting, notes: list[str]) -> Judged:
@@ -104,7 +103,9 @@ def _errors(
 ) -> ExactErrors:
     states, answer = found.states.rows(rows), found.answer[rows]
     texts, given_digits = _decimals(found, rows)
-    exact = answers.at(states, truth, DIGITS if given_digits is None else min(given_digits + DIGITS, MAX_DIGITS))
+    exact = answers.at(
+        states, truth, PROVEN_DIGITS if given_digits is None else min(given_digits + PROVEN_DIGITS, MAX_DIGITS)
+    )
     group = answers.groups(states)
 
     def largest(values: Array) -> Array:

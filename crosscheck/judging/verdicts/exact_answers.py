@@ -19,7 +19,7 @@ from crosscheck.reference.subject import Subject
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, Array
 from graphdyn.verbs import VERBS
 
-DIGITS = 30
+PROVEN_DIGITS = 30
 """Digits of exact values beside doubles: small numbers beside large ones still have more than doubles."""
 
 _ONLY = {"axes": "link", "actuator": "included", "matrix": "of the Christoffel symbols", "about": "the center of mass"}
@@ -57,7 +57,7 @@ class ExactAnswers:
         """Those that the function may mean: of a file also the model that was read from it."""
         return ("model",) if self.robot.file is None else ("file", "model")
 
-    def at(self, states: JudgedStates, truth: Truth, digits: int = DIGITS) -> ExactArray:
+    def at(self, states: JudgedStates, truth: Truth, digits: int = PROVEN_DIGITS) -> ExactArray:
         """The exact answers (N, …)."""
         source: Any = states.model
         options = self._options(states)

@@ -398,7 +398,11 @@ class TestReading:
             ("a.json", "{}", ': holds no list; the form is [{"id": …, "answer": […]}, …]'),
             ("a.json", '[{"id": 7}]', ', entry 1: has no id and answer; the form is [{"id": …, "answer": […]}, …]'),
             ("a.json", '[{"id": "7", "answer": [1]}]', ", entry 1: the id is '7'; give that of a question, a number"),
-            ("a.json", '[{"id": 7, "answer": ["x"]}]', ", entry 1, id 7: the answer is no array of numbers"),
+            (
+                "a.json",
+                '[{"id": 7, "answer": ["x"]}]',
+                ", entry 1, id 7: 'x' is no decimal number, such as '-1.25e-3'; give real numbers",
+            ),
             ("a.npz", "PK", ": not a readable .npz file (File is not a zip file); save it with numpy.savez"),
             ("a.npz", {"x": [1]}, ": has no array 'id'; name two id and answer, or FUNCTION.id and FUNCTION.answer"),
             ("a.npz", {"f.id": [1], "g": [1]}, ": 'f.answer' needs 1 row, one for each entry of 'f.id'"),
