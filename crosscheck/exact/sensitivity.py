@@ -67,7 +67,7 @@ def half_ulp_effects(
 
 
 def sizes_of_constants(model: RobotModel, request: Request, known: Array) -> Array:
-    """In the order of constants_of: 1 for rotations, for others the norm of the vector or tensor."""
+    """Sizes in the order of constants_of: 1 for rotations, for others the norm of the vector or tensor."""
     unit = {"rotation": 9, "link_axes": 9}
     link = {"rotation": 9, "translation": 3, "link_axes": 9, "mass": 1, "center": 3, "first_moment": 3, "tensor": 9}
     root = {"rotation": 9, "position": 3, "gravity": 3, "compensated": 3}
