@@ -103,9 +103,7 @@ def _errors(
 ) -> ExactErrors:
     states, answer = found.states.rows(rows), found.answer[rows]
     texts, given_digits = _decimals(found, rows)
-    exact = answers.at(
-        states, truth, PROVEN_DIGITS if given_digits is None else min(given_digits + PROVEN_DIGITS, MAX_DIGITS)
-    )
+    exact = answers.at(states, truth, min(PROVEN_DIGITS + (given_digits or 0), MAX_DIGITS))
     group = answers.groups(states)
 
     def largest(values: Array) -> Array:

@@ -401,7 +401,7 @@ class TestReading:
             (
                 "a.json",
                 '[{"id": 7, "answer": ["x"]}]',
-                ", entry 1, id 7: 'x' is no decimal number, such as '-1.25e-3'; give real numbers",
+                ", entry 1, id 7: 'x' is no decimal number, such as",
             ),
             ("a.npz", "PK", ": not a readable .npz file (File is not a zip file); save it with numpy.savez"),
             ("a.npz", {"x": [1]}, ": has no array 'id'; name two id and answer, or FUNCTION.id and FUNCTION.answer"),
