@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.exact.balls import Balls, ball, cross, eye, rotation_about, solved, zeros
+from crosscheck.exact.balls import Balls, as_balls, ball, cross, eye, rotation_about, solved, zeros
 from crosscheck.exact.ground import ExactGround, ground
 from crosscheck.exact.robot import ExactBody, ExactRobot
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS
@@ -73,6 +73,14 @@ def states(robot: ExactRobot, on: ExactGround, q: Sequence[Any], v: Sequence[Any
         arm = rotation @ body.center_of_mass
         found.append(BodyState(rotation, origin + arm, omega, at_joint + cross(omega, arm), origin, axes))
     return found
+
+
+def placed(robot: ExactRobot, on: ExactGround, q: Sequence[Any], name: str) -> tuple[Balls, Balls]:
+    """Rotation (3, 3) and position (3,) in the world of a frame, at positions (nv,) of the joints that move freely."""
+    joints = as_balls(robot.couplings.matrix) @ np.array(q, dtype=object) + as_balls(robot.couplings.offset)
+    number, placement = robot.frames[name]
+    body = states(robot, on, list(joints), list(zeros(len(joints))))[number]
+    return body.rotation @ placement.rotation, body.joint + body.rotation @ placement.translation
 
 
 def system(

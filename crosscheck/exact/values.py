@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from inspect import signature
 from itertools import product
 from typing import Any, Literal, Unpack
@@ -23,10 +23,10 @@ from crosscheck.exact.balls import (
     radius,
     rounded,
 )
-from crosscheck.exact.equations import system
-from crosscheck.exact.ground import BASE_SHAPES, ground
-from crosscheck.exact.recorded import CONSTANTS, GROUND, RecordedRequest, evaluate, recorded
-from crosscheck.exact.robot import Truth
+from crosscheck.exact.equations import placed, system
+from crosscheck.exact.ground import BASE_SHAPES, ExactGround, ground
+from crosscheck.exact.recorded import CONSTANTS, GROUND, evaluate, recorded
+from crosscheck.exact.robot import ExactRobot, Truth
 from crosscheck.exact.source import ExactSource
 from crosscheck.reference.subject import Robot
 from graphdyn import BaseMotion, InvalidInput, RobotModel, SingularMassMatrix
@@ -119,8 +119,9 @@ def exact_values(
     """What a function of graphdyn would answer if it computed without rounding: its arrays, by name.
 
     robot: name, path of a URDF, or RobotModel; or an ExactSource, which has a truth of its own
-    verb: name of the function, such as "joint_torques"; arguments: as it takes them, (…, n). Doubles count as they are;
-        fractions and texts ('0.3', '2/3', '-3pi/4') as what they say
+    verb: name of the function, such as "joint_torques", or "frame_placement"
+    arguments: as it takes them, (…, n). Doubles count as they are; fractions and texts ('0.3', '2/3', '-3pi/4') as what
+        they say
     digits: so many are proven, relative to the largest entry of an array at a state
     truth: "file" for the decimals of the URDF, of which no model in memory holds all; "model" for the doubles of the
         model that was read. The default is that of the file, where there is one
@@ -132,32 +133,66 @@ def exact_values(
     models have exact values), wrong shapes, and what is no number; SingularMassMatrix where the mass matrix is
     singular, or not proven regular with MAX_BITS; urdf's errors for a file that cannot be read.
     """
-    if verb not in VERBS:
-        near = closest(verb, VERBS) or ", ".join(VERBS)
+    if verb not in VERBS and verb != PLACEMENT:
+        near = closest(verb, (*VERBS, PLACEMENT)) or ", ".join(VERBS)
         raise InvalidInput(f"there is no function '{verb}' of graphdyn that has exact values; did you mean {near}?")
     if not isinstance(digits, int) or not 1 <= digits <= MAX_DIGITS:
         raise InvalidInput(f"digits is {digits!r}; give an integer from 1 to {MAX_DIGITS}")
+    source = robot if isinstance(robot, ExactSource) else ExactSource(robot, truth, Reading.of(exact_values, reading))
+    if verb == PLACEMENT:
+        return _placements(source, arguments, digits, frame, base)
     known = VERBS[verb]
     _refuse_options(known, method, external_wrenches, base, frame)
-    source = robot if isinstance(robot, ExactSource) else ExactSource(robot, truth, Reading.of(exact_values, reading))
     chosen = None
     if known.of_frame:
         if frame is None or reference is None:
             raise InvalidInput(f"{verb} speaks of a frame; give frame= and reference=")
         chosen = frame_choice(source.model, frame, reference, classical)
-    if len(arguments) != len(known.inputs):
-        raise InvalidInput(f"{verb} takes {', '.join(known.inputs)}; {len(arguments)} arguments were given")
-    inputs = dict(zip(known.inputs, arguments, strict=True))
+    inputs = _named(known.name, known.inputs, arguments)
     moving = base is not None and RECURSIONS[known.recursion].on_moving_base
     request = Request(known.recursion, known.outputs, external_wrenches is not None, moving, chosen)
-    if method == "dense" and (source.model.couplings or not set(known.outputs) <= _DENSE_OUTPUTS):
+    if method == "dense" and (source.model.couplings or not set(known.outputs) <= set(_DENSE_OUTPUTS)):
         raise InvalidInput(f"{verb} of robot '{source.model.name}' is not computed by the dense method; omit method")
     if external_wrenches is not None:
         inputs["external_wrenches"] = external_wrenches
-    if moving and base is not None:
-        placed = base if "v" in inputs else BaseMotion(base.rotation, base.translation)  # as those of q alone take it
-        inputs |= {name: getattr(placed, name) for name in BASE_SHAPES}
-    return _Exact(source, request, method == "dense", digits).answer(_rows(source.model, inputs))
+    if moving:
+        inputs |= _of_base(base, at_rest="v" not in inputs)
+    shapes = {name: ARRAY_SPECS[name].shape_for(source.model) for name in known.outputs}
+    compute = _by_equations if method == "dense" else _by_recursion(source, request, digits)
+    return _Exact(source, digits, shapes, compute).answer(inputs)
+
+
+PLACEMENT = "frame_placement"
+"""The function of graphdyn that is none of its verbs, and has exact values."""
+
+
+def _placements(
+    source: ExactSource, arguments: tuple[Any, ...], digits: int, frame: str | None, base: BaseMotion | None
+) -> dict[str, ExactArray]:
+    """rotation (…, 3, 3) and position (…, 3) of a frame in the world."""
+    _refuse_other_bases(base)
+    inputs = _named(PLACEMENT, ("q",), arguments) | _of_base(base, at_rest=True)
+    shapes = {"rotation": (3, 3), "position": (3,)}
+    return _Exact(source, digits, shapes, _frame_placement(source, frame)).answer(inputs)
+
+
+def _named(verb: str, names: tuple[str, ...], arguments: tuple[Any, ...]) -> dict[str, Any]:
+    if len(arguments) != len(names):
+        raise InvalidInput(f"{verb} takes {', '.join(names)}; {len(arguments)} arguments were given")
+    return dict(zip(names, arguments, strict=True))
+
+
+def _of_base(base: BaseMotion | None, at_rest: bool) -> dict[str, Any]:
+    """The arrays of a base. at_rest: without its motion, as functions of q alone take it"""
+    if base is None:
+        return {}
+    placed_base = BaseMotion(base.rotation, base.translation) if at_rest else base
+    return {name: getattr(placed_base, name) for name in BASE_SHAPES}
+
+
+def _refuse_other_bases(base: object) -> None:
+    if base is not None and not isinstance(base, BaseMotion):
+        raise InvalidInput(f"base is of type {type(base).__name__}; give a graphdyn.BaseMotion")
 
 
 def _refuse_options(
@@ -170,8 +205,7 @@ def _refuse_options(
         raise InvalidInput(f"{known.name} takes no external wrenches; omit external_wrenches")
     if frame is not None and not known.of_frame:
         raise InvalidInput(f"{known.name} speaks of no frame; omit frame")
-    if base is not None and not isinstance(base, BaseMotion):
-        raise InvalidInput(f"base is of type {type(base).__name__}; give a graphdyn.BaseMotion")
+    _refuse_other_bases(base)
     if base is not None and base.moves and known.name in _OF_BASES_AT_REST:
         raise InvalidInput(f"{known.name} takes a base at rest, here as in graphdyn")
 
@@ -180,75 +214,95 @@ _METHODS = ("recursive", "dense")
 
 _OF_BASES_AT_REST = ("coriolis_matrix", "frame_jacobian_derivative")
 
-_DENSE_OUTPUTS = {"body_accelerations", "multipliers"}
+_DENSE_OUTPUTS = ("body_accelerations", "multipliers")
+
+
+Given = Mapping[str, Balls]
+"""The arguments of one state in balls, by name; those of a base by the names of BASE_SHAPES."""
+
+Compute = Callable[[ExactRobot, ExactGround, Given], dict[str, Balls]]
+"""Arrays of balls at the precision of the robot, flat, unbounded where they are not decided."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Exact:
-    """What is asked for, of a robot.
-
-    constants: inputs of the program that do not change from state to state, by precision
-    """
+    """What is asked for, of a robot. shapes: of the arrays for one state, by name"""
 
     source: ExactSource
-    request: Request
-    dense: bool
     digits: int
-    constants: dict[int, list[Any]] = field(default_factory=dict)
+    shapes: Mapping[str, tuple[int, ...]]
+    compute: Compute
 
-    def answer(self, rows: tuple[tuple[int, ...], list[dict[str, Any]]]) -> dict[str, ExactArray]:
+    def answer(self, inputs: Mapping[str, Any]) -> dict[str, ExactArray]:
         """The arrays of all states, each at the precision that it needs."""
-        batch, states = rows
-        first = next(_precisions(self.digits))
-        with bits(first):
-            program = None if self.dense else recorded(self.source.at(first), self.request)
-        if program is not None and program.divides_by_zero:
-            raise self._singular()
-        found = [self._of_state(program, state) for state in states]
-        shapes = {name: ARRAY_SPECS[name].shape_for(self.source.model) for name in self.request.outputs}
+        batch, states = _rows(self.source.model, inputs)
+        found = [self._of_state(state) for state in states]
         answer = {}
-        for name, shape in shapes.items():
+        for name, shape in self.shapes.items():
             entries = np.empty((len(found), math.prod(shape)), dtype=object)
             for row, (arrays, _) in zip(entries, found, strict=True):
                 row[:] = list(arrays[name])
             whole = entries.reshape((*batch, *shape))
-            precision = max((precision for _, precision in found), default=first)
+            precision = max((precision for _, precision in found), default=next(_precisions(self.digits)))
             answer[name] = ExactArray(whole, self.digits, precision, self.source.truth)
         return answer
 
-    def _of_state(self, program: RecordedRequest | None, state: Mapping[str, Any]) -> tuple[dict[str, Any], int]:
+    def _of_state(self, state: Mapping[str, Any]) -> tuple[dict[str, Balls], int]:
         for precision in _precisions(self.digits):
             with bits(precision):
                 given = {name: as_balls(values) for name, values in state.items()}
-                arrays = self._computed(program, precision, given)
+                robot = self.source.at(precision)
+                arrays = self.compute(robot, ground(robot, given if "rotation" in given else None), given)
                 if all(_is_proven(array, self.digits) for array in arrays.values()):
                     return arrays, precision
-        raise self._singular()
+        raise _singular(self.source.model, self.digits)
 
-    def _singular(self) -> SingularMassMatrix:
-        massless = [body.name for body in self.source.model.bodies if body.mass == 0 or not body.inertia.any()]
-        cause = f" (bodies without mass or inertia: {', '.join(massless)})" if massless else ""
-        return SingularMassMatrix(
-            f"robot '{self.source.model.name}': {self.digits} digits are not proven with {MAX_BITS} bits; its mass "
-            f"matrix is singular at this state, or is not proven regular{cause}"
-        )
 
-    def _computed(self, program: RecordedRequest | None, precision: int, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Arrays of balls, unbounded where they are not decided."""
-        robot = self.source.at(precision)
-        on = ground(robot, given if self.request.moving_base else None)
-        if program is not None:
-            if precision not in self.constants:
-                self.constants[precision] = program.constants(robot)
-            columns = {name: values.ravel() for name, values in given.items()}
-            inputs = {**columns, CONSTANTS: self.constants[precision], GROUND: on.columns(robot)}
-            found = evaluate(program.program, inputs)
-            return {name: np.array(values, dtype=object) for name, values in found.items()}
-        solved = system(robot, given["q"], given["v"], given["tau"], given.get("external_wrenches"), on).solve()
-        if solved is None:  # perhaps at a higher precision
-            undecided = np.full(1, as_balls(0.0)[()] / 0, dtype=object)
-            return dict.fromkeys(self.request.outputs, undecided)
-        return {"body_accelerations": solved[0].ravel(), "multipliers": solved[1].ravel()}
+def _singular(model: RobotModel, digits: int) -> SingularMassMatrix:
+    massless = [body.name for body in model.bodies if body.mass == 0 or not body.inertia.any()]
+    cause = f" (bodies without mass or inertia: {', '.join(massless)})" if massless else ""
+    return SingularMassMatrix(
+        f"robot '{model.name}': {digits} digits are not proven with {MAX_BITS} bits; its mass matrix is singular at "
+        f"this state, or is not proven regular{cause}"
+    )
+
+
+def _by_recursion(source: ExactSource, request: Request, digits: int) -> Compute:
+    precision = next(_precisions(digits))
+    with bits(precision):
+        program = recorded(source.at(precision), request)
+    if program.divides_by_zero:
+        raise _singular(source.model, digits)
+    constants: dict[ExactRobot, list[Any]] = {}
+
+    def compute(robot: ExactRobot, on: ExactGround, given: Given) -> dict[str, Balls]:
+        if robot not in constants:
+            constants[robot] = program.constants(robot)
+        columns = {name: list(values.ravel()) for name, values in given.items()}
+        found = evaluate(program.program, {**columns, CONSTANTS: constants[robot], GROUND: on.columns(robot)})
+        return {name: np.array(values, dtype=object) for name, values in found.items()}
+
+    return compute
+
+
+def _by_equations(robot: ExactRobot, on: ExactGround, given: Given) -> dict[str, Balls]:
+    arguments = (list(given[name]) for name in ("q", "v", "tau"))
+    solved = system(robot, *arguments, given.get("external_wrenches"), on).solve()
+    if solved is None:  # perhaps at a higher precision
+        return dict.fromkeys(_DENSE_OUTPUTS, np.full(1, as_balls(0.0)[()] / 0, dtype=object))
+    return {"body_accelerations": solved[0].ravel(), "multipliers": solved[1].ravel()}
+
+
+def _frame_placement(source: ExactSource, frame: str | None) -> Compute:
+    if frame is None:
+        raise InvalidInput("frame_placement speaks of a frame; give frame=")
+    name = source.model.frame(frame).name
+
+    def compute(robot: ExactRobot, on: ExactGround, given: Given) -> dict[str, Balls]:
+        rotation, position = placed(robot, on, list(given["q"]), name)
+        return {"rotation": rotation.ravel(), "position": position}
+
+    return compute
 
 
 def _precisions(digits: int) -> Iterator[int]:

@@ -171,6 +171,21 @@ def test_every_function_is_off_by_rounding_alone(name):
         assert array.balls.shape == np.shape(doubles[output])
 
 
+def test_where_frames_are():
+    """On a base that moves, of joints that others drive; the doubles are off by rounding alone."""
+    model = NAMED["prismatic_inside_and_out"]
+    coupled = replace(model, couplings=(Coupling("joint3", {"joint1": 0.5}, 0.25),))
+    base, q = random_base_motion(2), np.random.default_rng(3).normal(size=(2, 2))
+    for frame in (coupled.base_name, *coupled.body_names):
+        exact = crosscheck.exact_values(coupled, "frame_placement", q, frame=frame, base=base)
+        for array, doubles in zip(exact.values(), graphdyn.frame_placement(coupled, q, frame, base=base), strict=True):
+            assert array.errors(doubles)[1].max() < ROUNDING * 10
+    with pytest.raises(InvalidInput, match="frame_placement speaks of a frame; give frame="):
+        crosscheck.exact_values(coupled, "frame_placement", q)
+    with pytest.raises(InvalidInput, match="frame_placement takes q; 2 arguments were given"):
+        crosscheck.exact_values(coupled, "frame_placement", q, q, frame="base")
+
+
 def test_joints_that_others_drive():
     """Torques and mass matrix are those of the joints without their couplings, times their ratios."""
     model = NAMED["revolute_chain"]
