@@ -286,8 +286,8 @@ def _by_recursion(source: ExactSource, request: Request, digits: int) -> Compute
 
 
 def _by_equations(robot: ExactRobot, on: ExactGround, given: Given) -> dict[str, Balls]:
-    arguments = (list(given[name]) for name in ("q", "v", "tau"))
-    solved = system(robot, *arguments, given.get("external_wrenches"), on).solve()
+    q, v, tau = (list(given[name]) for name in ("q", "v", "tau"))
+    solved = system(robot, q, v, tau, given.get("external_wrenches"), on).solve()
     if solved is None:  # perhaps at a higher precision
         return dict.fromkeys(_DENSE_OUTPUTS, np.full(1, as_balls(0.0)[()] / 0, dtype=object))
     return {"body_accelerations": solved[0].ravel(), "multipliers": solved[1].ravel()}
