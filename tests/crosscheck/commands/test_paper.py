@@ -10,7 +10,7 @@ import pytest
 from faults.planted_records import planted
 from jsonschema import Draft202012Validator
 from matplotlib.figure import Figure
-from reproduced_paper import reproduced
+from reproduced_paper import SAMPLES, reproduced
 from rich.cells import cell_len
 from shared_data import REPOSITORY
 from shown.approved import approve_report
@@ -35,7 +35,7 @@ from crosscheck.report.text import renderables
 
 ROOT = REPOSITORY
 SCHEMA = json.loads((ROOT / "docs/schemas/paper-1.schema.json").read_text(encoding="utf-8"))
-COMMAND = ["graphdyn", "paper", "--html", "page.html"]
+COMMAND = ["graphdyn", "paper", "--samples", str(SAMPLES), "--html", "page.html", "--json", "r.json"]
 NARROW = 80
 
 LARGEST = 1_000_000
@@ -48,12 +48,21 @@ def found():
 
 
 @pytest.fixture(scope="module")
-def page(found):
-    return page_of(found)
+def folder(tmp_path_factory):
+    """What the command writes, in its working folder."""
+    folder = tmp_path_factory.mktemp("paper")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        patch.setattr("sys.argv", COMMAND)
+        done = CliRunner().invoke(app, COMMAND[1:])
+    assert (done.exit_code, done.stderr) == (0, "")
+    (folder / "said").write_text(done.stdout, encoding="utf-8")
+    return folder
 
 
-def page_of(found):
-    return html_page(paper_report(found), COMMAND, versions())
+@pytest.fixture(scope="module")
+def page(folder):
+    return (folder / "page.html").read_text(encoding="utf-8")
 
 
 def paper(*arguments):
@@ -124,17 +133,13 @@ class TestText:
 
 
 class TestCommand:
-    def test_everything(self, tmp_path):
-        file, page = tmp_path / "r.json", tmp_path / "r.html"
-        done = paper("--json", file, "--html", page)
-        assert done.exit_code == 0
-        assert done.stderr == ""
-        assert "Table 3" in done.stdout
-        record = json.loads(file.read_text(encoding="utf-8"))
+    def test_everything(self, folder, page):
+        assert "Table 3" in (folder / "said").read_text(encoding="utf-8")
+        record = json.loads((folder / "r.json").read_text(encoding="utf-8"))
         Draft202012Validator(SCHEMA).validate(record)
         assert record["format"] == "graphdyn paper 1"
-        assert record["errata"]["samples"] == 10
-        assert "<h1>The paper beside the corrected model</h1>" in page.read_text(encoding="utf-8")
+        assert record["errata"]["samples"] == SAMPLES
+        assert "<h1>The paper beside the corrected model</h1>" in page
 
     def test_failure_is_exit_code_1(self, found, monkeypatch):
         broken = dataclasses.replace(found, checks=(Check("here", "this", 2.0, 1.0, "because"),))
@@ -280,7 +285,7 @@ class TestPage:
         assert all(cell.get("scope") in ("row", "col", "rowgroup") for cell in root.iter("th"))
 
     def test_same_arguments_same_page(self, found, page):
-        assert page_of(found) == page
+        assert html_page(paper_report(found), COMMAND, versions()) == page
 
     @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
     def test_never_wider_than_its_window(self, tmp_path, page):
