@@ -7,12 +7,13 @@ Differences of the torques of any function show which term is wrong.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 import graphdyn
+from crosscheck.judging.special_states import NEAREST_TO_ZERO, ORDINARY, nearest_to_zero, special_states
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD
 from graphdyn import RobotModel, inverse_dynamics, mass_matrix
@@ -114,8 +115,14 @@ MAX_WHOLE_TURNS = 2
 """Largest number of whole turns added, in either direction."""
 
 
+@dataclass(frozen=True, eq=False)
 class JudgedStates(ScaledStates):
-    """The judged states; the sizes of errors are graphdyn's."""
+    """The judged states; the sizes of errors are graphdyn's.
+
+    labels: what is special about each state, "" for ordinary ones (N,) or for all of them
+    """
+
+    labels: NDArray[np.str_] = field(default_factory=lambda: np.array(ORDINARY))
 
     @classmethod
     def draw(
@@ -129,7 +136,8 @@ class JudgedStates(ScaledStates):
         beyond_limits: bool = False,
         frame: str | None = None,
     ) -> JudgedStates:
-        """Random states, some with whole turns added, and the pose within the limits that is nearest to zero.
+        """Random states, some with whole turns added, the pose within the limits that is nearest to zero, and special
+        states.
 
         beyond_limits: adds states outside the limits, after the random ones
         """
@@ -143,20 +151,30 @@ class JudgedStates(ScaledStates):
         turn = 2 * np.pi * endless * rng.integers(-MAX_WHOLE_TURNS, MAX_WHOLE_TURNS + 1, q.shape)
         turn[:samples] = 0
         q = q + turn
-        q[-1] = [_nearest_to_zero(joint) for joint in model.joints]
+        q[-1] = [nearest_to_zero(joint) for joint in model.joints]
         a = rng.uniform(-ACCELERATION_RANGE, ACCELERATION_RANGE, q.shape)
         factors = rng.uniform(0.5, 1.5, q.shape)  # drawn in any case: what follows is the same for all functions
+        labels, *special = special_states(model, seed, ACCELERATION_RANGE)
+        q, v, a = (np.concatenate([x, y]) for x, y in zip((q, v, a), special, strict=True))
+        factors = np.concatenate([factors, np.where(a[-len(labels) :].any(axis=1, keepdims=True), factors[0], 0.0)])
         tau = graphdyn.inverse_dynamics(model, q, v, a).tau * factors if needs_tau else 0 * a
         weight = 9.81 * sum(body.mass for body in model.bodies)
         loads = LOAD * weight * rng.normal(size=(*q.shape, 6)) if loaded else None
-        return cls(model, q, v, a, tau, loads, frame)
+        labels = np.concatenate([np.full(len(q) - len(labels) - 1, ORDINARY), [NEAREST_TO_ZERO], labels])
+        return cls(model, q, v, a, tau, loads, frame, labels)
 
     def rows(self, selected: NDArray[np.bool_] | NDArray[np.intp]) -> JudgedStates:
         """Some of the states."""
-        loads = {} if self.loads is None else {"loads": self.loads[selected]}
-        return self.but(q=self.q[selected], v=self.v[selected], a=self.a[selected], tau=self.tau[selected], **loads)
+        names = ("q", "v", "a", "tau", *([] if self.loads is None else ["loads"]))
+        labels = np.broadcast_to(self.labels, len(self.q))
+        return self.but(labels=labels[selected], **{name: getattr(self, name)[selected] for name in names})
 
-    def but(self, **arrays: Array) -> JudgedStates:
+    @property
+    def ordinary(self) -> NDArray[np.bool_]:
+        """Which states are not special (N,)."""
+        return np.broadcast_to(self.labels == ORDINARY, len(self.q))
+
+    def but(self, **arrays: Array | NDArray[np.str_]) -> JudgedStates:
         """The same robot in other states."""
         return replace(self, **arrays)  # type: ignore[arg-type]
 
@@ -164,8 +182,9 @@ class JudgedStates(ScaledStates):
     def trial(self) -> JudgedStates:
         """States for the experiments: random ones, then ones with whole turns added."""
         rows = [*range(N_EXPERIMENT_STATES // 2), *range(-N_TURNED_STATES, -N_TURNED_STATES + N_EXPERIMENT_STATES // 2)]
-        rows = [row if row < 0 else row % len(self.q) for row in rows]
-        return self.rows(np.array(rows))
+        drawn = np.flatnonzero(self.ordinary | (self.labels == NEAREST_TO_ZERO))
+        rows = [row if row < 0 else row % len(drawn) for row in rows]
+        return self.rows(drawn[rows])
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
@@ -186,8 +205,3 @@ def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Ar
 def _turns_without_end(joint: graphdyn.Joint) -> bool:
     limits = joint.limits
     return joint.kind == "continuous" or (joint.kind == "revolute" and limits.lower is None and limits.upper is None)
-
-
-def _nearest_to_zero(joint: graphdyn.Joint) -> float:
-    lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0
-    return 0.0 if joint.kind == "continuous" else max(lower, 0.0) + min(upper, 0.0)

@@ -22,6 +22,7 @@ from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
+from crosscheck.judging.special_states import conditions, only_where
 from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
@@ -146,6 +147,8 @@ MAX_ANSWER = 1e100
 
 WORST_STATE_REMEDY = "look at the worst state"
 
+SPECIAL_STATE_REMEDY = "look for a shortcut, a division, a threshold, or a number kept between calls"
+
 
 def diagnoses_of(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis]:
     """What is wrong with a function that does not agree.
@@ -181,10 +184,12 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         return []
     unbounded = np.array([not (np.abs(answer) < MAX_ANSWER).all() for answer in found.answer])
     if unbounded.any():
+        special = _special(unbounded, found)
         where = region(unbounded, found.states, function.known.arguments)
-        evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{_only(where)}"
+        evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', {special}' if special else _only(where)}"
         finite = np.isfinite(found.answer).all()
         message = f"answers beyond {MAX_ANSWER:g}" if finite else "the answers are not finite"
+        message += f" {special}" if special else ""
         return [_unknown(name, message, evidence, "not_finite")]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{_only(where)}"
@@ -196,6 +201,12 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
 
     if other := _other_convention(found):
         return one(other)
+    if special := _special(wrong, found):
+        if earlier := earlier_arguments(found, verdict.bound):
+            return one(earlier)
+        right = int(found.states.ordinary.sum())
+        message = f"right at {right} ordinary states, wrong {special}"
+        return [Diagnosis(name, "special_state", message, count, SPECIAL_STATE_REMEDY, np.inf, "located")]
     size = float(verdict.errors["graphdyn"].max())
     precision = noise(function, found.states)
     bound = min(max(verdict.bound, MAX_NOISE_FACTOR * precision), size / MIN_ERROR_REDUCTION)
@@ -217,6 +228,16 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         remedy = "look for a case, a limit or a table that begins there"
         return [Diagnosis(name, "region", message, count, remedy, np.inf, "located")]
     return by_terms or [_unknown(name, "no fault that is known here gives the answers", count)]
+
+
+def _special(deviating: NDArray[np.bool_], found: Judged) -> str | None:
+    """What the deviating states have in common, where ordinary ones do not deviate; None where they do."""
+    states = found.states
+    if (deviating & states.ordinary).any():
+        return None
+    arrays = {name: getattr(states, name) for name in ("q", "v", "a", "tau")}
+    where = only_where(deviating, conditions(states.labels, arrays, found.function.known.arguments))
+    return where or f"at {int(deviating.sum())} special states"
 
 
 def _unknown(name: str, message: str, evidence: str = "", kind: str = "unknown") -> Diagnosis:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, combinations
 
 import numpy as np
@@ -21,6 +22,7 @@ from crosscheck.judging.observing.references import (
     relative_errors,
 )
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
+from crosscheck.judging.special_states import earlier_calls, in_a_row
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import LOADS, argument_at
 from crosscheck.quantities.measures import Chosen
@@ -134,6 +136,10 @@ def _stale(function: FunctionUnderTest, states: JudgedStates) -> Iterator[tuple[
         what = f"{' and '.join(subset)} {'is that' if len(subset) == 1 else 'are those'} of"
         yield f"{what} the call before", _with(states, subset, lambda x: np.concatenate([x[:1], x[:-1]]))
         yield f"{what} the first call", _with(states, subset, lambda x: np.broadcast_to(x[:1], x.shape))
+        if same := [name for name in names if name not in subset]:
+            given, like = [argument_at(states, name) for name in same], f"with the same {' and '.join(same)}"
+            for first, which in ((earlier_calls(*given), like), (in_a_row(*given), f"of those in a row {like}")):
+                yield f"{what} the first call {which}", _with(states, subset, partial(np.take, indices=first, axis=0))
 
 
 def _with(states: JudgedStates, names: tuple[str, ...], change: Callable[[Array], Array]) -> JudgedStates:

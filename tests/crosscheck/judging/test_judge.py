@@ -42,7 +42,7 @@ class TestAgreement:
         assert set(judgment.functions) == {"inverse_dynamics", "forward_dynamics", "mass_matrix"}
         for function in judgment.functions.values():
             assert all(error.max() <= ALIKE for error in function.errors.values())
-            assert all(len(error) == SAMPLES + 11 for error in function.errors.values())
+            assert all(len(error) == SAMPLES + 28 for error in function.errors.values())
 
     @pytest.mark.parametrize("robot", ["ur5", "ur3_gripper"])
     def test_pinocchio_as_its_user_calls_it(self, robot):

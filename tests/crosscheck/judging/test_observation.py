@@ -9,6 +9,7 @@ from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.function_under_test import FunctionUnderTest
 from crosscheck.judging.observing.observation import observe, of_experiments, of_judged
 from crosscheck.judging.searching.search import _of_states
+from crosscheck.judging.special_states import N_SPECIAL_STATES
 from crosscheck.judging.states import (
     N_EXPERIMENT_STATES,
     N_TURNED_STATES,
@@ -200,9 +201,12 @@ class TestStates:
             for joint in model.joints
         ]  # fmt: skip
         limited = graphdyn.RobotModel(model.name, model.bodies, joints, model.gravity, model.base)
-        drawn = JudgedStates.draw(limited, SAMPLES, 5, needs_tau=True)
+        every = JudgedStates.draw(limited, SAMPLES, 5, needs_tau=True)
+        assert len(every.q) == SAMPLES + N_TURNED_STATES + 1 + N_SPECIAL_STATES
+        assert ((every.q >= low) & (every.q <= high))[:, [joint.kind != "continuous" for joint in joints]].all()
+        assert (np.abs(every.v) <= speed).all()
+        drawn = every.rows(np.arange(SAMPLES + N_TURNED_STATES + 1))
         endless = np.array([joint.kind == "continuous" for joint in joints])
-        assert drawn.q.shape == (SAMPLES + N_TURNED_STATES + 1, model.n_bodies)
         assert ((drawn.q[:, ~endless] >= low) & (drawn.q[:, ~endless] <= high)).all()
         assert (np.abs(drawn.v) <= speed).all()
         turned = drawn.q[SAMPLES:-1, endless]
