@@ -150,9 +150,9 @@ def conditions(
     """What sets states apart, in words, and which ones have it (N,). states: arrays (N, n) by the name of the argument;
     arguments: of the function."""
     known = [name for name in ("v", "a", "tau") if name in arguments]
-    zero = {name: ~states[name].any(axis=1) for name in known}
+    zero: dict[str, NDArray[np.bool_]] = {name: np.logical_not(states[name].any(axis=1)) for name in known}
     if len(known) > 1:
-        yield " and ".join(f"{name} = 0" for name in known), np.all(list(zero.values()), axis=0)
+        yield " and ".join(f"{name} = 0" for name in known), np.stack([*zero.values()]).all(axis=0)
     for name in known:
         yield f"{name} = 0", zero[name]
     for label in dict.fromkeys(labels.tolist()):

@@ -149,9 +149,18 @@ def found_conventions(
 
 
 def relative_errors(function: Quantity, answer: Array, reference: Array, states: JudgedStates, chosen: Chosen) -> Array:
-    """Relative errors (N,) on the scale of the function; entries that are not finite count as infinite."""
+    """Relative errors (N,) on the scale of the function; entries that are not finite count as infinite.
+
+    Where the reference vanishes, as velocities at rest do, and its scale with it, the scale is its usual size.
+    """
     errors = function.judged_by(answer, reference, states, chosen)
-    return np.where(np.isfinite(errors), errors, np.inf)
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    size = np.abs(reference.reshape(len(errors), -1)).max(axis=1)
+    vanishing = (size == 0) & np.isinf(errors)
+    if vanishing.any() and (size > 0).any():
+        left = np.abs(answer.reshape(len(errors), -1)).max(axis=1) / np.median(size[size > 0])
+        errors = np.where(vanishing & np.isfinite(left), left, errors)
+    return errors
 
 
 def check_declared(declared: Chosen, functions: list[Quantity]) -> None:

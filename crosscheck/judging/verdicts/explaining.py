@@ -22,7 +22,7 @@ from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
-from crosscheck.judging.special_states import conditions, only_where
+from crosscheck.judging.special_states import ONE_JOINT, OTHER_STATES, conditions, only_where
 from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
@@ -79,6 +79,8 @@ def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collec
 
     arguments: of the function
     """
+    in_motion = ~np.isin(np.broadcast_to(states.labels, len(deviating)), (OTHER_STATES, ONE_JOINT))
+    deviating, states = deviating[in_motion], states.rows(in_motion)  # at rest some function vanishes, right or wrong
     count, total = int(deviating.sum()), len(deviating)
     if not 0 < count < total:
         return None

@@ -137,7 +137,7 @@ class TestRightFunctions:
         """C + P S P, S skew and P the projection off v: the same C v, the same C + Cᵀ."""
 
         def another(q, v):
-            off = np.eye(6) - np.outer(v, v) / (v @ v)
+            off = np.eye(6) - np.outer(v, v) / (v @ v or 1.0)
             skew = np.triu(np.outer(np.cos(q), np.arange(6)), 1)
             return graphdyn.coriolis_matrix(ur5, q, v) + off @ (skew - skew.T) @ off
 
@@ -191,7 +191,7 @@ FAULTS = {
     ),
     "coriolis_matrix, not skew": (
         "coriolis_matrix",
-        lambda m: lambda q, v: np.outer(graphdyn.coriolis_matrix(m, q, v) @ v, v) / (v @ v),
+        lambda m: lambda q, v: np.outer(graphdyn.coriolis_matrix(m, q, v) @ v, v) / (v @ v or 1.0),
         "not_skew", "C v is right, but C + Cᵀ is not Ṁ: Ṁ - 2C is not skew",
     ),
     "mass_matrix_inverse, M": (

@@ -251,7 +251,7 @@ class TestRegions:
         assert diagnosis.evidence.endswith(f"states deviate, only where {where}")
 
     def test_chance_is_no_region(self, ur5):
-        """Two of 88 states, at random: some quantity always separates them."""
+        """Two of 88 states, at random; eight of them at rest or nearly: some quantity always separates them."""
         states = crosscheck.judging.states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
         for seed in range(200):
             chosen = np.zeros(SAMPLES + 28, dtype=bool)
@@ -260,7 +260,7 @@ class TestRegions:
 
     @pytest.mark.parametrize(("count", "said"), [(4, False), (5, False), (7, True)])
     def test_two_thresholds_may_be_chance(self, ur5, count, said):
-        """80 sides of 40 quantities, 88 places of the second threshold: 80² · 88 / C(88, k) is 1e-2, 1e-3, 9e-5."""
+        """80 sides of 40 quantities, 80 places of the second threshold: 80² · 80 / C(80, k) is 3e-1, 2e-2, 2e-4."""
         states = crosscheck.judging.states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
         (x, y), above = states.q[:, :2].T, states.q[:, 0] > np.median(states.q[:, 0])
         chosen = above & (y >= np.sort(y[above])[-count])

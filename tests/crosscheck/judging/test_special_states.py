@@ -11,6 +11,13 @@ from long_check import few
 import crosscheck
 import graphdyn
 import urdf
+from crosscheck.judging.special_states import (
+    N_SPECIAL_STATES,
+    earlier_calls,
+    in_a_row,
+    only_where,
+    special_states,
+)
 
 SAMPLES = 3
 
@@ -189,3 +196,40 @@ def test_faults_of_inverse_dynamics_that_show_at_special_states(name):
 def test_faults_of_other_functions_that_show_at_special_states(name):
     function, f, words = OTHERS[name]
     assert words in said(crosscheck.judge("ur5", samples=SAMPLES, **{function: f}))
+
+
+def test_rounding_where_the_right_answer_vanishes_is_no_fault():
+    """A code that takes gravity for an acceleration of the base, and subtracts it, leaves rounding at rest."""
+
+    def frame_acceleration(q, v, a):
+        return (graphdyn.frame_acceleration(ur5(), q, v, a, "tool0", reference="local") + 9.81) - 9.81
+
+    def kinetic_energy(q, v):
+        return (energy(q, v) + graphdyn.potential_energy(ur5(), q)) - graphdyn.potential_energy(ur5(), q)
+
+    functions = {"frame_acceleration": frame_acceleration, "kinetic_energy": kinetic_energy}
+    assert crosscheck.judge("ur5", samples=SAMPLES, frame="tool0", **functions).agrees
+
+
+@pytest.mark.parametrize("robot", few(["ur5", "kinova", "z1", "kr500"], "ur5"))
+def test_special_states_lie_within_the_limits(robot):
+    model = urdf.load(robot)
+    labels, q, v, a = special_states(model, 0, 5.0)
+    assert len(labels) == len(q) == len(v) == len(a) == N_SPECIAL_STATES <= 20
+    for k, joint in enumerate(model.joints):
+        limits = joint.limits
+        if joint.kind != "continuous" and limits.lower is not None:
+            assert ((q[:, k] >= limits.lower) & (q[:, k] <= limits.upper)).all()
+        assert limits.velocity is None or (np.abs(v[:, k]) <= limits.velocity).all()
+    assert [(~x.any(axis=1)).sum() for x in (v, a)] == [2, 2]
+    assert (earlier_calls(q) < np.arange(len(q))).sum() == 6
+
+
+def test_what_deviating_states_have_in_common():
+    where = [("x", np.array([1, 1, 1, 0], dtype=bool)), ("y", np.array([0, 1, 1, 0], dtype=bool))]
+    assert only_where(np.array([0, 1, 1, 0], dtype=bool), iter(where)) == "wherever y"
+    assert only_where(np.array([0, 1, 0, 0], dtype=bool), iter(where)) == "only where y, at 1 of 2 such states"
+    assert only_where(np.array([0, 0, 0, 1], dtype=bool), iter(where)) is None
+    first = in_a_row(np.array([[1.0], [1.0], [2.0], [1.0], [1.0]]))
+    assert first.tolist() == [0, 0, 2, 3, 3]
+    assert earlier_calls(np.array([[1.0], [1.0], [2.0], [1.0], [1.0]])).tolist() == [0, 0, 2, 0, 0]

@@ -73,7 +73,8 @@ class TestFolder:
             return (np.abs(tau - expected) <= tolerance).all(axis=1)
 
         assert within(arm).all()
-        assert not within(arm.but(cross=-1.0)).any()
+        moving = np.count_nonzero(v, axis=1) > 1  # one joint alone has no such term
+        assert not within(arm.but(cross=-1.0))[moving].any()
         mass = np.split(numbers(folder / "mass_matrix.csv")[:, 3:], 2, axis=1)
         found = np.array([arm.mass_matrix(row).ravel() for row in q])
         assert (np.abs(found - mass[0]) <= mass[1]).all()
