@@ -152,7 +152,8 @@ def conditions(
     known = [name for name in ("v", "a", "tau") if name in arguments]
     zero: dict[str, NDArray[np.bool_]] = {name: np.logical_not(states[name].any(axis=1)) for name in known}
     if len(known) > 1:
-        yield " and ".join(f"{name} = 0" for name in known), np.stack([*zero.values()]).all(axis=0)
+        still: NDArray[np.bool_] = np.logical_and.reduce([*zero.values()])
+        yield " and ".join(f"{name} = 0" for name in known), still
     for name in known:
         yield f"{name} = 0", zero[name]
     for label in dict.fromkeys(labels.tolist()):
