@@ -9,6 +9,7 @@ from crosscheck.identifying.methods.methods import (
     WithPinocchio,
     method_named,
     method_with,
+    without_wrenches,
 )
 from crosscheck.identifying.methods.torque_terms import TERMS, friction_terms, term_with
 from crosscheck.identifying.methods.wrench_method import FromWrenches
@@ -48,4 +49,5 @@ __all__ = [
     "recommendation",
     "term_with",
     "virtual_robot",
+    "without_wrenches",
 ]

@@ -11,7 +11,7 @@ from crosscheck.identifying.fitting import identified_model
 from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, LongRecordings, Progress
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.methods.loop_methods import as_prepared
-from crosscheck.identifying.methods.methods import STANDARD_METHODS
+from crosscheck.identifying.methods.methods import STANDARD_METHODS, without_wrenches
 from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
 from crosscheck.identifying.preparing.holding_out import Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
@@ -47,7 +47,8 @@ def identify(
         several times, part by part, by methods that need no more than sums (METHODS_OF_SUMS)
     terms: unknown parts of the torque; if left out, rigid bodies, viscous and Coulomb friction, and offset
     known: known parts, which are subtracted
-    methods: names (METHODS) or estimators; if left out, STANDARD_METHODS, or those of them that need no more than sums
+    methods: names (METHODS) or estimators; if left out, STANDARD_METHODS, or those of them that need no more than sums;
+        `graph` only for recordings with wrenches
     preparation: filter, decimation, smallest speed
     held_out: rows to predict; if left out, the last quarter of every recording. For a PartitionedRecording, another
         one
@@ -69,7 +70,7 @@ def identify(
     if models and (terms is not None or known):
         raise InvalidInput("terms or known are given beside models; give them as parts of the models")
     in_parts = isinstance(recordings, PartitionedRecording)
-    methods = methods or (STANDARD_METHODS_OF_SUMS if in_parts else STANDARD_METHODS)
+    methods = methods or (STANDARD_METHODS_OF_SUMS if in_parts else _standard_methods(recordings))
     terms = (RigidBodies(), *friction_terms(STANDARD_TERM_NAMES)) if terms is None else terms
     candidates = with_links_of_cad(models or [CandidateModel("", terms, known, methods)])
     if isinstance(recordings, PartitionedRecording):
@@ -110,6 +111,13 @@ def identify(
         data_quality=found_quality,
         validation_data_quality=quality_of_others,
     )
+
+
+def _standard_methods(recordings: Recording | Sequence[Recording]) -> Sequence[str]:
+    """The default methods; those that need wrenches only where the recordings have them."""
+    every = [recordings] if isinstance(recordings, Recording) else recordings
+    wrenches = any(recording.joint_wrenches is not None for recording in every)
+    return STANDARD_METHODS if wrenches else without_wrenches(STANDARD_METHODS)
 
 
 def number_of_steps(models: Sequence[CandidateModel], held_out: HeldOut | None) -> int:

@@ -60,7 +60,7 @@ def run(options: IdentifyOptions) -> None:
     Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
     """
     robot = options.robot or DEFAULT_ROBOT
-    models = options.candidates(methods_of(options.methods, of_sums=options.in_parts))
+    models = options.candidates(methods_of(options.methods, of_sums=options.in_parts, wrenches=not options.logs))
     preparation, loop = options.preparation, options.loop
     from crosscheck.commands.identify.report import identify_report
 

@@ -142,10 +142,11 @@ def method_shown(text: str) -> str:
     return method_named(text).name if text in ESTIMATORS else text
 
 
-def methods_of(text: str | None, *, of_sums: bool) -> list[str | Estimator]:
+def methods_of(text: str | None, *, of_sums: bool, wrenches: bool) -> list[str | Estimator]:
     """--methods. Raises InvalidInput for unknown names, typer.BadParameter for a wrong FILE.py:NAME.
 
     of_sums: without names, those that need no more than sums
+    wrenches: whether there are some; without names, methods that need them are left out where there are none
     """
     from crosscheck.identifying import (
         ESTIMATORS,
@@ -153,12 +154,13 @@ def methods_of(text: str | None, *, of_sums: bool) -> list[str | Estimator]:
         STANDARD_METHODS,
         STANDARD_METHODS_OF_SUMS,
         method_named,
+        without_wrenches,
     )
 
-    if text is None:
-        return list(STANDARD_METHODS_OF_SUMS if of_sums else STANDARD_METHODS)
-    if text == "all":
-        return list(METHODS_OF_SUMS if of_sums else ESTIMATORS)
+    if text is None or text == "all":
+        of_all = METHODS_OF_SUMS if of_sums else ESTIMATORS
+        names = list(of_all if text else STANDARD_METHODS_OF_SUMS if of_sums else STANDARD_METHODS)
+        return list(names if wrenches else without_wrenches(names))
     names = [name.strip() for name in text.split(",")]
     return [made("--methods", name, *OF_A_METHOD) if ":" in name else method_named(name) for name in names]
 

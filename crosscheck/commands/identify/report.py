@@ -27,7 +27,7 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
     """shown: the result whose torques and parameters are shown; None where no method has an answer."""
     chosen = found.recommendation
     recommended = f"recommended method: {chosen.name}; it is {chosen.reason}"
-    last_line = recommended if chosen.name else f"no usable model: {chosen.reason}"
+    last_line = recommended if chosen.name else f"no usable model: {_without_reasons(found)}"
     model = (torques_section(found, shown), parameters_section(found, shown)) if shown is not None else ()
     return Report(
         f"{Path(found.subject.name).name} identified",
@@ -53,13 +53,16 @@ def _model(found: Identified, shown: MethodResult | None) -> IdentifiedModel:
 def _verdict(found: Identified) -> Verdict:
     chosen = found.recommendation
     if chosen.name is None:
-        reason = (
-            chosen.reason.removesuffix(f": {'; '.join(chosen.rejection_reasons)}")
-            if chosen.rejection_reasons
-            else chosen.reason
-        )
+        reason = _without_reasons(found)
         return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
     return Verdict("agrees", f"recommended method: {chosen.name}", f"It is {chosen.reason}.")
+
+
+def _without_reasons(found: Identified) -> str:
+    """Why no method is recommended, without the reasons of each joint, which have a section of their own."""
+    chosen = found.recommendation
+    listed = f": {'; '.join(chosen.rejection_reasons)}"
+    return chosen.reason.removesuffix(listed) if chosen.rejection_reasons else chosen.reason
 
 
 def _overview(found: Identified, shown: MethodResult | None) -> Facts:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
@@ -127,6 +127,14 @@ ESTIMATORS: dict[str, Callable[[], Estimator]] = {
 
 STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "consistent", "entropic", "graph")
 """The default methods, one of each kind; "all" includes the others."""
+
+METHODS_OF_WRENCHES = ("graph",)
+"""Methods that need force and moment in every joint; without them they are left out unless they are named."""
+
+
+def without_wrenches(names: Iterable[str]) -> list[str]:
+    """The methods that need no wrenches."""
+    return [name for name in names if name not in METHODS_OF_WRENCHES]
 
 
 FIXED_ESTIMATOR_FIELDS = ("name", "reference", "assumptions", "needs", "norm", "metric", "prior", "limits", "recording")

@@ -13,9 +13,10 @@ from shown.blocks import cells, tables
 
 import graphdyn
 from crosscheck.commands.identify.model_report import _torque_sizes
+from crosscheck.commands.identify.models import methods_of
 from crosscheck.commands.identify.quality_report import _of_predicted
 from crosscheck.commands.identify.record import record as identify_record
-from crosscheck.commands.identify.report import _singular_values, identify_report
+from crosscheck.commands.identify.report import _singular_values, _without_reasons, identify_report
 from crosscheck.identifying import Folds
 from crosscheck.report.records.record import plain
 from crosscheck.report.report import Facts, Plot
@@ -53,6 +54,21 @@ def test_findings_stand_under_their_recording():
     assert heading.text == "Of a.csv, which is predicted:"
     assert notes.notes[0].text == "fault: τ is late; shift it"
     assert last.text == "b.csv, which is predicted, is too short to be examined."
+
+
+def test_reasons_are_told_once(found):
+    reasons = ("joint_2 is predicted badly", "joint_4 is predicted badly")
+    told = f"WLS is the best result, but 2 reasons speak against it: {'; '.join(reasons)}"
+    recommended = dataclasses.replace(found.recommendation, name=None, reason=told, rejection_reasons=reasons)
+    rejected = Mock(recommendation=recommended)
+    assert _without_reasons(rejected) == "WLS is the best result, but 2 reasons speak against it"
+
+
+@pytest.mark.parametrize("text", [None, "all"])
+def test_the_graph_method_is_left_out_without_wrenches(text):
+    with_wrenches = methods_of(text, of_sums=False, wrenches=True)
+    assert [name for name in with_wrenches if name != "graph"] == methods_of(text, of_sums=False, wrenches=False)
+    assert "graph" in with_wrenches
 
 
 class TestMethods:
