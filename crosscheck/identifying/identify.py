@@ -69,8 +69,7 @@ def identify(
     refuse_chords(compared.model, IDENTIFY_CLOSED)
     if models and (terms is not None or known):
         raise InvalidInput("terms or known are given beside models; give them as parts of the models")
-    in_parts = isinstance(recordings, PartitionedRecording)
-    methods = methods or (STANDARD_METHODS_OF_SUMS if in_parts else _standard_methods(recordings))
+    methods = methods or _standard_methods(recordings)
     terms = (RigidBodies(), *friction_terms(STANDARD_TERM_NAMES)) if terms is None else terms
     candidates = with_links_of_cad(models or [CandidateModel("", terms, known, methods)])
     if isinstance(recordings, PartitionedRecording):
@@ -113,8 +112,10 @@ def identify(
     )
 
 
-def _standard_methods(recordings: Recording | Sequence[Recording]) -> Sequence[str]:
+def _standard_methods(recordings: Recording | Sequence[Recording] | PartitionedRecording) -> Sequence[str]:
     """The default methods; those that need wrenches only where the recordings have them."""
+    if isinstance(recordings, PartitionedRecording):
+        return STANDARD_METHODS_OF_SUMS
     every = [recordings] if isinstance(recordings, Recording) else recordings
     wrenches = any(recording.joint_wrenches is not None for recording in every)
     return STANDARD_METHODS if wrenches else without_wrenches(STANDARD_METHODS)
