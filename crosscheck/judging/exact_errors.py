@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from crosscheck.exact import Truth
 from graphdyn.layout import Array
 
-ROUNDING_FACTOR = 3.0
-"""A function is wrong where its error exceeds this times what half an ulp of its inputs causes (docs/judge.md)."""
+VECTOR_FACTOR, MATRIX_FACTOR = 2.0, 3.0
+"""A function is wrong where its error exceeds this times what half an ulp of its inputs causes (docs/judge.md). Entries
+of matrices have fewer inputs each, and there are more of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +29,7 @@ class ExactErrors:
     scale: what errors are relative to, in words
     rounded: part of all numbers at these states that are the doubles nearest to the exact ones
     ulps: distance of the number with the largest error at the worst state, in ulps of the exact one
+    factor: times what is caused from which on an error counts
     given_digits: of the numbers as text, where they have more than a double holds
     """
 
@@ -41,13 +43,14 @@ class ExactErrors:
     scale: str
     rounded: float
     ulps: float
+    factor: float
     given_digits: int | None = None
 
     @property
     def excess(self) -> Array:
         """The proven error over what counts as wrong (M,); above 1 the function is wrong."""
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.where(self.least == 0, 0.0, self.least / (ROUNDING_FACTOR * self.caused))
+            return np.where(self.least == 0, 0.0, self.least / (self.factor * self.caused))
 
     @property
     def worst(self) -> int:

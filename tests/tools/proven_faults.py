@@ -5,8 +5,7 @@ angles, centers of mass, inertias. `judge --exact` has to find those whose effec
 rounding of the recursion itself, both as the largest at all judged states, relative to the largest joint wrench. Then
 functions that are right are judged: every function of graphdyn by two methods, Pinocchio's, recursions in link axes and
 in world axes, and torques summed term by term. None may be accused; the largest errors are printed in units of what
-half an ulp of the inputs causes (crosscheck.judging.exact_errors.ROUNDING_FACTOR is where they count as wrong). Two
-minutes for a robot.
+half an ulp of the inputs causes (those of vectors are wrong from 2 on, of matrices from 3). Two minutes for a robot.
 """
 
 import argparse
@@ -22,7 +21,7 @@ from scipy.spatial.transform import Rotation
 import crosscheck
 import graphdyn
 import urdf
-from crosscheck.judging.exact_errors import ROUNDING_FACTOR, ExactErrors
+from crosscheck.judging.exact_errors import ExactErrors
 from crosscheck.judging.observing.references import References
 from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.exact_answers import has_exact_values
@@ -53,11 +52,11 @@ def main() -> int:
         print(f"{model.name}: {tried} constants, {above} with an effect to be found, {proven} proven", flush=True)
         for name, errors in right_functions(model, asked.samples):
             accused += errors.wrong
-            excess.append((float(errors.excess.max()) * ROUNDING_FACTOR, f"{name} of {model.name}"))
+            excess.append((float(errors.excess.max()) * errors.factor, f"{name} of {model.name}"))
             if errors.wrong:
                 print(f"  ACCUSED: {excess[-1][1]}", flush=True)
     print(f"{found} of {planted} faults of {asked.error:g} proven; {accused} of {len(excess)} right functions accused")
-    print(f"largest errors of right functions, in what half an ulp causes (wrong from {ROUNDING_FACTOR:g} on):")
+    print("largest errors of right functions, in what half an ulp causes:")
     for size, name in sorted(excess, reverse=True)[:SHOWN]:
         print(f"  {size:.2f}  {name}")
     return int(accused > 0 or found < planted)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crosscheck.judging.exact_errors import ROUNDING_FACTOR, ExactErrors
+from crosscheck.judging.exact_errors import ExactErrors
 from crosscheck.judging.judgment import JudgedFunction
 from crosscheck.report.error_tables import ERROR_FORMAT, error_text
 from crosscheck.report.report import Block, Column, Facts, Row, Table
@@ -56,7 +56,7 @@ def exact_table(function: JudgedFunction) -> tuple[Block, ...]:
         (f"{function.name}, at least", errors.least),
         (f"{function.name}, at most", errors.most),
         ("half an ulp of all inputs", errors.caused),
-        (f"counts as wrong: {ROUNDING_FACTOR:g} times that", ROUNDING_FACTOR * errors.caused),
+        (f"counts as wrong: {errors.factor:g} times that", errors.factor * errors.caused),
         *((f"{name}, at most", x) for name, x in errors.references.items()),
     ]
     return (

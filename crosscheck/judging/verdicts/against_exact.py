@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.exact import MAX_DIGITS, ExactArray, Truth, check_installed
-from crosscheck.judging.exact_errors import ROUNDING_FACTOR, ExactErrors
+from crosscheck.judging.exact_errors import MATRIX_FACTOR, VECTOR_FACTOR, ExactErrors
 from crosscheck.judging.setting import Setting
 from crosscheck.judging.verdicts.exact_answers import PROVEN_DIGITS, ExactAnswers
 from crosscheck.judging.verdicts.verdicts import Judged
@@ -114,7 +114,8 @@ def _errors(
     least, most = exact.errors(answer if texts is None else texts)
     caused = largest(answers.caused(states)) * (SINGLE_ULPS if single else 1.0)
     sizes = np.broadcast_to(answers.sizes(exact.doubles(), states), caused.shape)
-    excess = ratio(largest(least), ROUNDING_FACTOR * caused)
+    factor = VECTOR_FACTOR if answer.ndim <= 2 else MATRIX_FACTOR
+    excess = ratio(largest(least), factor * caused)
     errors = ratio(largest(most), sizes)
     worst = np.where(excess.any(axis=1), excess.argmax(axis=1), errors.argmax(axis=1))[:, None]
 
@@ -135,6 +136,7 @@ def _errors(
         scale=answers.scale,
         rounded=float(exact.is_correctly_rounded(answer).mean()),
         ulps=_ulps_of_worst(exact, most, sizes[:, group]),
+        factor=factor,
         given_digits=given_digits,
     )
 

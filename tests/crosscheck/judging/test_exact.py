@@ -16,7 +16,6 @@ from crosscheck.exact.recorded import CONSTANTS, constants_of, evaluate, recorde
 from crosscheck.exact.robot import of_model
 from crosscheck.exact.sensitivity import sizes_of_constants
 from crosscheck.judging import judge as judging
-from crosscheck.judging.exact_errors import ROUNDING_FACTOR
 from crosscheck.quantities import FUNCTIONS
 from graphdyn import InvalidInput, inverse_dynamics
 from graphdyn.compiler import Request
@@ -88,7 +87,7 @@ class TestProof:
         for function in judgment.functions.values():
             assert function.exact.digits >= 9
             assert (function.exact.least <= function.exact.most).all()
-            assert (function.exact.most <= ROUNDING_FACTOR * function.exact.caused).all()
+            assert (function.exact.most <= function.exact.factor * function.exact.caused).all()
 
     def test_numbers_in_single_precision_are_rounded_to_it(self, ur5):
         single = TextbookArm.of(ur5).in_single_precision().inverse_dynamics
