@@ -65,7 +65,7 @@ WORK_DESCRIPTIONS: Mapping[str, tuple[str, str, float]] = {
         name: (
             single_precision.title(forward),
             ACCELERATION_ERROR_SCALE if forward else TORQUE_ERROR_SCALE,
-            single_precision.ERROR_BOUND,
+            single_precision.SINGLE_PRECISION_BOUND,
         )
         for name, forward in SINGLE_PRECISION_WORKS.items()
     },

@@ -17,7 +17,7 @@ from graphdyn.layout import Array
 SINGLE_PRECISION_WORKS = {"inverse_dynamics_single": False, "forward_dynamics_single": True}
 """Works, and whether they are forward dynamics."""
 
-ERROR_BOUND = 1e-6
+SINGLE_PRECISION_BOUND = 1e-6
 """Sixteen units in the last place of single precision: measured 4e-7 on six arms."""
 
 
