@@ -14,8 +14,8 @@ import typer
 from crosscheck.commands.program.console import out, progress, say, warned, warnings_shown
 from crosscheck.commands.program.options import EXAMPLES, FACES, robot_names
 from crosscheck.commands.program.output_files import OutputFile
-from crosscheck.commands.program.reading_options import ReadingOptions
-from crosscheck.commands.program.recording_options import RecordingOptions, show_findings
+from crosscheck.commands.program.reading_options import ReadingOptions, reading_arguments
+from crosscheck.commands.program.recording_options import RecordingOptions, naming_recording_command, show_findings
 from crosscheck.report.plain_text import printable
 from graphdyn.errors import counted
 
@@ -101,7 +101,8 @@ def run(options: ViewOptions) -> None:
         if path is None:
             return Figure(Path(name).name, robot, *(closed_instant(robot.model) if robot.model.chords else ()))
         joints = robot.model.independent_joints
-        recording = load_recording(path, options.mapping, joints=joints, rate=options.rate, drop=options.drop or ())
+        with naming_recording_command([path], ("--robot", name, *reading_arguments(options)), options.mapping):
+            recording = load_recording(path, options.mapping, joints=joints, rate=options.rate, drop=options.drop or ())
         findings.extend(recording.findings)
         if recording.v is None or recording.a is None:
             recording = differentiated(recording, low_pass)

@@ -34,6 +34,10 @@ def test_identify_prints_the_command_that_helps(program, folder):
     assert stopped.code == BAD_INPUT
     printed = re.search(r"`graphdyn (.*?)` shows what is recognized, and writes one", stopped.err)[1]
     assert printed == "recording log.csv --robot small.urdf --lock elbow=0.1 --write-mapping columns.toml"
+    assert (
+        f"`graphdyn {printed}`".replace(" --lock elbow=0.1", "")
+        in program("view", "small.urdf", "--play", "log.csv").err
+    )
     stopped = program("identify", "log.csv", "--robot", "small.urdf")
     printed = shlex.split(re.search(r"`graphdyn (.*?)`", stopped.err)[1])
     done = program(*printed)

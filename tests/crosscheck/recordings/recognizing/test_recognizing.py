@@ -1,5 +1,7 @@
 """Logs of a simulated arm in many layouts: what is recognized is what was written, and the mapping reads it back."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy.io
@@ -8,6 +10,7 @@ from shared_data import DATA, existing
 import graphdyn
 import urdf
 from crosscheck.recordings import BadMapping, BadRecordingFile, Untold, load_recording, mapping_of, recognize
+from crosscheck.recordings.formats.bag_files import write_mcap
 from crosscheck.toml_text import parsed_toml
 from graphdyn import InvalidInput
 
@@ -117,6 +120,21 @@ class TestUniversalRobots:
         unused = {block.label: block.why for block in found.blocks if not block.taken}
         assert unused["target_q_*"] == "'target' in its name: computed, not measured"
         assert unused["actual_TCP_pose_*"] == "no quantity by its name"
+
+
+def test_a_bag_with_other_names_of_joints(arm, log, tmp_path):
+    """Messages of a left arm, whose joints a driver has sorted by name."""
+    pytest.importorskip("rosbags")
+    t, q, v, tau = log
+    order = np.argsort(arm.independent_joints)
+    names = [f"left_{arm.independent_joints[j]}" for j in order]
+    motion = SimpleNamespace(joint_names=names, time=t, q=q[:, order], v=v[:, order], tau=tau[:, order])
+    path = tmp_path / "log.mcap"
+    path.write_bytes(write_mcap(motion, path, {}))
+    found = recognize(path, arm)
+    assert found.complete
+    assert found.of("tau").columns[0] == "effort.left_shoulder_pan_joint"
+    assert_is(read_back(path, found, arm), log)
 
 
 def test_of_several_none_is_taken_unless_it_is_said(arm, log, tmp_path):
