@@ -221,7 +221,7 @@ def link_origins(state: MaximalState) -> Array:
 
 
 def levers(state: MaximalState) -> Array:
-    """From O_k to the center of mass of body i (…, k, i, 3), zero where i is not outside joint k; world axes [m].
+    """Levers from O_k to the center of mass of body i (…, k, i, 3), zero where i is not outside joint k; world axes [m].
 
     Summed from link to link: in a difference of two positions in the world the short lever of a wrist loses digits.
     """

@@ -54,7 +54,7 @@ class ExactAnswers:
 
     @property
     def truths(self) -> tuple[Truth, ...]:
-        """Those that the function may mean: of a file also the model that was read from it."""
+        """Truths that the function may mean: of a file also the model that was read from it."""
         return ("model",) if self.robot.file is None else ("file", "model")
 
     def at(self, states: JudgedStates, truth: Truth, digits: int = PROVEN_DIGITS) -> ExactArray:
