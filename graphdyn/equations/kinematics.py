@@ -223,7 +223,7 @@ def link_origins(state: MaximalState) -> Array:
 def levers(state: MaximalState) -> Array:
     """Levers from O_k to the center of mass of body i (…, k, i, 3), zero where i is not outside joint k  [m].
 
-    In world axes. Summed from link to link: in a difference of two positions in the world the short lever of a wrist loses digits.
+    In world axes, summed from link to link: in a difference of two positions the short lever of a wrist loses digits.
     """
     joints, vertices, on_path = state.model.joints, state.vertices, state.model.graph.path_matrix()[..., None]
     turned = vertices.rotation[..., [joint.inside for joint in joints], :, :]

@@ -67,7 +67,7 @@ class Links:
     angular_drift: Array
 
     def rows(self, which: NDArray[np.intp] | NDArray[np.bool_]) -> Links:
-        """Those at some of the states (N, …)."""
+        """Values at some of the states (N, …)."""
         return Links(**{name: array[which] for name, array in vars(self).items()})
 
     def replace_rows(self, which: NDArray[np.intp], others: Links) -> None:

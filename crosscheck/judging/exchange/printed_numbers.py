@@ -115,7 +115,7 @@ def flat_numbers(nested: Any) -> Array:
 
 
 def as_array(numbers: Sequence[float]) -> Array:
-    """Of doubles; of objects where some are a LongDecimal."""
+    """An array of doubles, or of objects where some are a LongDecimal."""
     long = any(isinstance(x, LongDecimal) for x in numbers)
     return np.array(numbers, dtype=object if long else float)
 
