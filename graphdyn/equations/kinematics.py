@@ -260,13 +260,20 @@ def frame_placement(
 
 
 def null_space(state: MaximalState) -> Array:
-    """N (…, 6n, nv) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0."""
+    """N (…, 6n, nv) with body velocities = N v: its columns span the null space of φ_q, since φ_q N = 0.
+
+    What a joint does to its own body is taken in link axes, where p and p × c are not rounded.
+    """
     model = state.model
     axes, on_path = joint_axes(state), model.graph.path_matrix()
     lever, axis = np.swapaxes(levers(state), -2, -3), axes[..., None, :, :]  # body i, joint k
     revolute = np.array([not joint.is_prismatic for joint in model.joints])[:, None]
     linear = np.where(revolute, cross(axis, lever), axis)
     angular = np.where(revolute, np.einsum("...iba,...kb->...ika", state.rotation, axes), 0.0)
+    own, fixed = np.flatnonzero(revolute), np.stack([joint.axis for joint in model.joints])
+    across = cross(fixed, state.vertices.center[1:])
+    linear[..., own, own, :] = np.einsum("...iab,ib->...ia", state.rotation[..., own, :, :], across[own])
+    angular[..., own, own, :] = fixed[own]
     columns = np.concatenate([linear, angular], axis=-1) * on_path.T[:, :, None]  # (…, body, joint, 6)
     n = stacked_rows(np.swapaxes(columns, -1, -2))
     return n @ model.degrees_of_freedom.matrix if model.couplings else n

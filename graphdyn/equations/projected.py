@@ -48,9 +48,12 @@ def forward_dynamics(x: Arguments) -> dict[str, Array]:
             "coupling_multipliers": solution.coupling_multipliers,
         }
     passive = passive_terms(state, x["external_wrenches"])
-    free = inertial_terms(state, bias) - passive
-    right = x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(free))
-    a = solve(mass, right)
+
+    def missing(accelerations: Array) -> Array:
+        return x["tau"] - apply(np.swapaxes(n, -1, -2), stacked(inertial_terms(state, accelerations) - passive))
+
+    a = solve(mass, missing(bias))
+    a = a + solve(mass, missing(bias + per_body(apply(n, a))))  # what the rounding of M left over
     accelerations = bias + per_body(apply(n, a))
     wrenches = transmitted_wrenches(state, inertial_terms(state, accelerations) - passive)
     multipliers, transmitted = split_reactions(state, wrenches)

@@ -49,7 +49,7 @@ SECOND = 2e-10
 SECOND_CARDANO = 1e-9
 """The same with steps of 2e-3, because θ̇ is larger than ω and rounding grows as 1/h²: measured 6.6e-11."""
 
-LEVER = 4 * EPS
+LEVER_ROUNDING = 4 * EPS
 """Relative to the lever: measured 0.4; with positions in the world 6."""
 
 IDENTITY = 1e-13
@@ -130,7 +130,7 @@ def test_the_lever_of_the_last_body_has_its_own_rounding():
     joint, body = model.joints[-1], model.bodies[-1]
     linear = null_space(state)[:, -6:-3, -1]
     wanted = state.rotation[:, -1] @ np.cross(joint.axis, body.center_of_mass)
-    assert np.abs(linear - wanted).max() < LEVER * np.linalg.norm(body.center_of_mass)
+    assert np.abs(linear - wanted).max() < LEVER_ROUNDING * np.linalg.norm(body.center_of_mass)
 
 
 def test_what_a_joint_holds_has_no_share_about_its_axis():
