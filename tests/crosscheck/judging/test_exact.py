@@ -69,7 +69,7 @@ class TestProof:
         judgment = caught.value.judgment
         exact = judgment.functions["inverse_dynamics"].exact
         assert judgment.diagnoses == ()
-        assert len(exact.states) == SAMPLES + 11
+        assert len(exact.states) == SAMPLES + 28
         assert exact.rounded < 0.5 < exact.ulps
 
     def test_a_right_function_needs_no_proof(self, ur5):
@@ -99,7 +99,7 @@ class TestProof:
         right = rnea(ur5)
         judgment, exact = judged("ur5", lambda q, v, a: right(q, v, a) if q[0] > 0 else 0 * q + np.nan, exact=True)
         assert not exact.wrong
-        assert len(exact.states) < SAMPLES + 11
+        assert len(exact.states) < SAMPLES + 28
         assert not judgment.agrees
 
 
