@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from lxml import etree
@@ -15,7 +15,10 @@ from urdf.document.elements import describe, line_of, name_of
 from urdf.document.source import Source
 from urdf.document.tree import joint_into, path_up
 from urdf.errors import InvalidLock, InvalidLoop, InvalidMimic, URDFError, listed, shortened
-from urdf.stated import StatedRobot
+
+if TYPE_CHECKING:
+    import yourdfpy
+
 
 INDEPENDENT_VALUES = {"true": True, "1": True, "false": False, "0": False}
 """Independent values by the lower-case text of the attribute independent= of a joint."""
@@ -145,7 +148,7 @@ class Mimics:
 
 def resolve(
     source: Source,
-    robot: StatedRobot,
+    robot: yourdfpy.urdf.Robot,
     order: Sequence[str],
     closures: Sequence[Closure],
     mimic: Mimic,
@@ -218,19 +221,20 @@ def resolve(
     return Mimics(tuple(couplings), held)
 
 
-def _mimic_relations(source: Source, robot: StatedRobot) -> dict[str, Relation]:
+def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Relation]:
     """Mimic relations of the mimic joints of a file, by joint."""
     elements = {name_of(joint): joint for joint in source.joints}
     found = {}
     for joint in robot.joints:
         if joint.mimic is not None and joint.type != "fixed":
+            ratio = 1.0 if joint.mimic.multiplier is None else float(joint.mimic.multiplier)
+            offset = float(joint.mimic.offset or 0.0)
             element = elements[joint.name]
             place = SourceLocation(source.path, line_of(element), describe(element))
-            driver = joint.mimic.joint
+            driver = joint.mimic.joint or ""
             cause = f"it mimics joint '{shortened(driver)}'"
             instead = "load with mimic='independent' (--mimic independent)"
-            ratios = {driver: joint.mimic.multiplier}
-            found[joint.name] = Relation(joint.name, ratios, joint.mimic.offset, cause, instead, place)
+            found[joint.name] = Relation(joint.name, {driver: ratio}, offset, cause, instead, place)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The strict pass over one file, before its numbers are taken.
+"""The strict pass over one file, before yourdfpy parses it.
 
 yourdfpy fills in missing values silently (1 for ixx, 0 for a mass), takes the first of several elements and has no line
 numbers. Everything it would guess is refused here.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +15,11 @@ from graphdyn import Body, Frame, Joint, JointLimits, Placement
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis, parameters_from_inertia, rotation_about
 from urdf.document.numbers import MIN_UNLIMITED
-from urdf.stated import StatedJoint, StatedLink, StatedRobot
+
+if TYPE_CHECKING:
+    import yourdfpy
+    from yourdfpy.urdf import Joint as URDFJoint
+    from yourdfpy.urdf import Link
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +77,7 @@ class Assembly:
     locations: dict[str, tuple[int, Placement]] = field(default_factory=dict)
 
 
-def assemble(robot: StatedRobot, root: str, order: Sequence[str], locked: Mapping[str, float]) -> Assembly:
+def assemble(robot: yourdfpy.urdf.Robot, root: str, order: Sequence[str], locked: Mapping[str, float]) -> Assembly:
     """Bodies and joints in the given order of joints; frames in file order.
 
     root: the root link, the ground; its inertia, and that of everything fused to it, never moves and is dropped
@@ -123,11 +127,11 @@ def assemble(robot: StatedRobot, root: str, order: Sequence[str], locked: Mappin
 
 
 def _placement(origin: np.ndarray | None) -> Placement:
-    """Placement of a homogeneous matrix (4, 4); the identity for None, where the file has no <origin>."""
+    """Placement of yourdfpy's homogeneous matrix (4, 4); the identity for None, where the file has no <origin>."""
     return Placement() if origin is None else Placement(origin[:3, :3], origin[:3, 3])
 
 
-def _motion(joint: StatedJoint, value: float) -> Placement:
+def _motion(joint: URDFJoint, value: float) -> Placement:
     """Placement of the child link frame in the joint frame at this joint value [rad or m]."""
     if value == 0:
         return Placement()
@@ -137,7 +141,7 @@ def _motion(joint: StatedJoint, value: float) -> Placement:
     return Placement(rotation_about(axis, value))
 
 
-def _inertial(link: StatedLink) -> Inertial | None:
+def _inertial(link: Link) -> Inertial | None:
     """Inertial of the link, in the axes of the link frame; None where the file has no <inertial>."""
     if link.inertial is None:
         return None
@@ -145,22 +149,25 @@ def _inertial(link: StatedLink) -> Inertial | None:
     return inertial.seen_from(_placement(link.inertial.origin))
 
 
-def _joint(joint: StatedJoint, inside: int, placement: Placement) -> Joint:
+def _joint(joint: URDFJoint, inside: int, placement: Placement) -> Joint:
+    dynamics = joint.dynamics
+    damping, friction = (dynamics.damping, dynamics.friction) if dynamics is not None else (None, None)
     return Joint(
         joint.name,
-        cast(Any, joint.type),  # Joint refuses what is none of its kinds
+        joint.type,
         inside,
         placement,
         joint.axis,
         _limits(joint),
-        damping=joint.damping,
-        friction=joint.friction,
+        damping=float(damping or 0.0),
+        friction=float(friction or 0.0),
     )
 
 
-def _limits(joint: StatedJoint) -> JointLimits:
+def _limits(joint: URDFJoint) -> JointLimits:
     """The limits as the file states them, None where it states none. A continuous joint has no position limits."""
     names = ("velocity", "effort") if joint.type == "continuous" else ("lower", "upper", "velocity", "effort")
+    stated = {name: getattr(joint.limit, name, None) for name in names}
     return JointLimits(
-        **{name: limit for name, limit in joint.limits.items() if name in names and abs(limit) < MIN_UNLIMITED}
+        **{name: limit for name, limit in stated.items() if limit is not None and abs(limit) < MIN_UNLIMITED}
     )

@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from numbers import Integral
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from graphdyn import Body, Frame, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.layout import Array
@@ -20,7 +20,9 @@ from urdf.reading.fusing import assemble
 from urdf.reading.parsing import build, parsed_source
 from urdf.reading.reading import AS_IT_STANDS, Reading, ReadingKeywords
 from urdf.reading.warnings import warn, warn_of_unbound
-from urdf.stated import StatedRobot
+
+if TYPE_CHECKING:
+    from yourdfpy.urdf import Robot
 
 
 def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
@@ -109,13 +111,13 @@ def shapes(
 class Misreadings:
     """What bodies and joints become when elements of a file are changed.
 
-    robot: what the file states, to look at; its joints in the order of `order`, names, parents first
+    robot: yourdfpy's, to look at; its joints in the order of `order`, names, parents first
     carriers: by name of each link with an <inertial> that is fixed to a body, the name of the body
     """
 
     def __init__(self, source: Given, reading: Reading = AS_IT_STANDS) -> None:
         _, elements, self._parsed = parsed_source(source, reading)
-        self.robot: StatedRobot = self._parsed.robot
+        self.robot: Robot = self._parsed.robot
         self.order = joints_in_order(elements)[1]
         assembly = self._parsed.assembly
         self.carriers = {
@@ -123,7 +125,7 @@ class Misreadings:
         }
 
     def of(
-        self, changes: Mapping[str, Callable[[StatedRobot], object]]
+        self, changes: Mapping[str, Callable[[Robot], object]]
     ) -> Iterator[tuple[str, tuple[Body, ...], tuple[Joint, ...]]]:
         """Numbers by name of the change: the bodies and joints after it; change(robot) alters a copy of the robot in
         place."""
@@ -134,7 +136,7 @@ class Misreadings:
             yield name, tuple(assembly.bodies), tuple(assembly.joints)
 
 
-def _copied(robot: StatedRobot) -> StatedRobot:
+def _copied(robot: Robot) -> Robot:
     """A copy whose links, inertials and joints can be given other attributes."""
     links = [copy.copy(link) for link in robot.links]
     for link in links:

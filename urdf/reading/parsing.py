@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from io import BytesIO
 from itertools import chain
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
+from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, Coupling, InvalidModel, RobotModel
@@ -24,12 +27,14 @@ from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble
 from urdf.reading.reading import Reading
 from urdf.reading.repairing import repair as mend
-from urdf.stated import StatedRobot, stated_robot
+
+if TYPE_CHECKING:
+    import yourdfpy
 
 
 @dataclass(frozen=True, eq=False)
 class Parsed:
-    """What a file states, and the bodies, joints and frames made of it.
+    """A file as yourdfpy reads it, and the bodies, joints and frames made of it.
 
     locked: value per locked joint [rad or m]; stated: those of them that the caller named
     couplings: of mimic joints and <coupling> elements; chords: of the loops; actuated: the joints that have motors,
@@ -38,7 +43,7 @@ class Parsed:
     """
 
     path: Path
-    robot: StatedRobot
+    robot: yourdfpy.urdf.Robot
     root: str
     cut: Cut
     locked: Mapping[str, float]
@@ -72,7 +77,7 @@ def parse(source: Source, beside: CompanionFiles, reading: Reading) -> Parsed:
     check_motors(source, beside)
     around = cut(source, reading.chain)
     root, order = joints_in_order(source)
-    robot = stated_robot(source.robot)
+    robot = _robot(source)
     movable = [joint.name for joint in robot.joints if joint.type != "fixed"]
     stated = locked_values(reading.lock, movable, path)
     mimics = resolve(source, robot, order, closures, reading.mimic, dict.fromkeys(around.held, 0.0) | stated, stated)
@@ -124,3 +129,11 @@ def build(parsed: Parsed, gravity: ArrayLike) -> RobotModel:
         )
     except InvalidModel as error:
         raise InvalidRobot(str(error), "correct the file", path=parsed.path) from error
+
+
+def _robot(source: Source) -> yourdfpy.urdf.Robot:
+    """yourdfpy's robot of exactly the elements that were checked. Imported here, because that takes a second."""
+    import yourdfpy
+
+    document = BytesIO(etree.tostring(source.robot, encoding="utf-8"))  # ASCII cannot hold the tag <größe>
+    return yourdfpy.URDF.load(document, build_scene_graph=False, load_meshes=False).robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,12 +15,14 @@ from crosscheck.reference.subject import Subject
 from graphdyn.layout import Array
 from urdf.document import rpy_from_rotation
 from urdf.reading import Misreadings
-from urdf.stated import StatedInertial, StatedJoint, StatedRobot
+
+if TYPE_CHECKING:
+    from yourdfpy.urdf import Joint, Robot
 
 MAX_DROPPED_LINKS = 5
 """Largest number of fixed links of which every subset is left out; beyond, one, two and all."""
 
-Misread = tuple[str, str, str, Callable[[StatedRobot], object]]
+Misread = tuple[str, str, str, Callable[["Robot"], object]]
 """Kind, message, remedy and the change of the file's robot."""
 
 
@@ -92,7 +94,7 @@ def _misread(readings: Misreadings) -> Iterator[Misread]:
         yield "rounding", message, "use all digits of the file", partial(_rounded, change, digits)
 
 
-def _inertial_frames(robot: StatedRobot) -> Iterator[Misread]:
+def _inertial_frames(robot: Robot) -> Iterator[Misread]:
     placed = {
         x.name: x.inertial.origin for x in robot.links if x.inertial is not None and x.inertial.origin is not None
     }
@@ -114,9 +116,9 @@ def _inertial_frames(robot: StatedRobot) -> Iterator[Misread]:
                 yield "inertial_frame", message, remedy, partial(_origins, names, change)
 
 
-def _origins(names: list[str], change: Callable[[Array], Array], robot: StatedRobot) -> None:
+def _origins(names: list[str], change: Callable[[Array], Array], robot: Robot) -> None:
     for link in robot.links:
-        if link.name in names and link.inertial is not None and link.inertial.origin is not None:
+        if link.name in names:
             link.inertial.origin = change(link.inertial.origin)
 
 
@@ -126,10 +128,12 @@ def _placement(rotation: Array, translation: Array) -> Array:
     return matrix
 
 
-def _with_inertials(tensor: float, robot: StatedRobot) -> None:
+def _with_inertials(tensor: float, robot: Robot) -> None:
+    from yourdfpy.urdf import Inertial  # takes a second
+
     for link in robot.links:
         if link.inertial is None:
-            link.inertial = StatedInertial(mass=1.0, inertia=tensor * np.eye(3), origin=np.eye(4))
+            link.inertial = Inertial(mass=1.0, inertia=tensor * np.eye(3), origin=np.eye(4))
 
 
 def _fixed_links(readings: Misreadings) -> Iterator[Misread]:
@@ -161,22 +165,22 @@ def _fixed_links(readings: Misreadings) -> Iterator[Misread]:
             yield "fixed_link", message, remedy, partial(_carried, second.name, first.child)
 
 
-def _without_mass(names: tuple[str, ...], robot: StatedRobot) -> None:
+def _without_mass(names: tuple[str, ...], robot: Robot) -> None:
     for link in robot.links:
         if link.name in names:
             link.inertial = None
 
 
-def _moved(name: str, change: Callable[[Array], Array], robot: StatedRobot) -> None:
+def _moved(name: str, change: Callable[[Array], Array], robot: Robot) -> None:
     joint = _joint(robot, name)
     joint.origin = change(np.eye(4) if joint.origin is None else joint.origin)
 
 
-def _joint(robot: StatedRobot, name: str) -> StatedJoint:
+def _joint(robot: Robot, name: str) -> Joint:
     return next(joint for joint in robot.joints if joint.name == name)
 
 
-def _carried(name: str, parent: str, robot: StatedRobot) -> None:
+def _carried(name: str, parent: str, robot: Robot) -> None:
     _joint(robot, name).parent = parent
 
 
@@ -198,7 +202,7 @@ _ROUNDED: dict[str, tuple[str, str, Callable[[Any, int], Any]]] = {
 """What is rounded: of which elements, which attribute, and how, to a number of digits."""
 
 
-def _rounded(what: tuple[str, str, Callable[[Any, int], Any]], digits: int, robot: StatedRobot) -> None:
+def _rounded(what: tuple[str, str, Callable[[Any, int], Any]], digits: int, robot: Robot) -> None:
     elements, attribute, rounding = what
     for element in robot.joints if elements == "joints" else [link.inertial for link in robot.links]:
         value = getattr(element, attribute, None)

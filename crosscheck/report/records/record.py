@@ -40,7 +40,7 @@ import numpy as np
 
 from crosscheck.report.plain_text import INVISIBLE_CHARACTERS
 
-REPORTED_LIBRARIES = ("graphdyn", "numpy", "scipy", "example-robot-data")
+REPORTED_LIBRARIES = ("graphdyn", "numpy", "scipy", "yourdfpy", "example-robot-data")
 
 
 def versions() -> dict[str, str]:

@@ -195,6 +195,7 @@ class TestOutside:
     def test_meshes_are_not_opened(self, tmp_path, monkeypatch):
         mesh = '<visual><geometry><mesh filename="/dev/zero"/></geometry></visual></link>'
         path = write(tmp_path, chain(3).replace("</link>", mesh))
+        urdf.load(path)  # yourdfpy, imported with the first file, opens files of its own
         opened = []
         original = Path.open
         monkeypatch.setattr(Path, "open", lambda self, *rest: opened.append(self) or original(self, *rest))
