@@ -63,10 +63,12 @@ class Verb:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
+        """Names of the arrays that it takes, in order."""
         return RECURSIONS[self.recursion].inputs
 
     @cached_property
     def of_frame(self) -> bool:
+        """Whether it is about one frame."""
         return RECURSIONS[self.recursion].of_frame
 
     def __str__(self) -> str:
