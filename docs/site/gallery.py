@@ -12,6 +12,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from shutil import rmtree
 
+import numpy as np
+
+import graphdyn
+import urdf
+
 HERE = Path(__file__).parent
 PROGRAM = Path(sys.executable).with_name("graphdyn")
 WORKERS = 2
@@ -62,6 +67,11 @@ EXHIBITS = (
         "excite",
         "A motion from which a robot's parameters can be identified well, and how well.",
         ("excite", "--robot", "ur5", "--seeds", "1", "--random", "20"),
+    ),
+    Exhibit(
+        "recording",
+        "A log whose columns are recognized: what each of them is, and why.",
+        ("recording", "log.csv", "--robot", "ur5"),
     ),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
     Exhibit(
@@ -134,9 +144,23 @@ def output_of(exhibit: Exhibit, folder: Path, pages: Path) -> str:
 
 
 def _write_inputs(folder: Path) -> None:
-    """The files that the commands read: the worked example of judge.md, and a URDF file with faults."""
+    """The files that the commands read: the worked example of judge.md, a URDF file with faults, a log of a UR5."""
     text = (HERE.parent / "judge.md").read_text(encoding="utf-8")
     example = re.search(r"```python\n(.*?)\n\n\njudgment = ", text, re.DOTALL)
     assert example, "docs/judge.md has no worked example that ends before 'judgment = '"
     (folder / "textbook.py").write_text(example[1] + "\n", encoding="utf-8")
     (folder / "doubtful.urdf").write_bytes((HERE / "robots" / "doubtful.urdf").read_bytes())
+    _write_log(folder / "log.csv")
+
+
+def _write_log(path: Path) -> None:
+    """Ten seconds of a UR5 that swings, by a recorder of its own: angles in degrees, no velocities."""
+    robot = urdf.load("ur5")
+    t = np.arange(0.0, 10.0, 0.01)
+    frequencies, sizes = np.arange(1.0, 7.0) * 0.4, np.array([0.9, 0.7, 0.8, 1.0, 0.9, 1.2])
+    turns = np.outer(t, frequencies) + np.arange(6)
+    q, v = sizes * np.sin(turns), sizes * frequencies * np.cos(turns)
+    tau = graphdyn.joint_torques(robot, q, v, -(frequencies**2) * q) + 3.0 * v + 2.0 * np.sign(v)
+    columns = ["time", *(f"axis{k}_angle_deg" for k in range(1, 7)), *(f"axis{k}_torque_Nm" for k in range(1, 7))]
+    table = np.column_stack([t, np.rad2deg(q), tau])
+    np.savetxt(path, table, fmt="%.6f", delimiter=",", header=",".join(columns), comments="")
