@@ -82,9 +82,10 @@ def compare_identification(model: RobotModel, pinocchio: PinocchioModel, seed: i
         theirs = np.full(base.rank, np.inf)
     true = base.values(pi)
     column_terms, torque_terms = _terms(model, q, v, a)
-    columns = _rounding(here - there, column_terms) / np.linalg.norm(here, axis=0).clip(min=np.finfo(float).tiny)
+    used = base.independent
+    columns = _rounding(here - there, column_terms)[used] / np.linalg.norm(here[:, used], axis=0)
     scale = ours.condition_number * np.abs(ours.column_scale * true).max(initial=0.0)
-    scale *= columns[base.independent].max(initial=1.0)
+    scale *= columns.max(initial=1.0)
     of_torques = ours.condition_number * float(_rounding(rnea - here @ pi, torque_terms))
 
     def on_scale(difference: Array, scale: float) -> float:

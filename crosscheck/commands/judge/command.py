@@ -86,6 +86,7 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
         bool,
         typer.Option(
             "--exact",
+            rich_help_panel=ConventionOptions.PANEL,
             help="Exact values at all states decide, in place of the bound: what is off by more than rounding explains "
             "is wrong, by proof. Extra 'exact'.",
         ),

@@ -89,12 +89,13 @@ class RecognitionOptions(UntoldOptions, ReadingOptions, ReportOptions):
 
 
 def run(options: RecognitionOptions) -> None:
-    """Recognize the columns of a log: time, positions, velocities, torques or currents, temperatures.
+    """Recognize the columns of a log, and write their mapping.
 
-    Names tell first: of joints, quantities, units, sides of the gears. Then the numbers: a clock increases by equal
-    steps, the sum of a velocity is the change of its position, positions keep the limits of the robot, and torques are
-    those that its motion needs. Columns without names are recognized by the numbers alone. Where one reading is
-    possible, it is taken, and said; where several are, they are listed with the options that choose.
+    Time, positions, velocities, torques or currents, temperatures. Names tell first: of joints, quantities, units,
+    sides of the gears. Then the numbers: a clock increases by equal steps, the sum of a velocity is the change of
+    its position, positions keep the limits of the robot, and torques are those that its motion needs. Columns
+    without names are recognized by the numbers alone. Where one reading is possible, it is taken, and said; where
+    several are, they are listed with the options that choose.
 
     Exit code 0: the mapping is complete; 1: something is left to be said; 2: bad input.
     """

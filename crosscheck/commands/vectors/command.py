@@ -49,7 +49,7 @@ class VectorsOptions(ConventionOptions, SettingOptions):
             max=250,
             metavar="N",
             show_default="doubles alone",
-            help="Write exact answers, too, with so many proven digits; needs the extra exact.",
+            help="Exact answers, too, with so many proven digits; needs the extra exact.",
         ),
     ] = None
     truth: Annotated[

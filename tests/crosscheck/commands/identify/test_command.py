@@ -18,6 +18,7 @@ import urdf
 from crosscheck.commands import app
 from crosscheck.commands.identify import command
 from crosscheck.commands.program import own_process
+from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.identifying import friction_terms, virtual_robot
 from crosscheck.recordings.errors import RecordingFinding
 from graphdyn import InvalidInput
@@ -501,7 +502,8 @@ def test_findings_of_logs_that_are_read_part_by_part(monkeypatch):
     monkeypatch.setattr("crosscheck.recordings.PartitionedRecording", lambda *given, **options: None)
     monkeypatch.setattr(command, "show_findings", lambda findings: told.extend(findings))
     workers = SimpleNamespace(kept=contextlib.nullcontext)
-    options = SimpleNamespace(workers=workers, logs=[], validate=None, reading=None, mapping=None, rate=None)
+    reading = {**vars(ReadingOptions()), "reading": None}
+    options = SimpleNamespace(workers=workers, logs=[], validate=None, mapping=None, rate=None, **reading)
     asked = SimpleNamespace(preparation=SimpleNamespace(cutoff=10.0), _asdict=dict)
     assert command.from_parts(options, "ur5", asked) is found
     assert told == [first, second]
