@@ -70,7 +70,10 @@ def looped_errors(case: Case, ours: ScaledStates, pinocchio: PinocchioModel) -> 
     accelerations, multipliers = sensitivity.accelerations(a, forces), sensitivity.multipliers(a, forces)
     forward, pins = ours.by_methods("forward_dynamics", loaded=True), _along_pins(case, wrenches)
     determined = [np.nan_to_num(answer.joint_wrenches - pins, nan=0.0) for answer in forward]
+    required = inverse_dynamics(case.model.opened, case.q, case.v, a, case.external_wrenches)
+    summed = sensitivity.forces(a, ours.tau, required.joint_wrenches)
     errors = {
+        "closed_backward_error": sensitivity.along_closed_motions(required.tau - ours.tau, summed),
         "closed_forward_dynamics": np.maximum.reduce([largest(answer.a - a) / accelerations for answer in forward]),
         "closed_joint_wrenches": np.maximum.reduce([largest(difference) / multipliers for difference in determined]),
     }
@@ -92,6 +95,7 @@ class ClosedSensitivity:
     row_condition: ‖∣J⁺∣ ∣J∣‖∞, whatever the units of rows (Skeel, J. ACM 26, 1979)   (N,)
     squares: ‖v‖∞², the terms of γ                                          (N,)
     gap: how far from closed the state is: forces act that far from each other   (N,)
+    free: 1 - J⁺J: of a velocity, the nearest closed motion               (N, n, n)
     response: ∣R∣ with R = Z (Zᵀ M Z)⁻¹ Zᵀ: accelerations by torques       (N, n, n)
     shared: ‖M R‖∞: of a torque, what the chords take up                    (N,)
     effective: ‖J⁺ᵀ (M - M R M) J⁺‖∞: multipliers by accelerations of the rows   (N,)
@@ -103,6 +107,7 @@ class ClosedSensitivity:
     row_condition: Array
     squares: Array
     gap: Array
+    free: Array
     response: Array
     shared: Array
     effective: Array
@@ -119,13 +124,21 @@ class ClosedSensitivity:
         transmitted = np.swapaxes(inverse, -1, -2) @ (mass - mass @ moved @ mass) @ inverse
         condition, row_condition = 1 / loop_spaces(jacobian).distance, _norm(np.abs(inverse) @ np.abs(jacobian))
         squares, gap, norms = largest(case.v) ** 2, largest(loops.gaps(case.q)), map(_norm, (mass @ moved, transmitted))
-        return cls(mass, jacobian, condition, row_condition, squares, gap, np.abs(moved), *norms)
+        return cls(mass, jacobian, condition, row_condition, squares, gap, free, np.abs(moved), *norms)
 
     def forces(self, a: Array, tau: Array, wrenches: Array) -> Array:
         """Largest of the forces that are summed in each row of M a + Jᵀλ = f (N, n)."""
         summed = [np.abs(tau), np.abs(wrenches).max(axis=-1), _applied(np.abs(self.mass), np.abs(a))]
         forces: Array = np.maximum.reduce(summed)
         return forces
+
+    def along_closed_motions(self, tau: Array, forces: Array) -> Array:
+        """Largest torque (N,) along closed motions, relative to the forces (N, n) that are summed in it.
+
+        Chords cannot balance it. Where links are light, errors of a that accelerations() must allow for show here.
+        """
+        summed = _applied(np.abs(self.free), forces)
+        return largest(_applied(self.free, tau) / np.where(summed > 0, summed, 1.0))
 
     def accelerations(self, a: Array, forces: Array) -> Array:
         """Scale of errors of a (N,), where forces (N, n) are the largest that are summed."""

@@ -16,6 +16,7 @@ from crosscheck.quantities.tolerances import (
     ACCELERATION,
     AGREEMENT,
     CLOSED,
+    CLOSED_BACKWARD,
     CLOSED_WRENCH,
     IDENTIFICATION,
     RANK,
@@ -130,7 +131,10 @@ COUPLED = _by_name(
 )
 """Compared in addition where joints drive each other; the others are then those of the robot without couplings."""
 
+_ALONG_LOOPS = "only ∣1 - J⁺J∣ × the largest of τ, the joint wrenches of the tree and ∣M∣ ∣a∣"
+
 LOOPED = _by_name(
+    ComparedQuantity("closed_backward_error", "its accelerations by our torques", _ALONG_LOOPS, CLOSED_BACKWARD),
     ComparedQuantity("closed_forward_dynamics", "constraintDynamics of held points, refined", _ON_LOOPS, CLOSED),
     ComparedQuantity("closed_joint_wrenches", "rnea with its forces, if determined", _LOOP_FORCES, CLOSED_WRENCH),
     ComparedQuantity("closed_inverse_dynamics", "a for which constraintDynamics moves as given", _ON_LOOPS, CLOSED),
