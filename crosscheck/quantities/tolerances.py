@@ -48,8 +48,8 @@ CLOSED = Tolerance(
 )
 CLOSED_BACKWARD = Tolerance(
     1e-11,
-    "along closed motions rounding of a shows as torques below 1e-12 of those that are summed; measured on ten published "
-    "mechanisms at eight times six states, and where up to a third of their links lost its mass; an error of 1e-8 in a "
+    "along closed motions rounding of a shows as torques below 1e-12 of those that are summed; measured on eight "
+    "published mechanisms at 48 states, and where up to a third of their links lost its mass; an error of 1e-8 in a "
     "shows as 2e-10 and more",
 )
 CLOSED_WRENCH = Tolerance(

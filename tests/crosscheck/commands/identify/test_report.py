@@ -427,6 +427,7 @@ class TestEveryNumber:
 
 def test_whole(found, report):
     record = plain(identify_record(found, None, []))
-    approve_record("identify", record, without=("versions", "seconds", "iterations"))
-    approve_result("identify", found, without=("model", "seconds", "iterations", "others"))
-    approve_report("identify", report, rounding="CAD links: WLS .*3 of 3")  # its last cell is a time
+    searched = ("iterations", "strength", "gap")  # other ones on other processors, where results are alike
+    approve_record("identify", record, without=("versions", "seconds", *searched))
+    approve_result("identify", found, without=("model", "seconds", "others", *searched))
+    approve_report("identify", report, rounding="CAD links: WLS .*3 of 3|Smallest accepted pivot")  # a time; pivots
