@@ -52,10 +52,12 @@ from urdf.reading.written import (
     WrittenRobot,
     written,
 )
+from urdf.writing.repaired_file import REPAIRED_CODES, RepairedFile, repair
 from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
 
 __all__ = [
+    "REPAIRED_CODES",
     "AxisNotNormalizedWarning",
     "CannotSave",
     "CannotUpdate",
@@ -83,6 +85,7 @@ __all__ = [
     "Reading",
     "ReadingKeywords",
     "RepairWarning",
+    "RepairedFile",
     "RobotEntry",
     "RobotNotFound",
     "Shape",
@@ -107,6 +110,7 @@ __all__ = [
     "fused_links",
     "inspect",
     "load",
+    "repair",
     "robots",
     "save",
     "shapes",

@@ -23,6 +23,7 @@ from crosscheck.commands.program.exits import AGREED, Command, CommandGroup, end
 from crosscheck.commands.program.settings import as_command
 from crosscheck.commands.questions import command as questions
 from crosscheck.commands.recording import command as recording
+from crosscheck.commands.repair import command as repair
 from crosscheck.commands.robots import command as robots
 from crosscheck.commands.show import command as show
 from crosscheck.commands.simulate import command as simulate
@@ -39,6 +40,7 @@ COMMANDS = (
     (export.run, "export", export.EPILOG),
     (vectors.run, "vectors", vectors.EPILOG),
     (inspect.run, "inspect", inspect.EPILOG),
+    (repair.run, "repair", repair.EPILOG),
     (recording.run, "recording", recording.EPILOG),
     (identify.run, "identify", identify.EPILOG),
     (simulate.run, "simulate", simulate.EPILOG),

@@ -16,6 +16,9 @@ from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_mesh
 AXIS_LENGTH_TOLERANCE = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""
 
+RIGHT_ANGLE = math.pi / 2
+MAX_TRUNCATION, EXACT_TOLERANCE = 2e-3, 1e-12
+"""Differences from a multiple of π/2 [rad]: an angle between the two is a truncated multiple, such as 3.14 for π."""
 
 FROM_MESHES = "inertials-from-meshes"
 """The name of the repair that has numbers."""
@@ -28,6 +31,7 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     """Repair the elements of the source; return every change, in words. Raises InvalidRepair for unknown names.
 
     InertialsFromMeshes: links get inertials that are computed from their shapes
+    "angles": truncated multiples of π/2 in rpy get all digits
     "axis": axes whose length differs from 1 by less than AXIS_LENGTH_TOLERANCE get unit length
     "limits": lower and upper limits of position that are reversed are exchanged
     """
@@ -65,6 +69,26 @@ def crossed_limits(joint: etree._Element) -> tuple[float, float] | None:
     return (lower[0], upper[0]) if finite and lower[0] > upper[0] else None
 
 
+def is_truncated(angle: float) -> bool:
+    """Whether an angle [rad] is a multiple of π/2, up to a whole turn, written with few digits."""
+    turns = round(angle / RIGHT_ANGLE)
+    return turns != 0 and abs(turns) <= 4 and EXACT_TOLERANCE < abs(angle - RIGHT_ANGLE * turns) < MAX_TRUNCATION
+
+
+def _angles(source: Source) -> Iterator[str]:
+    for element in (*source.links, *source.joints):
+        for origin in element.iter("origin"):
+            words = (origin.get("rpy") or "").split()
+            angles = values(origin, "rpy", 3) or []
+            exact = [
+                repr(RIGHT_ANGLE * round(angle / RIGHT_ANGLE)) if is_truncated(angle) else word
+                for word, angle in zip(words, angles, strict=True)
+            ]
+            if exact != words[: len(exact)]:
+                origin.set("rpy", " ".join(exact))
+                yield f"line {line_of(origin)}: {describe(origin)}: rpy {' '.join(words)} made {' '.join(exact)}"
+
+
 def _axes(source: Source) -> Iterator[str]:
     for joint in source.joints:
         element = joint.find("axis")
@@ -87,5 +111,5 @@ def _limits(source: Source) -> Iterator[str]:
             yield f"line {line_of(limit)}: {describe(limit)}: lower {lower} and upper {upper} exchanged"
 
 
-REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {"axis": _axes, "limits": _limits}
+REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {"angles": _angles, "axis": _axes, "limits": _limits}
 """The repairs, by the names that urdf.load takes."""

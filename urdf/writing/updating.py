@@ -1,19 +1,13 @@
-"""Positions of the <inertial> elements in the bytes of a URDF file, so that they alone can be replaced.
-
-New inertial parameters into an existing URDF file: every byte outside the <inertial> elements stays as it was.
-"""
+"""New inertial parameters into an existing URDF file: every byte outside the <inertial> elements stays as it was."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 from typing import Unpack
-from xml.parsers import expat
 
 import numpy as np
-from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Body, InvalidModel
@@ -25,68 +19,7 @@ from urdf.document.numbers import inertial_element
 from urdf.errors import CannotUpdate, one_line
 from urdf.reading.loading import fused_links, load
 from urdf.reading.reading import Reading, ReadingKeywords
-
-_TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
-"""A whole tag; attribute values may contain '>'."""
-
-_LINE_START = re.compile(rb"[ \t]*$")
-
-
-@dataclass(frozen=True)
-class Span:
-    """Bytes start … end of one link: its <inertial>, or the place for one.
-
-    closed: the link is a single tag, <link …/>, which has to be opened
-    indent: what stands before the element on its line
-    """
-
-    start: int
-    end: int
-    closed: bool
-    indent: bytes
-
-
-def inertial_spans(data: bytes) -> dict[str, Span]:
-    """The span of every link by its name. data: a document that loads, in an encoding that contains ASCII."""
-    spans: dict[str, Span] = {}
-    path: list[str] = []
-    link = ""
-    parser = expat.ParserCreate()
-
-    def start(name: str, attributes: dict[str, str]) -> None:
-        nonlocal link
-        path.append(name)
-        at = parser.CurrentByteIndex
-        if path[1:] == ["link"]:
-            link = attributes.get("name", "")
-            tag = _tag(data, at)
-            closed = tag.endswith(b"/>")
-            place = at if closed else at + len(tag)
-            spans[link] = Span(place, at + len(tag), closed, _indent(data, at) + b"  ")
-        elif path[1:] == ["link", "inertial"]:
-            spans[link] = Span(at, at, False, _indent(data, at))
-
-    def end(_name: str) -> None:
-        at = parser.CurrentByteIndex
-        if path[1:] == ["link", "inertial"]:
-            spans[link] = Span(spans[link].start, at + len(_tag(data, at)), False, spans[link].indent)
-        path.pop()
-
-    parser.StartElementHandler, parser.EndElementHandler = start, end
-    parser.Parse(data, True)
-    return spans
-
-
-def _tag(data: bytes, at: int) -> bytes:
-    found = _TAG.match(data, at)
-    assert found is not None
-    return found.group()
-
-
-def _indent(data: bytes, at: int) -> bytes:
-    """The blanks before a tag, if nothing else stands before it on its line."""
-    line = data[data.rfind(b"\n", 0, at) + 1 : at]
-    return line if _LINE_START.match(line) else b""
+from urdf.writing.in_place import editable, inertial_spans, refuse_xacro, with_inertials
 
 
 @dataclass(frozen=True)
@@ -127,21 +60,12 @@ def update(
     """
     how = Reading.of(update, reading).without_computed_inertials
     path, _ = locate(source)
-    if path.suffix.lower() == ".xacro":
-        raise CannotUpdate(
-            "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
-        )
+    refuse_xacro(path)
     model = load(source, reading=how)
     wanted = _checked(parameters, model.n_bodies, path)
     shares = fused_links(source, reading=how)
-    data = path.read_bytes()
-    try:
-        if b"\0" in data:
-            raise LookupError
-        spans = inertial_spans(data)
-    except (LookupError, ValueError, expat.ExpatError):  # of other encodings than of one byte, or UTF-8
-        problem = "the file is in UTF-16 or another encoding that cannot be edited"
-        raise CannotUpdate(problem, "save it as UTF-8 first", path=path) from None
+    data = editable(path)
+    spans = inertial_spans(data)
     edits, changed, notes = [], [], []
     for number, (old, new) in enumerate(zip(model.bodies, wanted, strict=True), start=1):
         carried = {name: share for name, (body, share) in shares.items() if body == number and share.any()}
@@ -151,13 +75,13 @@ def update(
         if not inconsistent:
             _refuse_inconsistent(_body(old.name, new, path, False), path)
             _refuse_inconsistent(rest, path)
-        edits.append((spans[old.name], rest))
+        edits.append((spans[old.name], inertial_element(rest)))
         changed.append(old.name)
         if carried:
             names = ", ".join(f"'{name}' ({share[0]:.6g} kg)" for name, share in carried.items())
             note = f"link '{old.name}' gets {rest.mass:.6g} kg: its fixed links {names} keep their own <inertial>"
             notes.append(one_line(note))
-    write_whole(Path(destination), _edited(data, edits))
+    write_whole(Path(destination), with_inertials(data, edits))
     kept = tuple(name for name in model.body_names if name not in changed)
     return Update(Path(destination), tuple(changed), kept, tuple(notes))
 
@@ -198,21 +122,3 @@ def _refuse_inconsistent(body: Body, path: Path) -> None:
         problem = f"no real body has these parameters: {'; '.join(problems)}"
         remedy = "identify with physical constraints, or write them nevertheless with inconsistent=True"
         raise CannotUpdate(problem, remedy, path=path, element=f"link '{body.name}'")
-
-
-def _edited(data: bytes, edits: list[tuple[Span, Body]]) -> bytes:
-    """The document with these elements, inserted from the end so that earlier positions stay valid."""
-    newline = b"\r\n" if b"\r\n" in data else b"\n"
-    for span, body in sorted(edits, key=lambda edit: edit[0].start, reverse=True):
-        element = inertial_element(body)
-        etree.indent(element, space="  ")
-        lines = etree.tostring(element).split(b"\n")
-        text = (newline + span.indent).join(lines)
-        if span.closed:
-            tag = data[span.start : span.end]
-            outer = newline + span.indent[:-2]
-            text = tag[: tag.rindex(b"/")].rstrip() + b">" + newline + span.indent + text + outer + b"</link>"
-        elif span.start == span.end:
-            text = newline + span.indent + text
-        data = data[: span.start] + text + data[span.end :]
-    return data

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from itertools import groupby
 from pathlib import Path
 
 import urdf
 from crosscheck.commands.inspect.record import record as inspect_record
+from crosscheck.commands.repair.report import repairs_of
 from crosscheck.report.report import (
     Block,
     Column,
@@ -88,9 +90,17 @@ def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
     return Report(
         Path(file.robot).name,
         verdict,
-        (Section("findings", "", (missing, *_findings(file))),),
+        (Section("findings", "", (missing, *_findings(file), *_repairs(file))),),
         record=record,
     )
+
+
+def _repairs(file: urdf.Inspection) -> Iterator[Notes]:
+    """The command that mends what can be mended."""
+    if urdf.REPAIRED_CODES.keys() & set(file.codes):
+        with suppress(urdf.URDFError, OSError):  # .xacro files, and those that another program has taken away
+            if command := repairs_of(file.robot)[1]:
+                yield Notes((Note(command),), title="Repair by")
 
 
 def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recorder) -> Report:

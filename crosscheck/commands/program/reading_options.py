@@ -51,7 +51,7 @@ class ReadingOptions:
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="Repair the file on reading: axis, limits, or "
+            help="Repair the file on reading: angles, axis, limits, or "
             f"{FROM_MESHES}=DENSITY [kg/m³] or =MASSkg, then ,all or ,LINK,… for other links than those without "
             "<inertial>. Repeatable.",
         ),
@@ -75,7 +75,7 @@ class ReadingOptions:
             gravity=self.gravity,
             mimic=self.mimic,
             loops=() if self.loops == "none" else None if self.loops is None else Path(self.loops),
-            repair=[_repair(text) for text in self.repair or ()],
+            repair=[repair_of("--repair", text) for text in self.repair or ()],
             xacro=self._xacro,
         )
 
@@ -136,7 +136,8 @@ def _locked(text: str) -> tuple[str, float]:
     return name, position
 
 
-def _repair(text: str) -> str | InertialsFromMeshes:
+def repair_of(option: str, text: str) -> str | InertialsFromMeshes:
+    """A repair as it is typed. Raises typer.BadParameter for numbers of another form."""
     from urdf import InertialsFromMeshes
     from urdf.document import finite_number
 
@@ -147,7 +148,7 @@ def _repair(text: str) -> str | InertialsFromMeshes:
     number = finite_number(size.removesuffix("kg"))
     if number is None:
         raise typer.BadParameter(
-            f"--repair {text}: give {FROM_MESHES}=2700 for a density [kg/m³], or {FROM_MESHES}=20kg for a total mass"
+            f"{option} {text}: give {FROM_MESHES}=2700 for a density [kg/m³], or {FROM_MESHES}=20kg for a total mass"
         )
     chosen = "all" if links == ["all"] else links or "missing"
     if size.endswith("kg"):

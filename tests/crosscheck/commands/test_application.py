@@ -36,7 +36,7 @@ from graphdyn.compiler import CACHE_VARIABLE
 
 COMMANDS = (
     *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect"),
-    *("recording", "identify", "simulate"),
+    *("repair", "recording", "identify", "simulate"),
     *("excite", "study", "paper", "bench", "robots", "errata", "cache"),
 )
 

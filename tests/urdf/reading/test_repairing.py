@@ -76,13 +76,17 @@ def test_endless_and_continuous_limits_stay(arm):
     assert (model.joints[0].limits.lower, said) == (None, {})
 
 
-def test_a_truncated_angle_is_no_repair(arm):
-    """It is used as written, whatever is asked for, and urdf.inspect reports it."""
+def test_truncated_angles_are_mended_only_when_named(arm):
+    """Else they are used as written, whatever else is asked for, and urdf.inspect reports them."""
     path = arm()
     assert "rpy-truncated" in urdf.inspect(path).codes
     model, said = told(path, ("axis", "limits"))
     assert abs(model.joints[0].placement.rotation[0, 0] - np.cos(1.5708)) < 1e-16
     assert said == {}
+    model, said = told(path, ("angles",))
+    assert abs(model.joints[0].placement.rotation[0, 0]) < 1e-16
+    change = "line 19: <origin> of joint 'shoulder': rpy 0 0 1.5708 made 0 0 1.5707963267948966"
+    assert said == {urdf.RepairWarning: f"{path}: repaired: {change}"}
 
 
 def test_broken_numbers_are_refused_all_the_same(arm):
@@ -97,7 +101,7 @@ def test_fused_links_take_repairs(arm):
 
 
 def test_an_unknown_repair(arm):
-    with pytest.raises(urdf.InvalidRepair, match=r"arm.urdf: no repair is called 'mass'; known: axis, limits"):
+    with pytest.raises(urdf.InvalidRepair, match=r"arm.urdf: no repair is called 'mass'; known: angles, axis, limits"):
         urdf.load(arm(), repair=("mass",))
 
 

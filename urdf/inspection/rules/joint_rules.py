@@ -11,10 +11,7 @@ from urdf.document.numbers import UNIT_LENGTH_TOLERANCE, values
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import Structure
-
-RIGHT_ANGLE = math.pi / 2
-MAX_TRUNCATION, EXACT_TOLERANCE = 2e-3, 1e-12
-"""Differences from a multiple of π/2 [rad]: an angle between the two is a truncated multiple, such as 3.14 for π."""
+from urdf.reading.repairing import RIGHT_ANGLE, is_truncated
 
 MAX_AXIS_LENGTH_ERROR = 1e-2
 """Difference from 1 of the length of an axis: a smaller one is rounding, a larger one probably another mistake."""
@@ -47,7 +44,7 @@ def joint_findings(structure: Structure) -> Iterator[Finding]:
 
 def _angles(element: etree._Element) -> Iterator[Finding]:
     for origin in element.iter("origin"):
-        odd = [angle for angle in values(origin, "rpy", 3) or () if _truncated(angle)]
+        odd = [angle for angle in values(origin, "rpy", 3) or () if is_truncated(angle)]
         if odd:
             missed = max(abs(angle - RIGHT_ANGLE * round(angle / RIGHT_ANGLE)) for angle in odd)
             yield about(
@@ -56,11 +53,6 @@ def _angles(element: etree._Element) -> Iterator[Finding]:
                 f"{', '.join(f'{angle:g}' for angle in odd)}: a truncated multiple of π/2, off by {missed:.1e} rad; it "
                 "is used as written",
             )
-
-
-def _truncated(angle: float) -> bool:
-    turns = round(angle / RIGHT_ANGLE)
-    return turns != 0 and abs(turns) <= 4 and EXACT_TOLERANCE < abs(angle - RIGHT_ANGLE * turns) < MAX_TRUNCATION
 
 
 def _kind(joint: etree._Element) -> Iterator[Finding]:

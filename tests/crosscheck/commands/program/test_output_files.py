@@ -30,6 +30,7 @@ READS = {
     "export": ("{robot}",),
     "vectors": ("{robot}", "--out", "vectors"),
     "inspect": ("{robot}",),
+    "repair": ("{robot}", "--take", "axis"),
     "recording": ("{log}", "--robot", "{robot}"),
     "identify": (
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),

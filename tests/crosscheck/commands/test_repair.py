@@ -1,0 +1,73 @@
+"""`graphdyn repair`: lists, mends, tells, and the commands that are printed."""
+
+import json
+import re
+import shlex
+
+import pytest
+from inspected.sample import changed
+from jsonschema import Draft202012Validator
+from shared_data import REPOSITORY
+
+import urdf
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+
+SCHEMA = json.loads((REPOSITORY / "docs/schemas/repair-1.schema.json").read_text(encoding="utf-8"))
+CROSSED = ('lower="-1" upper="2"', 'lower="2" upper="-1"')
+
+
+@pytest.fixture
+def crossed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "my arm.urdf"
+    path.write_text(changed(*CROSSED), encoding="utf-8")
+    return path
+
+
+def printed_command(text):
+    """The words behind `graphdyn` of the command that is printed."""
+    return shlex.split(re.search(r"graphdyn (repair .* --out \S+)", " ".join(text.split()))[1])
+
+
+@pytest.mark.parametrize("asked", ["inspect", "repair"])
+def test_what_is_printed_can_be_typed_as_it_stands(program, crossed, asked):
+    told = program(asked, crossed.name, *["--list"] * (asked == "repair"))
+    done = program(*printed_command(told.out))
+    assert done.code == AGREED
+    assert "1 change, written to repaired.urdf" in done.out
+    assert "lower 2 and upper -1 exchanged" in done.out
+    assert urdf.inspect("repaired.urdf").usable
+
+
+def test_json(program, crossed):
+    done = program("repair", crossed.name, "--take", "limits-crossed", "--out", "out.urdf", "--json", "x.json")
+    record = json.loads((crossed.parent / "x.json").read_text(encoding="utf-8"))
+    Draft202012Validator(SCHEMA).validate(record)
+    assert (done.code, record["robot"], record["path"]) == (AGREED, "my arm.urdf", "out.urdf")
+    assert record["changes"] == list(urdf.repair(crossed, None, ["limits"]).changes)
+
+
+def test_nothing_to_repair(program, crossed):
+    crossed.write_text(changed(), encoding="utf-8")
+    done = program("repair", crossed.name, "--list")
+    assert (done.code, "nothing to repair" in done.out) == (AGREED, True)
+    assert program("repair", crossed.name, "--take", "axis", "--out", "out.urdf").code == DISAGREED
+    assert list(crossed.parent.iterdir()) == [crossed]
+    assert "graphdyn repair" not in program("inspect", crossed.name).out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "give --take CODE for each repair, or --list to see what could be repaired"),
+        (["--list", "--take", "axis"], "give --take CODE for each repair, or --list"),
+        (["--take", "axis"], "--take needs --out FILE, for the repaired copy"),
+        (["--take", "x", "--out", "out.urdf"], "no repair is called 'x'; known: angles, axis, limits"),
+        (["--take", "inertials-from-meshes=x", "--out", "o.urdf"], "--take inertials-from-meshes=x: give inertials-"),
+    ],
+)
+def test_bad_input(program, crossed, arguments, message):
+    done = program("repair", crossed.name, *arguments)
+    assert done.code == BAD_INPUT
+    assert message in " ".join(done.err.split())
+    assert list(crossed.parent.iterdir()) == [crossed]
