@@ -14,7 +14,7 @@ from crosscheck.exact import HALF_ULP, ExactArray, Truth, exact_values, half_ulp
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import LOADS, Quantity
 from crosscheck.quantities.measures import Chosen, linear_first
-from crosscheck.quantities.scales import PARAMETER_TYPES, largest
+from crosscheck.quantities.scales import PARAMETER_TYPES, largest, ratio
 from crosscheck.reference.subject import Subject
 from graphdyn.layout import ANGULAR, BODY_PARAMETERS, Array
 from graphdyn.verbs import VERBS
@@ -76,6 +76,21 @@ class ExactAnswers:
         found = half_ulp_effects(states.model, self._verb, output, *self._inputs(states), **options)
         caused: Array = np.abs(self._as_chosen(found + self._of_mass_matrix(states)))
         return caused
+
+    def of_summed_terms(self, states: JudgedStates) -> Array:
+        """What half an ulp of the summed terms causes, for each group (N, g): the scale of the cross-check.
+
+        Where terms cancel, as where one joint moves alone, inputs cause less than the rounding of each term. Functions
+        that solve have what rounding of M causes in its place.
+        """
+        groups = self.groups(states)
+        number = groups.max() + 1
+        if self.known.solves:
+            return np.zeros((len(states.q), number))
+        shape = (len(states.q), *self.known.shape_for(states.model.n_bodies))
+        ones = [np.broadcast_to((groups == k).reshape(shape[1:]) * 1.0, shape) for k in range(number)]
+        errors = [self.known.errors(one, np.zeros(shape), states, self.chosen) for one in ones]
+        return HALF_ULP * np.stack([ratio(np.ones(len(states.q)), error) for error in errors], axis=1)
 
     def _of_mass_matrix(self, states: JudgedStates) -> Array | float:
         """What half an ulp of the entries of M causes in a solution of M x = b, for most codes round M before they
