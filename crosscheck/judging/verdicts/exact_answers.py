@@ -87,7 +87,7 @@ class ExactAnswers:
         number = groups.max() + 1
         if self.known.solves:
             return np.zeros((len(states.q), number))
-        shape = (len(states.q), *self.known.shape_for(states.model.n_bodies))
+        shape = (len(states.q), *self._shape(states))
         ones = [np.broadcast_to((groups == k).reshape(shape[1:]) * 1.0, shape) for k in range(number)]
         errors = [self.known.errors(one, np.zeros(shape), states, self.chosen) for one in ones]
         return HALF_ULP * np.stack([ratio(np.ones(len(states.q)), error) for error in errors], axis=1)
@@ -105,7 +105,7 @@ class ExactAnswers:
 
     def groups(self, states: JudgedStates) -> NDArray[np.intp]:
         """Which entries of an answer are of one kind, numbered: forces, moments; columns by type of parameter (…)."""
-        shape = tuple(size or 0 for size in self.known.shape_for(states.model.n_bodies))
+        shape = self._shape(states)
         found = np.zeros(shape, dtype=np.intp)
         if self.known.name.startswith("dwrenches"):
             found[:, ANGULAR] = 1
@@ -115,6 +115,9 @@ class ExactAnswers:
             for number, part in enumerate(PARAMETER_TYPES):
                 found.reshape(*shape[:-1], -1, BODY_PARAMETERS)[..., part] = number
         return self._ordered(found).ravel()
+
+    def _shape(self, states: JudgedStates) -> tuple[int, ...]:
+        return tuple(size or 0 for size in self.known.shape_for(states.model.n_bodies))
 
     def sizes(self, exact: Array, states: JudgedStates) -> Array:
         """What errors are relative to, for each group (N, g). exact: the answers (N, …)"""

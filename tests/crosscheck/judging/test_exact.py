@@ -1,5 +1,6 @@
 """Functions under test against exact values: proven errors, the rule of the verdict, and which truth is meant."""
 
+import functools
 import sys
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from faults.textbook import TextbookArm
 from planting import with_body
 
 import crosscheck
+import graphdyn
 import urdf
 from crosscheck.exact import HALF_ULP, half_ulp_effects
 from crosscheck.exact.balls import as_balls, bits
@@ -88,6 +90,22 @@ class TestProof:
             assert function.exact.digits >= 9
             assert (function.exact.least <= function.exact.most).all()
             assert (function.exact.most <= function.exact.factor * function.exact.caused).all()
+
+    def test_rounding_of_terms_that_cancel_is_no_error(self, ur5):
+        """Where the last joint moves alone, entries are far smaller than the terms that other codes sum up."""
+
+        def coriolis(q, v, error=0.0):
+            term = np.abs(graphdyn.mass_matrix(ur5, q)).max() * np.abs(v).max()
+            return graphdyn.coriolis_matrix(ur5, q, v) + term * (1 + error) - term
+
+        for error, right in ((0.0, True), (1e-14, False)):
+            judgment = crosscheck.judge(
+                "ur5", coriolis_matrix=functools.partial(coriolis, error=error), samples=SAMPLES, exact=True
+            )
+            exact = judgment.functions["coriolis_matrix"].exact
+            assert exact.wrong != right
+            small = np.abs(exact.least) > 1e-14
+            assert small.any()
 
     def test_numbers_in_single_precision_are_rounded_to_it(self, ur5):
         single = TextbookArm.of(ur5).in_single_precision().inverse_dynamics
