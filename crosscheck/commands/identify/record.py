@@ -256,6 +256,7 @@ class IdentifyRecord(
     gap: Sequence[float] = attribute("comparison.gap")
     undetermined = attribute("comparison.undetermined")
     lost = attribute("comparison.lost")
+    nearly_undetermined = attribute("comparison.nearly_undetermined")
     model: str = attribute("name")
     other_models: Sequence[ModelRecord]
     comparison: Sequence[CandidateRecord]

@@ -16,7 +16,7 @@ from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict
 from graphdyn.errors import counted
-from graphdyn.identification import MIN_CORRELATION_TIMES, MethodResult
+from graphdyn.identification import MIN_CORRELATION_TIMES, MethodComparison, MethodResult
 from graphdyn.layout import Array
 
 MAX_PARAMETER_NAMES = 6
@@ -79,6 +79,7 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
                 f"{len(comparison.names)}; {comparison.structural_rank} combinations are identifiable, and this motion "
                 f"determines {'all ' if comparison.rank == comparison.structural_rank else ''}{comparison.rank}",
             ),
+            *_nearly_undetermined(comparison),
             (
                 "condition number",
                 f"{comparison.condition_number:.3g}, joints weighted by their torque, columns at unit length",
@@ -89,6 +90,12 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
             ("exogeneity", _model(found, shown).exogeneity),
         )
     )
+
+
+def _nearly_undetermined(comparison: MethodComparison) -> tuple[tuple[str, str], ...]:
+    names = ", ".join(comparison.nearly_undetermined)
+    why = "only the rounding of angles in the robot's file shows them; they are regrouped with others"
+    return (("nearly undetermined", f"{names}: {why}"),) if names else ()
 
 
 def _without_effect(model: IdentifiedModel) -> tuple[tuple[str, str], ...]:

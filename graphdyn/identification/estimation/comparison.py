@@ -142,6 +142,7 @@ class MethodComparison:
     condition_number: of the regressor, joints weighted by their measured torque and columns at unit length
     undetermined: standard parameters that are determined only in combinations, or not at all
     lost: base parameters of the structure that this recording does not determine individually
+    nearly_undetermined: parameters that only the rounding of angles in the robot's file shows; regrouped with others
     """
 
     names: tuple[str, ...]
@@ -155,6 +156,7 @@ class MethodComparison:
     condition_number: float
     undetermined: tuple[str, ...]
     lost: tuple[str, ...]
+    nearly_undetermined: tuple[str, ...]
     results: tuple[MethodResult, ...]
 
     def of(self, name: str) -> MethodResult:
@@ -266,5 +268,6 @@ def _described(problem: Problem, results: tuple[MethodResult, ...]) -> MethodCom
         condition_number=problem.condition_number,
         undetermined=tuple(column.name for k, column in enumerate(columns) if k not in alone),
         lost=tuple(name for name in structural.names(symbols) if name not in determined),
+        nearly_undetermined=tuple(columns[k].name for k in problem.structure.nearly_undetermined),
         results=results,
     )

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,8 +20,9 @@ from numpy.typing import ArrayLike, NDArray
 from graphdyn.arguments.arrays import refuse_non_finite
 from graphdyn.compiler.gram.gram import torque_gram
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.algebra.base_parameters import BaseParameters, base_parameters
+from graphdyn.identification.algebra.base_parameters import BaseParameters, Indices, base_parameters
 from graphdyn.identification.data.samples import Samples, TorqueFreeSamples
+from graphdyn.identification.problem.exact_angles import with_exact_angles
 from graphdyn.identification.terms import Coulomb, KnownTerm, Offset, RigidBodies, Term, TermParameter, Viscous
 from graphdyn.identification.terms.friction import positive
 from graphdyn.identification.terms.term import CarriesBodies, CarriesKnownBodies
@@ -42,6 +43,7 @@ class TorqueModel:
     expected: value and standard deviation of parameters that are known beforehand, for instance from a data sheet, by
         symbol: {"IA_3": (764.0, 80.0)}. Methods with takes_expected = True weigh them against the recording
     noise: standard deviation of the torque of each joint, by which methods weigh (n,); estimated if left out
+    exact_angles: leave out parameters that only the rounding of angles in the robot's file shows (exact_angles.py)
 
     Raises InvalidInput without a term, and if two columns have the same name.
     """
@@ -51,6 +53,7 @@ class TorqueModel:
     known: Sequence[KnownTerm] = ()
     expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noise: ArrayLike | None = None
+    exact_angles: bool = True
 
     def __post_init__(self) -> None:
         check_model(self.model)
@@ -166,11 +169,13 @@ class ParameterStructure:
     """Base parameters of a torque model, and the joints on which they act.
 
     base: over random states
+    nearly_undetermined: columns of base parameters that only rounded angles show, which are regrouped instead   (k,)
     support: (n, b): whether column base.independent[k] can differ from zero in the torque of joint j
     """
 
     base: BaseParameters
     support: NDArray[np.bool_]
+    nearly_undetermined: Indices
 
 
 @functools.lru_cache(maxsize=8)
@@ -178,9 +183,15 @@ def structure(torque_model: TorqueModel, seed: int = 0) -> ParameterStructure:
     """Structure of a torque model. The same model and seed give the same result; the last few are cached."""
     samples = random_samples(torque_model, STATES_PER_PARAMETER * len(torque_model.columns), seed)
     w = torque_model.rows(samples)
-    base = base_parameters(w.reshape(-1, w.shape[-1]))
+    base, left_out = base_parameters(w.reshape(-1, w.shape[-1])), np.zeros(0, dtype=np.int64)
+    exact = with_exact_angles(torque_model.model) if torque_model.exact_angles else torque_model.model
+    if exact is not torque_model.model and not exact.chords:
+        meant = replace(torque_model, model=exact).rows(samples)
+        of_exact = base_parameters(meant.reshape(-1, w.shape[-1]))
+        if of_exact.rank < base.rank:
+            base, left_out = of_exact, np.setdiff1d(base.independent, of_exact.independent)
     support = np.any(w[..., base.independent] != 0, axis=0)
-    return ParameterStructure(base, support)
+    return ParameterStructure(base, support, left_out)
 
 
 def random_samples(torque_model: TorqueModel, size: int, seed: int) -> Samples:

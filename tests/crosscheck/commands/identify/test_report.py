@@ -56,6 +56,14 @@ def test_findings_stand_under_their_recording():
     assert last.text == "b.csv, which is predicted, is too short to be examined."
 
 
+def test_what_only_rounded_angles_show_is_named(found):
+    named = dataclasses.replace(found.comparison, nearly_undetermined=("arm m", "arm I_xx"))
+    sections = identify_report(dataclasses.replace(found, comparison=named), None).sections
+    facts = [fact for part in sections for block in part.blocks if isinstance(block, Facts) for fact in block.items]
+    why = "only the rounding of angles in the robot's file shows them; they are regrouped with others"
+    assert ("nearly undetermined", f"arm m, arm I_xx: {why}") in facts
+
+
 def test_reasons_are_told_once(found):
     reasons = ("joint_2 is predicted badly", "joint_4 is predicted badly")
     told = f"WLS is the best result, but 2 reasons speak against it: {'; '.join(reasons)}"
