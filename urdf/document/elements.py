@@ -70,9 +70,15 @@ class Drawing:
         return line_of(self.element) or None
 
     @property
+    def mesh_file(self) -> str | None:
+        """The mesh file that it names, as written; None for other shapes."""
+        shapes = (shape for inside in children(self.element, "geometry") for shape in inside)
+        return next((shape.get("filename", "") for shape in shapes if tag_of(shape) == "mesh"), None)
+
+    @property
     def mesh(self) -> bool:
         """Whether it names a mesh file."""
-        return any(tag_of(shape) == "mesh" for inside in children(self.element, "geometry") for shape in inside)
+        return self.mesh_file is not None
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from urdf.inspection.rules.joint_rules import joint_findings
 from urdf.inspection.rules.link_rules import link_findings
 from urdf.inspection.rules.mesh_rules import mesh_findings
 from urdf.inspection.rules.model_rules import model_findings
+from urdf.inspection.rules.plausibility_rules import plausibility_findings
 from urdf.inspection.rules.reader_rules import reader_findings
 from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
@@ -120,6 +121,7 @@ def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure, 
         yield refusal(error)
         return
     yield from model_findings(model, structure)
+    yield from plausibility_findings(model, structure)
 
 
 def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:

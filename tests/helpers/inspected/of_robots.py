@@ -1,6 +1,18 @@
 """What urdf.inspect says of a whole robot: its loops, its lengths and masses, its mass matrix."""
 
-from inspected.sample import ELBOW, FAR, FORE, FORE_INERTIAL, LOOP, MOTOR, PARALLEL, Case
+from inspected.sample import (
+    ELBOW,
+    ELBOW_LIMIT,
+    FAR,
+    FORE,
+    FORE_INERTIAL,
+    LOOP,
+    MOTOR,
+    PARALLEL,
+    Case,
+    link_behind,
+    mesh_file,
+)
 
 ROBOTS = {
     "loop-cannot-close": Case(
@@ -76,6 +88,46 @@ ROBOTS = {
         "warning", None, None,
         "2.5e+04 kg on a reach of 1 m",
         "give masses in kg; they may be in grams or tonnes",
+    ),
+    "effort-below-gravity": Case(
+        (ELBOW_LIMIT, ELBOW_LIMIT.replace('"30"', '"2"')),
+        "warning", "<limit> of joint 'elbow'", 30,
+        "gravity takes up to 5.88 N m within the limits of position, the effort is 2 N m",
+        "give masses in kg, and the effort in N m or N at the joint, behind the gear",
+    ),
+    "effort-below-inertia": Case(
+        (ELBOW_LIMIT, ELBOW_LIMIT.replace('"30"', '"0.2"')),
+        "warning", "<limit> of joint 'elbow'", 30,
+        "an effort of 0.2 N m accelerates the joint by 0.67 rad/s² in some poses",
+        "give masses in kg, and the effort in N m or N at the joint, behind the gear",
+    ),
+    "heavy-link": Case(
+        ("</robot>", f"{link_behind('fore', 'wrist', '32')}{link_behind('wrist', 'hand', '2')}</robot>"),
+        "warning", "link 'wrist'", 37,
+        "32 kg, 16 times the heavier of its neighbors (1.5 and 2 kg)",
+        "compare its mass with the data sheet, and with a link of another robot of this family",
+    ),
+    "heaviest-link": Case(
+        ("</robot>", f"{link_behind('fore', 'wrist', '1')}{link_behind('wrist', 'hand', '9')}</robot>"),
+        "note", "link 'hand'", 37,
+        "9 kg, more than all other moving links together (5 kg)",
+        "compare its mass with the data sheet",
+    ),
+    "equal-inertials": Case(
+        (
+            "</robot>",
+            f"{link_behind('fore', 'wrist', '1', mesh_file('wrist.stl'))}"
+            f"{link_behind('wrist', 'hand', '1', mesh_file('hand.stl'))}</robot>",
+        ),
+        "note", "<inertial> of link 'wrist'", 37,
+        "the inertial of 'hand', too, with other meshes",
+        "give each link its own, if forces matter",
+    ),
+    "unlike-twin": Case(
+        ("</robot>", f"{link_behind('fore', 'left_hand', '1')}{link_behind('fore', 'right_hand', '1.1')}</robot>"),
+        "note", "<inertial> of link 'left_hand'", 37,
+        "1 kg, where 'right_hand' has 1.1 kg",
+        "give both the same, if they are mirror images",
     ),
     "mass-matrix-indefinite": Case(
         ('izz="0.17"', 'izz="-5"'),

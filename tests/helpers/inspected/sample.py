@@ -63,6 +63,9 @@ PARALLEL = (
     '<loop name="l" type="spherical"><predecessor link="base"><origin xyz="0.3 0 0.5"/></predecessor>'
     '<successor link="fore"/></loop>'
 )
+ELBOW_LIMIT = f'<axis xyz="0 1 0"/>\n    {LIMIT}'
+"""With the axis that tells it from the other one."""
+
 MOTOR = '<transmission><joint name="shoulder"/><actuator/></transmission>'
 
 
@@ -81,6 +84,21 @@ class Case:
 def changed(*changes: str) -> str:
     """CLEAN with these replacements."""
     return with_changes(CLEAN, *changes)
+
+
+def link_behind(parent: str, name: str, mass: str, inside: str = "") -> str:
+    """A further link on a joint without limits, as text."""
+    inertia = '<inertia ixx="0.05" ixy="0" ixz="0" iyy="0.06" iyz="0" izz="0.02"/>'
+    return (
+        f'<link name="{name}">{inside}<inertial><origin xyz="0 0 0"/><mass value="{mass}"/>{inertia}</inertial></link>'
+        f'<joint name="to {name}" type="continuous"><origin xyz="0 0 0.1"/><parent link="{parent}"/>'
+        f'<child link="{name}"/><axis xyz="1 0 0"/></joint>'
+    )
+
+
+def mesh_file(name: str) -> str:
+    """A <visual> that shows it."""
+    return f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
 
 
 MESH_CODES = ("center-outside-mesh", "mesh-density", "inertia-unlike-mesh", "inertia-of-mesh")

@@ -64,7 +64,7 @@ WARNINGS = {
     },
     "mk3": {"effort-negative"},
     "talos_left_arm": {"triangle-inequality", "zero-inertia"},
-    "vs060": {"gyration-radius", "placeholder-inertials"},
+    "vs060": {"effort-below-gravity", "effort-below-inertia", "gyration-radius", "placeholder-inertials"},
 }
 """Codes of the findings that are no notes; of the others of KINEMATICS_ONLY: NO_INERTIALS; of all others: none."""
 
