@@ -67,7 +67,8 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
         raise RobotNotFound(f"'{shortened(str(path))}' is a folder", "give a URDF file in it")
     if not entries:
         raise RobotNotFound(f"'{shortened(str(path))}' is not a file", "give a file, or a robot's name as a string")
-    close = difflib.get_close_matches(str(path_or_name), entries)
+    by_small_letters = {name.lower(): name for name in entries}
+    close = [by_small_letters[name] for name in difflib.get_close_matches(str(path_or_name).lower(), by_small_letters)]
     remedy = (
         f"close names: {', '.join(close)}; `graphdyn robots` lists all"
         if close

@@ -85,6 +85,12 @@ def test_unknown_name_lists_close_ones():
         urdf.load("kinowa")
 
 
+@pytest.mark.parametrize("name", ["UR5", "Ur5", "ur5_"])
+def test_close_names_have_other_capitals(name):
+    with pytest.raises(urdf.RobotNotFound, match=r"close names: ur5[,;]"):
+        urdf.load(name)
+
+
 def test_nothing_close():
     with pytest.raises(urdf.RobotNotFound, match=r"'@@@' is neither .*; `graphdyn robots` lists all names$"):
         urdf.load("@@@")

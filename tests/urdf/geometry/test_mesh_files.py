@@ -32,6 +32,13 @@ class TestFiles:
     def test_found(self, drawn, tmp_path, name):
         assert len(only(drawn(mesh(name.format(folder=tmp_path)))).faces) == 12
 
+    @pytest.mark.parametrize("name", ["package:///a.stl", "package://pkg/gone/a.stl", "package://a.stl"])
+    def test_beside_the_document(self, tmp_path, name):
+        """Where no package has it, as in a folder into which all files were copied."""
+        files.stl(tmp_path / "a.stl", box())
+        (tmp_path / "r.urdf").write_text(one_link(visual(mesh(name))), encoding="utf-8")
+        assert len(only(tmp_path / "r.urdf").faces) == 12
+
     def test_packages_of_ros(self, tmp_path, monkeypatch):
         files.stl(tmp_path / "ws" / "share" / "pkg" / "a.stl", box())
         text = one_link(visual(mesh("package://pkg/a.stl")))
@@ -46,13 +53,15 @@ class TestFiles:
         [
             ("", "<mesh> has no file name"),
             ("gone.stl", "no such file"),
-            ("package://pkg", "'' files are not read, only .stl, .obj, .dae"),
+            ("package://pkg", "it is a folder"),
+            ("package:///", "it is a folder"),
+            ("package:///gone.stl", "no such file"),
             ("a\\0.stl", "no such file"),
             ("$(find pkg)/a.stl", "the name is not expanded; expand the file with xacro"),
             ("https://example.org/a.stl", "https:// is not fetched; save the file beside the URDF"),
             ("../urdf/r.urdf", "'.urdf' files are not read, only .stl, .obj, .dae"),
-            ("../meshes", "'' files are not read, only .stl, .obj, .dae"),
-            ("../meshes/folder.stl", "not a regular file"),
+            ("../meshes", "it is a folder"),
+            ("../meshes/folder.stl", "it is a folder"),
             ("../meshes/pipe.stl", "not a regular file"),
             ("../meshes/zero.stl", "not a regular file"),
             ("../meshes/secret.stl", "the file cannot be read: Permission denied"),

@@ -32,7 +32,8 @@ def find_mesh(name: str, document: Path) -> Path:
     document: the URDF file, or one of UNNAMED_SOURCES
 
     package://NAME/REST is NAME/REST in a folder above the document, else REST in one of them (a package may lie in a
-    folder of another name), else NAME/REST in a folder of ROS_PACKAGE_PATH or in share/ of one of AMENT_PREFIX_PATH.
+    folder of another name), else NAME/REST in a folder of ROS_PACKAGE_PATH or in share/ of one of AMENT_PREFIX_PATH,
+    else the last part of REST beside the document.
 
     Raises UnreadableMesh, with the reason.
     """
@@ -50,10 +51,13 @@ def find_mesh(name: str, document: Path) -> Path:
         candidates = _in_packages(rest.lstrip("/"), document)
     else:
         raise UnreadableMesh(f"{shortened(scheme)}:// is not fetched; save the file beside the URDF")
+    reason = "no such file"
     for path in candidates:
-        if os.path.exists(path):  # unlike Path.exists, it does not raise for impossible names
+        if os.path.isdir(path):  # unlike those of Path, it does not raise for impossible names
+            reason = "it is a folder"
+        elif os.path.exists(path):
             return path
-    raise UnreadableMesh("no such file")
+    raise UnreadableMesh(reason)
 
 
 def _beside(path: Path, document: Path) -> Iterator[Path]:
@@ -69,10 +73,11 @@ def _in_packages(path: str, document: Path) -> Iterator[Path]:
     folders = [] if document in UNNAMED_SOURCES else [*document.resolve().parents]
     yield from (folder / path for folder in folders)
     within = path.partition("/")[2]
-    yield from (folder / within for folder in folders)
+    yield from (folder / within for folder in folders if within)
     for variable, below in (("ROS_PACKAGE_PATH", ""), ("AMENT_PREFIX_PATH", "share")):
         for folder in filter(None, os.environ.get(variable, "").split(os.pathsep)):
             yield Path(folder, below, path)
+    yield from (folder / Path(path).name for folder in folders[:1])
 
 
 MAX_MESH_BYTES = 100_000_000
