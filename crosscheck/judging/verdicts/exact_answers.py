@@ -78,10 +78,11 @@ class ExactAnswers:
         return caused
 
     def of_summed_terms(self, states: JudgedStates) -> Array:
-        """What half an ulp of the summed terms causes, for each group (N, g): the scale of the cross-check.
+        """What rounding of the summed terms causes, for each group (N, g): half an ulp of the scale of the cross-check,
+        once for each turn from link to link.
 
-        Where terms cancel, as where one joint moves alone, inputs cause less than the rounding of each term. Functions
-        that solve have what rounding of M causes in its place.
+        Where terms cancel, or vectors are turned that need not be, as where one joint moves alone, inputs cause less.
+        Functions that solve have what rounding of M causes in its place.
         """
         groups = self.groups(states)
         number = groups.max() + 1
@@ -90,7 +91,7 @@ class ExactAnswers:
         shape = (len(states.q), *self._shape(states))
         ones = [np.broadcast_to((groups == k).reshape(shape[1:]) * 1.0, shape) for k in range(number)]
         errors = [self.known.errors(one, np.zeros(shape), states, self.chosen) for one in ones]
-        return HALF_ULP * np.stack([ratio(np.ones(len(states.q)), error) for error in errors], axis=1)
+        return states.model.n_bodies * HALF_ULP * np.stack([ratio(np.ones(len(states.q)), error) for error in errors], axis=1)
 
     def _of_mass_matrix(self, states: JudgedStates) -> Array | float:
         """What half an ulp of the entries of M causes in a solution of M x = b, for most codes round M before they
