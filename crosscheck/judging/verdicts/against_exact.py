@@ -112,7 +112,7 @@ def _errors(
         return np.stack([flat[:, group == k].max(axis=1) for k in range(group.max() + 1)], axis=1)
 
     least, most = exact.errors(answer if texts is None else texts)
-    caused = np.maximum(largest(answers.caused(states)), answers.of_summed_terms(states))
+    caused = np.maximum(largest(answers.caused(states)), answers.of_summed_terms(exact.doubles(), states))
     caused = caused * (SINGLE_ULPS if single else 1.0)
     sizes = np.broadcast_to(answers.sizes(exact.doubles(), states), caused.shape)
     factor = VECTOR_FACTOR if answer.ndim <= 2 else MATRIX_FACTOR

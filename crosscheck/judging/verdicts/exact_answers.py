@@ -77,21 +77,26 @@ class ExactAnswers:
         caused: Array = np.abs(self._as_chosen(found + self._of_mass_matrix(states)))
         return caused
 
-    def of_summed_terms(self, states: JudgedStates) -> Array:
+    def of_summed_terms(self, exact: Array, states: JudgedStates) -> Array:
         """What rounding of the summed terms causes, for each group (N, g): half an ulp of the scale of the cross-check,
         once for each turn from link to link.
+
+        exact: the answers (N, …)
 
         Where terms cancel, or vectors are turned that need not be, as where one joint moves alone, inputs cause less.
         Functions that solve have what rounding of M causes in its place.
         """
-        groups = self.groups(states)
+        groups, flat = self.groups(states), exact.reshape(len(exact), -1)
         number = groups.max() + 1
         if self.known.solves:
-            return np.zeros((len(states.q), number))
-        shape = (len(states.q), *self._shape(states))
-        ones = [np.broadcast_to((groups == k).reshape(shape[1:]) * 1.0, shape) for k in range(number)]
-        errors = [self.known.errors(one, np.zeros(shape), states, self.chosen) for one in ones]
-        return states.model.n_bodies * HALF_ULP * np.stack([ratio(np.ones(len(states.q)), error) for error in errors], axis=1)
+            return np.zeros((len(exact), number))
+        sizes = []
+        for k in range(number):
+            step = np.abs(flat[:, groups == k]).max(axis=1) + 1.0  # far above the rounding of a sum
+            moved = (flat + step[:, None] * (groups == k)).reshape(exact.shape)
+            sizes.append(ratio(step, self.known.errors(moved, exact, states, self.chosen)))
+        found: Array = states.model.n_bodies * HALF_ULP * np.stack(sizes, axis=1)
+        return found
 
     def _of_mass_matrix(self, states: JudgedStates) -> Array | float:
         """What half an ulp of the entries of M causes in a solution of M x = b, for most codes round M before they
@@ -106,7 +111,7 @@ class ExactAnswers:
 
     def groups(self, states: JudgedStates) -> NDArray[np.intp]:
         """Which entries of an answer are of one kind, numbered: forces, moments; columns by type of parameter (…)."""
-        shape = self._shape(states)
+        shape = tuple(size or 0 for size in self.known.shape_for(states.model.n_bodies))
         found = np.zeros(shape, dtype=np.intp)
         if self.known.name.startswith("dwrenches"):
             found[:, ANGULAR] = 1
@@ -116,9 +121,6 @@ class ExactAnswers:
             for number, part in enumerate(PARAMETER_TYPES):
                 found.reshape(*shape[:-1], -1, BODY_PARAMETERS)[..., part] = number
         return self._ordered(found).ravel()
-
-    def _shape(self, states: JudgedStates) -> tuple[int, ...]:
-        return tuple(size or 0 for size in self.known.shape_for(states.model.n_bodies))
 
     def sizes(self, exact: Array, states: JudgedStates) -> Array:
         """What errors are relative to, for each group (N, g). exact: the answers (N, …)"""
