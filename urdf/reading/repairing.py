@@ -12,6 +12,7 @@ from urdf.document.numbers import MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair
 from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
+from urdf.reading.slots import exchange_slots
 
 AXIS_LENGTH_TOLERANCE = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""
@@ -34,6 +35,7 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     "angles": truncated multiples of π/2 in rpy get all digits
     "axis": axes whose length differs from 1 by less than AXIS_LENGTH_TOLERANCE get unit length
     "limits": lower and upper limits of position that are reversed are exchanged
+    "slots": tensors that no body has, and that one exchange of two entries, or one sign, makes possible, are corrected
     """
     if isinstance(wanted, Repair):
         raise InvalidRepair(f"repair is {_said(wanted)}", f"give a tuple: ({wanted!r},)", path=source.path)
@@ -111,5 +113,10 @@ def _limits(source: Source) -> Iterator[str]:
             yield f"line {line_of(limit)}: {describe(limit)}: lower {lower} and upper {upper} exchanged"
 
 
-REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {"angles": _angles, "axis": _axes, "limits": _limits}
+REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {
+    "angles": _angles,
+    "axis": _axes,
+    "limits": _limits,
+    "slots": exchange_slots,
+}
 """The repairs, by the names that urdf.load takes."""

@@ -15,10 +15,18 @@ from urdf.document.source import reduced
 from urdf.errors import InvalidRepair
 from urdf.reading.repairing import REPAIRS, Repair
 from urdf.reading.repairing import repair as repair_elements
+from urdf.reading.slots import candidates
 from urdf.writing.in_place import editable, inertial_spans, refuse_xacro, with_attributes, with_inertials
 
-REPAIRED_CODES = {"axis-not-normalized": "axis", "limits-crossed": "limits", "rpy-truncated": "angles"}
-"""The repair by the code of the findings that it mends; of axes, those that are nearly of unit length."""
+REPAIRED_CODES = {
+    "axis-not-normalized": "axis",
+    "indefinite-inertia": "slots",
+    "limits-crossed": "limits",
+    "rpy-truncated": "angles",
+    "triangle-inequality": "slots",
+}
+"""The repair by the code of the findings that it mends: axes that are nearly of unit length, tensors for which exactly
+one correction is possible."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +35,12 @@ class RepairedFile:
 
     path: of the copy; None where nothing was written
     changes: each with line, element, old and new value
+    candidates: what could be repaired in several ways, and is left as it is
     """
 
     path: Path | None
     changes: tuple[str, ...]
+    candidates: tuple[str, ...] = ()
 
 
 def repair(
@@ -39,8 +49,8 @@ def repair(
     """Write a copy of a URDF file with the repairs that are named; no other byte is changed.
 
     source: path, or name of the catalog; destination: may be the same path; None: only tell the changes
-    take: repairs as in urdf.load (repair=), or codes of findings for them: "axis-not-normalized" for "axis",
-        "limits-crossed" for "limits", "rpy-truncated" for "angles"
+    take: repairs as in urdf.load (repair=), or codes of findings for them (REPAIRED_CODES): "limits-crossed" for
+        "limits"
 
     Without a change nothing is written. Raises InvalidRepair for other names, CannotUpdate for .xacro files, UTF-16
     and the like; urdf.load's errors for a file that is no URDF; OSError.
@@ -54,6 +64,7 @@ def repair(
     elements = [element for element in document.robot.iter() if isinstance(element.tag, str)]
     before = [dict(element.attrib) for element in elements]
     robot = reduced(document)
+    ambiguous = tuple(candidates(robot)) if "slots" in wanted else ()
     changes = tuple(repair_elements(robot, wanted))
     if changes and destination is not None:
         attributes = {
@@ -65,4 +76,4 @@ def repair(
         inertials = [(link, link.find("inertial")) for link in robot.links]
         new = [(spans[name_of(link)], found) for link, found in inertials if found is not None and found not in known]
         write_whole(Path(destination), with_inertials(data, new))
-    return RepairedFile(Path(destination) if changes and destination is not None else None, changes)
+    return RepairedFile(Path(destination) if changes and destination is not None else None, changes, ambiguous)

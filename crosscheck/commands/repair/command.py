@@ -30,10 +30,10 @@ class RepairOptions(JsonOptions):
     take: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="CODE",
-            help="Repair what `graphdyn inspect` finds under this code: rpy-truncated, axis-not-normalized, "
-            f"limits-crossed; or {FROM_MESHES}=DENSITY [kg/m³] or =MASSkg, then ,all or ,LINK,… for other links than "
-            "those without <inertial>. Repeatable.",
+            metavar="NAME|CODE",
+            help="A repair: angles, axis, limits, slots, or the code of a finding that it mends; or "
+            f"{FROM_MESHES}=DENSITY [kg/m³] or =MASSkg, then ,all or ,LINK,… for other links than those without "
+            "<inertial>. Repeatable.",
         ),
     ] = None
     out: Annotated[
@@ -55,7 +55,7 @@ def run(options: RepairOptions) -> None:
     from crosscheck.commands.repair.report import repair_report, repairs_of
 
     if options.listed == bool(options.take):
-        raise typer.BadParameter("give --take CODE for each repair, or --list to see what could be repaired")
+        raise typer.BadParameter("give --take NAME for each repair, or --list to see what could be repaired")
     if options.take and options.out is None:
         raise typer.BadParameter("--take needs --out FILE, for the repaired copy")
     if options.listed:

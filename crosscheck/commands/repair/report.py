@@ -12,11 +12,12 @@ from graphdyn.errors import counted
 
 def repairs_of(robot: str) -> tuple[urdf.RepairedFile, str]:
     """What could be repaired in a file, and the command that does it, "" where nothing can. Raises as urdf.repair."""
-    found = {code: urdf.repair(robot, None, [code]).changes for code in urdf.REPAIRED_CODES}
-    changes = tuple(change for code in found for change in found[code])
-    taken = [word for code in found if found[code] for word in ("--take", code)]
+    found = {name: urdf.repair(robot, None, [name]) for name in sorted(set(urdf.REPAIRED_CODES.values()))}
+    changes = tuple(change for each in found.values() for change in each.changes)
+    candidates = tuple(one for each in found.values() for one in each.candidates)
+    taken = [word for name, each in found.items() if each.changes for word in ("--take", name)]
     command = shlex.join(["graphdyn", "repair", robot, *taken, "--out", "repaired.urdf"]) if taken else ""
-    return urdf.RepairedFile(None, changes), command
+    return urdf.RepairedFile(None, changes, candidates), command
 
 
 def repair_report(robot: str, found: urdf.RepairedFile, command: str) -> Report:
@@ -29,6 +30,8 @@ def repair_report(robot: str, found: urdf.RepairedFile, command: str) -> Report:
     else:
         verdict = Verdict("agrees", f"{number}, written to {found.path}", "Every other byte is as it was")
     notes = Notes(tuple(Note(change) for change in found.changes))
+    several = Notes(tuple(Note(one) for one in found.candidates), title="Not repaired, because it is not clear how")
+    blocks = (notes, several) if found.candidates else (notes,)
     return Report(
-        f"Repairs of {robot}", verdict, (Section("changes", "", (notes,)),), record=lambda _: record(robot, found)
+        f"Repairs of {robot}", verdict, (Section("changes", "", blocks),), record=lambda _: record(robot, found)
     )

@@ -47,6 +47,17 @@ def test_json(program, crossed):
     assert record["changes"] == list(urdf.repair(crossed, None, ["limits"]).changes)
 
 
+def test_candidates_are_listed(program, crossed):
+    """They are told, and never taken."""
+    ambiguous = 'ixx="0.04" ixy="0.01" ixz="0.18" iyy="0.19" iyz="0.01" izz="0.04"'
+    crossed.write_text(changed('ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"', ambiguous), encoding="utf-8")
+    done = program("repair", crossed.name, "--list")
+    assert (done.code, "Not repaired, because it is not clear how" in done.out) == (AGREED, True)
+    assert "possible with ixx and ixz exchanged; or ixz and izz exchanged" in " ".join(done.out.split())
+    taken = program("repair", crossed.name, "--take", "indefinite-inertia", "--out", "out.urdf")
+    assert (taken.code, (crossed.parent / "out.urdf").exists()) == (DISAGREED, False)
+
+
 def test_nothing_to_repair(program, crossed):
     crossed.write_text(changed(), encoding="utf-8")
     done = program("repair", crossed.name, "--list")
@@ -59,8 +70,8 @@ def test_nothing_to_repair(program, crossed):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "give --take CODE for each repair, or --list to see what could be repaired"),
-        (["--list", "--take", "axis"], "give --take CODE for each repair, or --list"),
+        ([], "give --take NAME for each repair, or --list to see what could be repaired"),
+        (["--list", "--take", "axis"], "give --take NAME for each repair, or --list"),
         (["--take", "axis"], "--take needs --out FILE, for the repaired copy"),
         (["--take", "x", "--out", "out.urdf"], "no repair is called 'x'; known: angles, axis, limits"),
         (["--take", "inertials-from-meshes=x", "--out", "o.urdf"], "--take inertials-from-meshes=x: give inertials-"),

@@ -70,8 +70,8 @@ LINKS = {
     "indefinite-inertia": Case(
         ('ixx="0.11"', 'ixx="-0.11"'),
         "warning", "<inertial> of link 'upper'", 4,
-        "the tensor has a negative principal moment, -0.11 kg m²: no real body has one. Pinocchio and yourdfpy "
-        "load it as it stands",
+        "the tensor has a negative principal moment, -0.11 kg m²: no real body has one; with ixx without its sign it "
+        "is possible. Pinocchio and yourdfpy load it as it stands",
         "correct the tensor; a sign may be wrong, or entries swapped",
     ),
     "singular-inertia": Case(

@@ -70,7 +70,9 @@ def test_nothing_is_written_where_nothing_is_repaired(arm, tmp_path):
 
 def test_refused(arm, tmp_path):
     out = tmp_path / "out.urdf"
-    with pytest.raises(urdf.InvalidRepair, match=r"no repair is named; known: angles, axis, limits, axis-not-norm"):
+    with pytest.raises(
+        urdf.InvalidRepair, match=r"no repair is named; known: angles, axis, limits, slots, axis-not-norm"
+    ):
         urdf.repair(arm(), out, [])
     with pytest.raises(urdf.InvalidRepair, match=r"no repair is called 'crossed'; known: angles, axis, limits"):
         urdf.repair(arm(), out, ["crossed"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from lxml import etree
 
 from graphdyn.model import TRIANGLE_TOLERANCE_SHARE
 from urdf.document.elements import name_of
@@ -12,6 +13,7 @@ from urdf.document.numbers import values
 from urdf.errors import shortened
 from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import LinkInertial, Structure
+from urdf.reading.slots import unique_correction
 
 TRIANGLE_TOLERANCE = 0.02
 """Violation of a triangle inequality, as a part of the largest moment, below which it comes from few digits."""
@@ -104,17 +106,24 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
 def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
     element, (low, middle, high), size = inertial.element, inertial.moments, inertial.size
     if low < -TRIANGLE_TOLERANCE_SHARE * size:
-        problem = f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one"
+        problem = f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one{_meant(element)}"
         yield about("indefinite-inertia", element, problem)
     elif low <= TRIANGLE_TOLERANCE_SHARE * size:
         yield about("singular-inertia", element, f"the tensor is singular: smallest principal moment {low:.3g} kg m²")
     excess = high - low - middle
     if excess > TRIANGLE_TOLERANCE_SHARE * size:
         rounded = excess < TRIANGLE_TOLERANCE * high
-        problem = f"principal moment {high:.3g} exceeds the sum {low + middle:.3g} kg m² of the others"
+        problem = f"principal moment {high:.3g} exceeds the sum {low + middle:.3g} kg m² of the others{_meant(element)}"
         yield about("triangle-inequality", element, problem, severity="note" if rounded else "warning")
     if low > 0 and np.array_equal(inertial.tensor, inertial.tensor[0, 0] * np.eye(3)):
         yield about("isotropic-inertia", element, "the same moment about every axis, as of a sphere: probably a guess")
+
+
+def _meant(inertial: etree._Element) -> str:
+    """The tensor that is probably meant."""
+    inertia = inertial.find("inertia")
+    found = None if inertia is None else unique_correction(inertia)
+    return "" if found is None else f"; with {found.what} it is possible"
 
 
 def _radius(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
