@@ -78,13 +78,13 @@ class ExactAnswers:
         return caused
 
     def of_summed_terms(self, exact: Array, states: JudgedStates) -> Array:
-        """What rounding of the summed terms causes, for each group (N, g): half an ulp of the scale of the cross-check,
-        once for each turn from link to link.
+        """What half an ulp of the summed terms causes, for each group (N, g): the scale of the cross-check.
 
         exact: the answers (N, …)
 
-        Where terms cancel, or vectors are turned that need not be, as where one joint moves alone, inputs cause less.
-        Functions that solve have what rounding of M causes in its place.
+        Where terms cancel, as where one joint moves alone, inputs cause less than the rounding of each term. Of kinetic
+        energies half an ulp counts once for each body: they do not depend on the turns from link to link, which round
+        the velocities of codes in world axes. Functions that solve have what rounding of M causes in place of it.
         """
         groups, flat = self.groups(states), exact.reshape(len(exact), -1)
         number = groups.max() + 1
@@ -95,7 +95,8 @@ class ExactAnswers:
             step = np.abs(flat[:, groups == k]).max(axis=1) + 1.0  # far above the rounding of a sum
             moved = (flat + step[:, None] * (groups == k)).reshape(exact.shape)
             sizes.append(ratio(step, self.known.errors(moved, exact, states, self.chosen)))
-        found: Array = states.model.n_bodies * HALF_ULP * np.stack(sizes, axis=1)
+        turns = states.model.n_bodies if self.known.name.startswith("kinetic_energy") else 1
+        found: Array = turns * HALF_ULP * np.stack(sizes, axis=1)
         return found
 
     def _of_mass_matrix(self, states: JudgedStates) -> Array | float:
