@@ -72,14 +72,11 @@ def run(options: VectorsOptions) -> None:
     from crosscheck.commands.vectors import record as vectors
     from crosscheck.judging.exchange.proven_digits import ProvenDigits
     from crosscheck.judging.exchange.vectors import confirmed_functions, vector_tables
-    from crosscheck.quantities import known_function
     from crosscheck.reference.subject import subject
 
     setting = replace(options.setting, conventions=options.conventions, precision=options.precision)
     chosen = names(options.functions) or confirmed_functions(frame)
     digits = None if options.digits is None else ProvenDigits(options.digits, options.truth)
-    if digits and options.functions is not None:
-        digits.refuse_inexact(map(known_function, chosen))
     tables, files = {}, {}
     with progress(robot, len(chosen)) as advance, warnings_shown():
         model = subject(robot, setting.reading).model.uncoupled

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from crosscheck.comparing.accuracy.results import PINOCCHIO
 from crosscheck.comparing.compared_states import ComparedStates, compared_readings
-from crosscheck.exact import ExactArray, ExactSource, exact_values
+from crosscheck.exact import PLACEMENT, ExactArray, ExactSource, exact_placements, exact_values
 from crosscheck.quantities import COMPARED, Quantity, TabulatedQuantity
 from crosscheck.quantities.measures import Chosen
 from crosscheck.quantities.scales import largest, ratio
@@ -61,7 +61,8 @@ def measured_quantities() -> dict[str, MeasuredQuantity | None]:
         dense = any(form.method == "dense" for form in forms)
         methods: tuple[Method, ...] = (*METHODS, "dense") if dense else METHODS
         everywhere = any(form.when == "all" for form in forms)
-        found[name] = MeasuredQuantity(name, row, loaded, methods, everywhere) if row.ours.verb else None
+        exact = row.ours.verb or row.name == PLACEMENT
+        found[name] = MeasuredQuantity(name, row, loaded, methods, everywhere) if exact else None
     return found
 
 
@@ -107,6 +108,8 @@ class MeasuredStates:
 
     def _exact(self, row: Quantity, states: ComparedStates, chosen: Chosen) -> list[ExactArray]:
         """The exact answer, or one for each of the compared frames."""
+        if row.name == PLACEMENT:
+            return [exact_placements(self.source, states.q, x.name, digits=DIGITS) for x in states.model.frames]
         verb, options = VERBS[row.ours.verb], row.ours.options(chosen)
         frames = compared_frames(states.model) if verb.of_frame else (None,)
         return [self._computed(states, verb.name, frame, options)[row.ours.output] for frame in frames]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from crosscheck.exact import MAX_DIGITS, ExactArray, Truth, check_installed
 from crosscheck.judging.exact_errors import MATRIX_FACTOR, VECTOR_FACTOR, ExactErrors
 from crosscheck.judging.setting import Setting
-from crosscheck.judging.verdicts.exact_answers import PROVEN_DIGITS, ExactAnswers
+from crosscheck.judging.verdicts.exact_answers import PROVEN_DIGITS, ExactAnswers, largest_of_groups
 from crosscheck.judging.verdicts.verdicts import Judged
 from crosscheck.quantities.scales import ratio
 from crosscheck.quantities.tested_function import LongDecimal
@@ -106,18 +106,14 @@ def _errors(
     exact = answers.at(states, truth, min(PROVEN_DIGITS + (given_digits or 0), MAX_DIGITS))
     group = answers.groups(states)
 
-    def largest(values: Array) -> Array:
-        """The largest value of each group (M, g)."""
-        flat = values.reshape(len(rows), -1)
-        return np.stack([flat[:, group == k].max(axis=1) for k in range(group.max() + 1)], axis=1)
-
     least, most = exact.errors(answer if texts is None else texts)
-    caused = np.maximum(largest(answers.caused(states)), answers.of_summed_terms(exact.doubles(), states))
+    of_inputs = largest_of_groups(answers.caused(states), group)
+    caused = np.maximum(of_inputs, answers.of_summed_terms(exact.doubles(), states))
     caused = caused * (SINGLE_ULPS if single else 1.0)
     sizes = np.broadcast_to(answers.sizes(exact.doubles(), states), caused.shape)
     factor = VECTOR_FACTOR if answer.ndim <= 2 else MATRIX_FACTOR
-    excess = ratio(largest(least), factor * caused)
-    errors = ratio(largest(most), sizes)
+    excess = ratio(largest_of_groups(least, group), factor * caused)
+    errors = ratio(largest_of_groups(most, group), sizes)
     worst = np.where(excess.any(axis=1), excess.argmax(axis=1), errors.argmax(axis=1))[:, None]
 
     def of_worst(values: Array) -> Array:
@@ -127,11 +123,11 @@ def _errors(
         truth=truth,
         everywhere=everywhere,
         states=np.flatnonzero(found.answers.answered)[rows],
-        least=of_worst(ratio(largest(least), sizes)),
+        least=of_worst(ratio(largest_of_groups(least, group), sizes)),
         most=of_worst(errors),
         caused=of_worst(ratio(caused, sizes)),
         references={
-            name: ratio(largest(exact.errors(theirs[rows])[1]), sizes).max(axis=1)
+            name: ratio(largest_of_groups(exact.errors(theirs[rows])[1], group), sizes).max(axis=1)
             for name, theirs in found.references.items()
         },
         scale=answers.scale,

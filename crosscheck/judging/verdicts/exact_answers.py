@@ -10,7 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.exact import HALF_ULP, ExactArray, Truth, exact_values, half_ulp_effects
+from crosscheck.exact import (
+    HALF_ULP,
+    PLACEMENT,
+    ExactArray,
+    Truth,
+    exact_placements,
+    exact_values,
+    half_ulp_effects,
+    half_ulp_of_placements,
+)
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import LOADS, Quantity
 from crosscheck.quantities.measures import Chosen, linear_first
@@ -66,6 +75,8 @@ class ExactAnswers:
             options["reading"] = replace(self.robot.reading, mimic=_independent(self.robot))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # reading the file has warned before
+            if self._is_placement:
+                return exact_placements(source, states.q, digits=digits, truth=truth, **options)
             found = exact_values(source, self._verb, *self._inputs(states), digits=digits, truth=truth, **options)
         array = found[self.known.ours.output]
         return replace(array, balls=self._as_chosen(array.balls))
@@ -73,6 +84,8 @@ class ExactAnswers:
     def caused(self, states: JudgedStates) -> Array:
         """What half an ulp of all inputs causes (N, …)."""
         output, options = self.known.ours.output, self._options(states)
+        if self._is_placement:
+            return half_ulp_of_placements(states.model, states.q, **options)
         found = half_ulp_effects(states.model, self._verb, output, *self._inputs(states), **options)
         caused: Array = np.abs(self._as_chosen(found + self._of_mass_matrix(states)))
         return caused
@@ -111,11 +124,14 @@ class ExactAnswers:
         return found
 
     def groups(self, states: JudgedStates) -> NDArray[np.intp]:
-        """Which entries of an answer are of one kind, numbered: forces, moments; columns by type of parameter (…)."""
+        """Which entries of an answer are of one kind, numbered (…): forces, moments; rotation, position; columns by
+        type of parameter."""
         shape = tuple(size or 0 for size in self.known.shape_for(states.model.n_bodies))
         found = np.zeros(shape, dtype=np.intp)
         if self.known.name.startswith("dwrenches"):
             found[:, ANGULAR] = 1
+        elif self._is_placement:
+            found[:3, 3] = 1
         elif "order" in self.known.conventions:
             np.moveaxis(found, self.known.six, -1)[..., ANGULAR] = 1
         elif shape and shape[-1] % BODY_PARAMETERS == 0 and self.known.shape[-1] in ("10 n", BODY_PARAMETERS):
@@ -127,13 +143,17 @@ class ExactAnswers:
         """What errors are relative to, for each group (N, g). exact: the answers (N, …)"""
         if self.known.name in _AT_REST:
             return _AT_REST[self.known.name](states)[:, None]
-        groups, flat = self.groups(states), np.abs(exact).reshape(len(exact), -1)
-        return np.stack([flat[:, groups == k].max(axis=1) for k in range(groups.max() + 1)], axis=1)
+        return largest_of_groups(exact, self.groups(states))
 
     @property
     def scale(self) -> str:
         """What errors are relative to, in words."""
         return "the largest joint wrench" if self.known.name in _AT_REST else "the largest entry"
+
+    @property
+    def _is_placement(self) -> bool:
+        """Whether it is the function that is none of the verbs."""
+        return self.known.name == PLACEMENT
 
     @property
     def _verb(self) -> str:
@@ -160,8 +180,14 @@ class ExactAnswers:
         return linear_first(answer, self.chosen, self.known.six) if answer.ndim else answer
 
 
+def largest_of_groups(values: Array, groups: NDArray[np.intp]) -> Array:
+    """The largest absolute value of each group (N, g). values: (N, …); groups: as ExactAnswers numbers them"""
+    flat = np.abs(values).reshape(len(values), -1)
+    return np.stack([flat[:, groups == k].max(axis=1) for k in range(groups.max() + 1)], axis=1)
+
+
 def has_exact_values(known: Quantity) -> bool:
-    return "p" not in known.shape and known.ours.verb in VERBS
+    return "p" not in known.shape and (known.ours.verb in VERBS or known.name == PLACEMENT)
 
 
 def _independent(robot: Subject) -> Any:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from faults.textbook import TextbookArm
 from planting import with_body
+from scipy.spatial.transform import Rotation
 
 import crosscheck
 import graphdyn
@@ -45,6 +46,15 @@ def rnea(model):
 def judged(robot, function, **options):
     judgment = crosscheck.judge(robot, inverse_dynamics=function, samples=SAMPLES, **options)
     return judgment, judgment.functions["inverse_dynamics"].exact
+
+
+def slide_at_the_end():
+    """Eight joints that turn, and one that slides, all axes askew."""
+    placements = [graphdyn.Placement(Rotation.random(random_state=k).as_matrix(), [0.1, 0.2, 0.3]) for k in range(9)]
+    kinds = ["revolute"] * 8 + ["prismatic"]
+    joints = [graphdyn.Joint(f"j{k}", kinds[k], k, placements[k], [0, 0, 1]) for k in range(9)]
+    bodies = [graphdyn.Body(f"b{k}", 1.0, [0.01, 0.02, 0.03], np.diag([0.01, 0.012, 0.015])) for k in range(9)]
+    return graphdyn.RobotModel("slide at the end", bodies, joints)
 
 
 class TestProof:
@@ -106,6 +116,37 @@ class TestProof:
             assert exact.wrong != right
             small = np.abs(exact.least) > 1e-14
             assert small.any()
+
+    def test_squares_of_rounded_rotations_are_right(self):
+        """Where the slide moves alone, the energy is m v²/2: no rotation moves it, yet codes in world axes turn v."""
+        arm = slide_at_the_end()
+
+        def energy(q, v, error):
+            return graphdyn.kinetic_energy(arm, q, v, method="projected") * (1 + error)
+
+        for error, right in ((0.0, True), (PLANTED, False)):
+            planted = functools.partial(energy, error=error)
+            judgment = crosscheck.judge(arm, kinetic_energy=planted, samples=2 * SAMPLES, exact=True)
+            assert judgment.functions["kinetic_energy"].exact.wrong != right
+
+    @pytest.mark.parametrize("exact", [True, None])
+    def test_placements(self, ur5, exact):
+        """A last offset that is off by 1e-12; asked for, exact values decide, else they say how wrong it is."""
+
+        def placement(q, error):
+            rotation, position = graphdyn.frame_placement(ur5, q, "tool0")
+            last = ur5.frame("tool0").placement.translation
+            found = np.eye(4)
+            found[:3, :3], found[:3, 3] = rotation, position + error * (rotation @ last)
+            return found
+
+        for error, right in ((0.0, True), (1000 * PLANTED, False)):
+            planted = functools.partial(placement, error=error)
+            judgment = crosscheck.judge(
+                "ur5", frame_placement=planted, frame="tool0", samples=SAMPLES, exact=bool(exact)
+            )
+            found = judgment.functions["frame_placement"].exact
+            assert (found is not None and found.wrong) != right
 
     def test_numbers_in_single_precision_are_rounded_to_it(self, ur5):
         single = TextbookArm.of(ur5).in_single_precision().inverse_dynamics

@@ -25,6 +25,9 @@ pytest.importorskip("flint", reason="the extra graphdyn[exact] is not installed"
 
 SAMPLES = 2
 METHODS = {"recursive", "projected"}
+PLANTED = 1e-12
+ROUNDED = 10
+"""Eps of the scale; measured below 2."""
 
 
 def wheel(mass=1.3, inertia=0.7):
@@ -62,14 +65,36 @@ def errors(robot):
 
 def test_every_quantity_is_measured_or_named(errors):
     measured = {name for name, quantity in measured_quantities().items() if quantity is not None}
-    assert set(errors.quantities) == measured
-    assert set(errors.not_measured) == set(measured_quantities()) - measured
+    assert not errors.model.frames
+    assert errors.not_measured["frame_placement"] == "no frame beside the links"
+    assert set(errors.quantities) == measured - {"frame_placement"}
+    assert set(errors.not_measured) == set(measured_quantities()) - set(errors.quantities)
     rows = {quantity.row.name for quantity in COMPARED.values() if isinstance(quantity, TabulatedQuantity)}
     known = {q.row.name if isinstance(q, MeasuredQuantity) else name for name, q in measured_quantities().items()}
     assert rows <= {name.removesuffix("_external") for name in known} | known
-    exact = {name for name, row in QUANTITIES.items() if row.ours.verb and row.forms}
+    exact = {name for name, row in QUANTITIES.items() if row.ours.verb and row.forms} | {"frame_placement"}
     assert {q.row.name for q in measured_quantities().values() if q} == exact
     assert {"dynamics_residual", "kkt_rank"} <= set(errors.not_measured)
+
+
+def test_placements_of_frames(monkeypatch):
+    """Of all frames at once; one whose offset is off by 1e-12 m is as far from the exact one."""
+    chosen = {"frame_placement": measured_quantities()["frame_placement"]}
+    monkeypatch.setattr(measuring, "measured_quantities", lambda: chosen)
+    model = urdf.load("ur5")
+    codes = crosscheck.true_errors(model, SAMPLES).quantities["frame_placement"].codes
+    assert 0 < max(code.largest for code in codes.values()) < ROUNDED
+    right = graphdyn.frame_placement
+
+    def planted(model, q, frame):
+        rotation, position = right(model, q, frame)
+        return rotation, position + PLANTED
+
+    monkeypatch.setattr(graphdyn, "frame_placement", planted)
+    codes = crosscheck.true_errors(model, SAMPLES).quantities["frame_placement"].codes
+    assert codes["Pinocchio"].largest < ROUNDED
+    reach = max(np.abs(right(model, np.zeros(6), frame.name)[1]).max() for frame in model.frames)
+    assert PLANTED / EPS / (2 * reach) < codes["recursive"].largest < PLANTED / EPS / (0.1 * reach)
 
 
 def test_every_code_rounds_and_none_exceeds_a_bound(errors):

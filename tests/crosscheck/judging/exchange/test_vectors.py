@@ -103,9 +103,10 @@ class TestProvenDigits:
 
     @pytest.fixture
     def exact_folder(self, program, small_arm, tmp_path, monkeypatch):
-        """Of functions with an exact form, and one without."""
+        """Of functions with an exact form, and one in a convention that has none."""
         monkeypatch.chdir(tmp_path)
-        options = ("--frame", "tool", "--convention", "reference=local", "--samples", 1, "--digits", 40)
+        declared = ("--convention", "reference=local", "--convention", "axes=world")
+        options = ("--frame", "tool", *declared, "--samples", 1, "--digits", 40)
         assert program("vectors", "small.urdf", *options, "--out", "vectors").code == AGREED
         return tmp_path / "vectors"
 
@@ -117,7 +118,7 @@ class TestProvenDigits:
         assert {path.name for path in exact_folder.iterdir()} == {"vectors.json", *listed["files"]}
         assert listed["exact"] == {"count": 40, "truth": "file", "python_flint": version("python-flint")}
         without = [table["function"] for table in listed["tables"] if table["exact_file"] is None]
-        assert without == ["frame_placement"]
+        assert without == ["joint_wrenches"]
         for table in listed["tables"]:
             if table["exact_file"] is None:
                 continue
@@ -144,13 +145,6 @@ class TestProvenDigits:
             assert head.split(",")[3] == "answer1"
             expected = crosscheck.exact_values(small_arm, "gravity_torque", q.astype(float), truth=truth)
             assert list(answer) == list(expected["gravity_torque"].decimals(30))
-
-    def test_a_function_without_an_exact_form(self, program, small_arm, tmp_path):
-        options = ("--for", "gravity_torque,frame_placement", "--frame", "tool", "--digits", 30)
-        done = program("vectors", small_arm, *options, "--out", tmp_path / "v")
-        assert done.code == BAD_INPUT
-        assert done.err == "error: frame_placement has no exact form; leave it out of --for, or omit --digits\n"
-        assert not (tmp_path / "v").exists()
 
     def test_without_python_flint(self, program, small_arm, tmp_path, monkeypatch):
         monkeypatch.setitem(sys.modules, "flint", None)
