@@ -29,7 +29,7 @@ Change = Callable[[DynamicsCode], DynamicsCode]
 FAULT_KINDS = (
     *("gravity", "coriolis", "sign", "joint_order", "argument", "frame", "geometry", "zero", "gear", "coupling"),
     *("inertia_point", "inertial_parameters", "unit", "continuous_joint", "inertial_frame", "fixed_link"),
-    *("massless_link", "rounding", "friction", "spring", "offset", "rotor_inertia", "clipped"),
+    *("massless_link", "rounding", "friction", "spring", "offset", "rotor_inertia", "clipped", "slip"),
 )
 """Kinds of the faults, in the order in which those that fit alike and change as many numbers are listed."""
 

@@ -49,11 +49,16 @@ class Numbers:
     gyroscopic: Array
 
 
+Recursion = Callable[["DynamicsCode", Numbers, State], Array]
+"""(code, numbers (…, 1, 1), q, v, a (n, 1, R)) → torques (n, 1, R)."""
+
+
 @dataclass(frozen=True, eq=False)
 class DynamicsCode:
     """A dynamics code: τ = answer(recursion(arguments(q, v, a)), q, v, a), the changes one after the other.
 
     inside: number of the inside body of each joint, 0 for the ground; prismatic: whether the joint slides
+    recursion: gives the torques in place of the one below, for one code
     """
 
     inside: tuple[int, ...]
@@ -61,6 +66,7 @@ class DynamicsCode:
     numbers: Numbers
     arguments: tuple[Callable[[Array, Array, Array], State], ...] = ()
     answers: tuple[Callable[[Array, State], Array], ...] = ()
+    recursion: Recursion | None = None
 
     @classmethod
     def of(cls, model: RobotModel) -> DynamicsCode:
@@ -95,7 +101,15 @@ class DynamicsCode:
 def torques_of(codes: Sequence[DynamicsCode], state: State) -> Array:
     """Torques (K, R, n) of K codes for one robot at R states (R, n) each. Complex numbers give complex torques."""
     size = max(1, MAX_ROWS_AT_ONCE // len(state[0]))
+    if any(code.recursion for code in codes):
+        size = 1
     return np.concatenate([_torques(codes[k : k + size], state) for k in range(0, len(codes), size)])
+
+
+def numbers_of(codes: Sequence[DynamicsCode]) -> Numbers:
+    """The numbers of K codes side by side (…, K, 1)."""
+    fields = [field.name for field in dataclasses.fields(Numbers)]
+    return Numbers(**{x: np.stack([getattr(code.numbers, x) for code in codes], axis=-1)[..., None] for x in fields})
 
 
 def _torques(codes: Sequence[DynamicsCode], state: State) -> Array:
@@ -106,9 +120,8 @@ def _torques(codes: Sequence[DynamicsCode], state: State) -> Array:
             arguments = change(*arguments)
         given.append(arguments)
     q, v, a = (np.moveaxis(np.stack(x), -1, 0) for x in zip(*given, strict=True))
-    fields = [field.name for field in dataclasses.fields(Numbers)]
-    stacked = {name: np.stack([getattr(code.numbers, name) for code in codes], axis=-1)[..., None] for name in fields}
-    tau = np.moveaxis(_recursion(codes[0], Numbers(**stacked), q, v, a), 0, -1)
+    recursion = codes[0].recursion or _recursion
+    tau = np.moveaxis(recursion(codes[0], numbers_of(codes), (q, v, a)), 0, -1)
     if not any(code.answers for code in codes):
         return tau
     answered = []
@@ -119,8 +132,9 @@ def _torques(codes: Sequence[DynamicsCode], state: State) -> Array:
     return np.stack(answered)
 
 
-def _recursion(code: DynamicsCode, x: Numbers, q: Array, v: Array, a: Array) -> Array:
+def _recursion(code: DynamicsCode, x: Numbers, state: State) -> Array:
     """Torques (n, K, R) from numbers (…, K, 1) and states (n, K, R)."""
+    q, v, a = state
     nothing = np.zeros((3, 1, 1))
     omega, alpha, linear, gravity = [nothing], [nothing], [nothing], [x.gravity]
     turns: list[Array] = []
@@ -129,20 +143,24 @@ def _recursion(code: DynamicsCode, x: Numbers, q: Array, v: Array, a: Array) -> 
     moments: list[Array] = []
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
-        turn = x.rotations[j] if slides else _times(x.rotations[j], turned_about(p, q[j]))
-        arm = x.translations[j] + (_apply(x.rotations[j], p * q[j]) if slides else 0.0)
-        carried = x.carried[j] * _back(turn, omega[inside])
+        turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
+        arm = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
+        carried = x.carried[j] * turned_back(turn, omega[inside])
         spin, slide = (0.0 * p, p * v[j]) if slides else (p * v[j], 0.0 * p)
         omega.append(carried + spin)
-        alpha.append(_back(turn, alpha[inside]) + x.cross[j] * _cross(carried, spin) + (0.0 if slides else p * a[j]))
+        alpha.append(
+            turned_back(turn, alpha[inside]) + x.cross[j] * crossed(carried, spin) + (0.0 if slides else p * a[j])
+        )
         w = omega[inside]
-        moved = linear[inside] + _cross(alpha[inside], arm) + x.centripetal[j] * _cross(w, _cross(w, arm))
-        linear.append(_back(turn, moved) + 2 * x.sliding[j] * _cross(carried, slide) + (p * a[j] if slides else 0.0))
-        gravity.append(_back(turn, gravity[inside]))
+        moved = linear[inside] + crossed(alpha[inside], arm) + x.centripetal[j] * crossed(w, crossed(w, arm))
+        linear.append(
+            turned_back(turn, moved) + 2 * x.sliding[j] * crossed(carried, slide) + (p * a[j] if slides else 0.0)
+        )
+        gravity.append(turned_back(turn, gravity[inside]))
         w, c, tensor = omega[-1], x.centers[j], x.tensors[j]
-        at_center = linear[-1] + _cross(alpha[-1], c) + x.centripetal[j] * _cross(w, _cross(w, c))
+        at_center = linear[-1] + crossed(alpha[-1], c) + x.centripetal[j] * crossed(w, crossed(w, c))
         force = x.masses[j] * (at_center - x.weight[j] * gravity[-1])
-        moment = _apply(tensor, alpha[-1]) + x.gyroscopic[j] * _cross(w, _apply(tensor, w)) + _cross(c, force)
+        moment = turned(tensor, alpha[-1]) + x.gyroscopic[j] * crossed(w, turned(tensor, w)) + crossed(c, force)
         for kept, x_j in ((turns, turn), (arms, arm), (forces, force), (moments, moment)):
             kept.append(x_j)
     tau = []
@@ -150,9 +168,9 @@ def _recursion(code: DynamicsCode, x: Numbers, q: Array, v: Array, a: Array) -> 
         tau.append((x.axes[j] * (forces[j] if code.prismatic[j] else moments[j])).sum(axis=0))
         i = code.inside[j] - 1
         if i >= 0:
-            push = _apply(turns[j], forces[j])
+            push = turned(turns[j], forces[j])
             forces[i] = forces[i] + push
-            moments[i] = moments[i] + _apply(turns[j], moments[j]) + _cross(arms[j], push)
+            moments[i] = moments[i] + turned(turns[j], moments[j]) + crossed(arms[j], push)
     return np.stack(np.broadcast_arrays(*reversed(tau)))
 
 
@@ -170,21 +188,24 @@ def turned_about(p: Array, angle: Array) -> Array:
     )
 
 
-def _times(x: Array, y: Array) -> Array:
+def times(x: Array, y: Array) -> Array:
+    """Product of two matrices (3, 3, …)."""
     product: Array = (x[:, :, None] * y[None]).sum(axis=1)
     return product
 
 
-def _apply(matrix: Array, x: Array) -> Array:
+def turned(matrix: Array, x: Array) -> Array:
+    """A matrix (3, 3, …) times x (3, …)."""
     product: Array = matrix[:, 0] * x[0] + matrix[:, 1] * x[1] + matrix[:, 2] * x[2]
     return product
 
 
-def _back(matrix: Array, x: Array) -> Array:
+def turned_back(matrix: Array, x: Array) -> Array:
     """The transposed matrix times x."""
     product: Array = matrix[0] * x[0] + matrix[1] * x[1] + matrix[2] * x[2]
     return product
 
 
-def _cross(x: Array, y: Array) -> Array:
+def crossed(x: Array, y: Array) -> Array:
+    """x × y of vectors (3, …)."""
     return np.array([x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]])

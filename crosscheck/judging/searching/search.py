@@ -14,6 +14,7 @@ from crosscheck.judging.faults.fault import COMPLEX_STEP, FAULT_KINDS, NO_NUMBER
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
+from crosscheck.judging.slips.search import fitting_slips
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
@@ -127,6 +128,11 @@ class Search:
         everywhere = iter(self._measured([(x.elements, x.code) for x in fitting], self.all_rows))
         found = [next(everywhere) if x in fitting else x for x in found]
         return sorted((x for x in found if x.is_told), key=lambda x: x.left)
+
+    def slips(self) -> list[Explanation]:
+        """Every slip of the formulations that people write that gives the numbers of the first rows."""
+        slips = list(fitting_slips(self.own, self.model.joint_names, self.all_rows, self.bound))
+        return self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in slips], self.all_rows)
 
     def together(self, started: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together.

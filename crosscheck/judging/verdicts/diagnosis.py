@@ -23,6 +23,7 @@ from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import Observation, of_experiments
 from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
+from crosscheck.judging.slips.search import SLIP_SIZE
 from crosscheck.judging.states import (
     EXPERIMENT_PARTS,
     EquationTerms,
@@ -144,7 +145,7 @@ def same_code(first: DynamicsCode, second: DynamicsCode) -> bool:
         np.allclose(x, y, rtol=EQUAL_NUMBER_TOLERANCE, atol=EQUAL_NUMBER_TOLERANCE * float(np.abs(x).max()))
         for x, y in pairs
     )
-    return alike and (first.arguments, first.answers) == (second.arguments, second.answers)
+    return alike and all(getattr(first, x) == getattr(second, x) for x in ("arguments", "answers", "recursion"))
 
 
 def same_everywhere(first: Explanation, second: Explanation, search: Search) -> bool:
@@ -293,6 +294,8 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
         return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
     found = search.alone(nothing)
     holding = [explanation for explanation in found if search.holds(explanation)]
+    if not any(x.size <= SLIP_SIZE or not any(said.numbers for said in x.said) for x in holding):
+        holding += [slip for slip in search.slips() if search.holds(slip)]
     if not holding and nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
         pairs = search.together(firsts(found, nothing, deviation.bound))

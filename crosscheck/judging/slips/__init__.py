@@ -1,0 +1,1 @@
+"""Slips in one place of a recursion: every operation of the formulations that people write, done wrong in turn."""

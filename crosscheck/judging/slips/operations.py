@@ -1,0 +1,97 @@
+"""The operations of a recursion, each of which can be done wrong: many codes at once, one slip in each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from crosscheck.judging.faults.fault import factor_said
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, turned, turned_back
+from graphdyn.layout import Array
+
+FACTORS = (0.0, -1.0, 2.0, 0.5)
+"""What the result of an operation is multiplied by."""
+
+NOT_TURNED = "not turned"
+WRONG_WAY = "turned the wrong way"
+
+Way = float | str
+"""A factor, or what else is done, in words that follow a noun."""
+
+
+@dataclass(frozen=True)
+class Slip:
+    """One operation done wrong: the same way at one joint, or at every joint.
+
+    operation: a noun, such as "ω̇ × r in the acceleration of the link origin"; joint: its number, None for every joint
+    """
+
+    operation: str
+    way: Way
+    joint: int | None
+
+    def message(self, joint_names: Sequence[str]) -> str:
+        """The slip as a sentence."""
+        at = "at every joint" if self.joint is None else f"at joint '{joint_names[self.joint]}'"
+        if isinstance(self.way, str):
+            return f"{self.operation} {at} is {self.way}"
+        return factor_said(f"{self.operation} {at}", self.way)
+
+
+class Operations:
+    """Puts slips into the results of operations at R states, the k-th of K slips into the k-th code.
+
+    ways: what can be done wrong in each operation at each joint, of those that were done so far
+    """
+
+    def __init__(self, slips: Sequence[Slip], rows: int) -> None:
+        self.ways: dict[tuple[str, int], tuple[Way, ...]] = {}
+        self._at: dict[str, dict[int | None, dict[Way, list[int]]]] = {}
+        self._shape = len(slips), rows
+        for k, slip in enumerate(slips):
+            self._at.setdefault(slip.operation, {}).setdefault(slip.joint, {}).setdefault(slip.way, []).append(k)
+
+    def result(
+        self, operation: str, joint: int, right: Array, others: Mapping[str, Callable[[], Array]] | None = None
+    ) -> Array:
+        """The result (…, K, R) of an operation at a joint, where K is 1 before the first slip.
+
+        others: what else a code may compute there, by the words for it
+        """
+        others = others or {}
+        self.ways[operation, joint] = (*FACTORS, *others)
+        if not (slips := self._at.get(operation)):
+            return right
+        found: Array | None = None
+        for place in (joint, None):
+            for way, which in slips.get(place, {}).items():
+                wrong = others[way]() if isinstance(way, str) else way * right
+                if found is None:
+                    found = np.array(np.broadcast_to(right, (*right.shape[:-2], *self._shape)))
+                k: NDArray[np.intp] = np.array(which)
+                found[..., k, :] = np.broadcast_to(wrong, found.shape)[..., k, :]
+        return right if found is None else found
+
+    def outward(self, operation: str, joint: int, turn: Array, x: Array) -> Array:
+        """A vector x of the inside link turned into the link."""
+        others = {NOT_TURNED: lambda: 1.0 * x, WRONG_WAY: lambda: turned(turn, x)}
+        return self.result(operation, joint, turned_back(turn, x), others)
+
+    def inward(self, operation: str, joint: int, turn: Array, x: Array) -> Array:
+        """A vector x of the link turned into the inside link."""
+        others = {NOT_TURNED: lambda: 1.0 * x, WRONG_WAY: lambda: turned_back(turn, x)}
+        return self.result(operation, joint, turned(turn, x), others)
+
+    def slips(self) -> Iterator[Slip]:
+        """All slips of the operations that were done: at every joint, and at each of them."""
+        everywhere = dict.fromkeys((operation, way) for (operation, _), ways in self.ways.items() for way in ways)
+        yield from (Slip(operation, way, None) for operation, way in everywhere)
+        for (operation, joint), ways in self.ways.items():
+            yield from (Slip(operation, way, joint) for way in ways)
+
+
+Formulation = Callable[[DynamicsCode, Numbers, State, Operations], Array]
+"""(code, numbers (…, 1, 1), q, v, a (n, 1, R), operations) → torques (n, K, R)."""
