@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 from math import ceil
 from typing import Any
@@ -55,11 +55,13 @@ VERDICT_COLORS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "d
 
 
 def renderables(report: Report, width: int) -> Iterator[RenderableType]:
-    """The report from its verdict on, for lines of this many characters."""
+    """The report from its verdict on, for lines of this many characters; one of several sections ends with it, too."""
     if report.verdict is not None:
         yield _headline(report.title, report.verdict)
     for section in report.ordered:
         yield from _section(section, width)
+    if report.verdict is not None and len(report.ordered) > 1:
+        yield Padding(_headline(report.title, replace(report.verdict, reason="")), (1, 0, 0, 0), expand=False)
 
 
 def as_text(report: Report, width: int = MESSAGE_WIDTH) -> str:

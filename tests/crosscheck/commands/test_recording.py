@@ -43,7 +43,7 @@ def test_identify_prints_the_command_that_helps(program, folder):
     done = program(*printed)
     assert done.code == AGREED, done.err
     assert (folder / "columns.toml").is_file()
-    following = done.out[done.out.index("graphdyn identify") :].split()
+    following = done.out[done.out.index("graphdyn identify") :].splitlines()[0].split()
     assert following[1:] == ["identify", "log.csv", "--robot", "small.urdf", "--mapping", "columns.toml"]
     used = program(*following[1:], "--cutoff", "8", "--methods", "wls", "--folds", "1000")  # read, then refused
     assert "mapping" not in used.err

@@ -2,7 +2,7 @@
 
 import pytest
 
-from crosscheck.report.report import Column, Report, Row, Section, Table
+from crosscheck.report.report import Column, Prose, Report, Row, Section, Table, Verdict
 from crosscheck.report.text import as_text
 
 JOINTS = ("shoulder_pan_joint", "shoulder_lift_joint", "elbow_joint", "wrist_1_joint", "wrist_2_joint", "wrist_3_joint")
@@ -62,3 +62,14 @@ def test_text_is_wrapped_at_words():
 
 def test_a_table_without_rows_but_columns():
     assert text(Table((Column("link", "name"),), ()), 80) == ""
+
+
+def test_several_sections_end_with_the_verdict():
+    """Without its reason; a single section stands right below its verdict anyway."""
+    sections = tuple(Section(key, key, (Prose("words"),)) for key in ("one", "two"))
+    verdict = Verdict("agrees", "agrees", "All do.")
+    lines = as_text(Report("Robots", verdict, sections)).rstrip().splitlines()
+    assert lines[:2] == ["Robots: agrees", "All do."]
+    assert lines[-2:] == ["", "Robots: agrees"]
+    assert as_text(Report("Robots", verdict, sections[:1])).rstrip().endswith("words")
+    assert as_text(Report("Robots", None, sections)).rstrip().endswith("words")
