@@ -68,7 +68,7 @@ def test_several_sections_end_with_the_verdict():
     """Without its reason; a single section stands right below its verdict anyway."""
     sections = tuple(Section(key, key, (Prose("words"),)) for key in ("one", "two"))
     verdict = Verdict("agrees", "agrees", "All do.")
-    lines = as_text(Report("Robots", verdict, sections)).rstrip().splitlines()
+    lines = [line.strip() for line in as_text(Report("Robots", verdict, sections)).rstrip().splitlines()]
     assert lines[:2] == ["Robots: agrees", "All do."]
     assert lines[-2:] == ["", "Robots: agrees"]
     assert as_text(Report("Robots", verdict, sections[:1])).rstrip().endswith("words")
