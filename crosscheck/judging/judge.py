@@ -21,6 +21,7 @@ from crosscheck.judging.verdicts.against_exact import needs_exact_values, with_e
 from crosscheck.judging.verdicts.diagnosis import merged
 from crosscheck.judging.verdicts.exact_answers import has_exact_values
 from crosscheck.judging.verdicts.explaining import diagnoses_of
+from crosscheck.judging.verdicts.smallest import smallest_call
 from crosscheck.judging.verdicts.verdicts import judged
 from crosscheck.quantities import FUNCTIONS, LOADS, Quantity, known_function
 from crosscheck.quantities.tested_function import BatchFunction, TestedFunction
@@ -135,6 +136,8 @@ def judge_functions(
             if not found.verdict.agrees and not found.verdict.wrong_by_proof_alone:
                 say(f"looking for the fault of {name}")
                 diagnoses += diagnoses_of(found, partial(faults_of_file, robot), say)
+                say(f"looking for the smallest example of {name}")
+                verdicts[name] = replace(found.verdict, smallest=smallest_call(found))
     judgment = Judgment(
         robot=robot.name,
         file=robot.file,

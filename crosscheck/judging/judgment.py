@@ -20,8 +20,7 @@ UNCOUPLED = "joints that others drive are judged as if they were independent"
 
 @dataclass(frozen=True)
 class WorstCall:
-    """The state at which a function under test is farthest from graphdyn, with both answers, so that it can be
-    reproduced.
+    """A state at which a function under test deviates from graphdyn, the worst or the smallest one, with both answers.
 
     arguments: what the function was called with, by name, in its own joint order
     expected, answer: flattened values of graphdyn and of the function under test, both in the model's joint order
@@ -72,6 +71,7 @@ class JudgedFunction:
     conventions: those that the answers follow, where several are right: {"reference": "local"}
     failures: the states without an answer, which are in none of the errors
     code: Python that computes graphdyn's answer at one state by the same conventions; None where there is none
+    smallest: the call with the fewest numbers other than zero at which it deviates; None where no single call does
     exact: the errors against exact values, where these were asked for or were needed to decide
     """
 
@@ -88,6 +88,7 @@ class JudgedFunction:
     conventions: Mapping[str, str] = field(default_factory=dict)
     failures: tuple[FailedState, ...] = ()
     code: str | None = None
+    smallest: WorstCall | None = None
     exact: ExactErrors | None = None
 
     @property

@@ -11,7 +11,7 @@ import numpy as np
 import urdf
 from crosscheck.comparing.comparison import Comparison, QuantityResult, WorstState
 from crosscheck.judging.judgment import UNCOUPLED, JudgedFunction, Judgment
-from crosscheck.quantities import COUPLED, LOADS, LOOPED, ComparedQuantity, TabulatedQuantity
+from crosscheck.quantities import COUPLED, FUNCTIONS, LOADS, LOOPED, ComparedQuantity, TabulatedQuantity
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from urdf import Reading
@@ -113,6 +113,33 @@ def worst_call(judgment: Judgment, function: JudgedFunction) -> str:
         "",
         f"expected = np.ravel({code})" if function.code else f"expected = {code}",
         "print(expected, answer, np.abs(expected - answer).max(), sep='\\n')",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def smallest_test(judgment: Judgment, function: JudgedFunction) -> str | None:
+    """A test of the smallest example, with the function under test by the name of what it computes; None without one.
+
+    The expected numbers are graphdyn's, in the order of the joints of the function.
+    """
+    call, bound = function.smallest, function.bound
+    if call is None:
+        return None
+    n, order = judgment.model.n_bodies, [judgment.model.joint_names.index(name) for name in judgment.joint_names]
+    axes = FUNCTIONS[function.name].shape
+    expected = np.reshape(call.expected, [size or -1 for size in FUNCTIONS[function.name].shape_for(n)])
+    for axis, size in enumerate(axes):
+        if size in ("n", "10 n"):
+            parts = np.split(expected, n, axis=axis)
+            expected = np.concatenate([parts[k] for k in order], axis=axis)
+    lines = ["import numpy as np", "", "", f"def test_{function.name}_at_the_smallest_example():"]
+    for name, values in call.arguments.items():
+        lines.append(f"    {name} = {_array(values)}{f'.reshape({n}, 6)' if name == LOADS else ''}")
+    largest = float(np.abs([*call.expected, *(x for x in call.answer if np.isfinite(x))]).max())
+    lines += [
+        f"    expected = {_array(expected)}",
+        f"    answer = {function.name}({', '.join(call.arguments)})",
+        f"    np.testing.assert_allclose(answer, expected, rtol=0, atol={bound * (largest or 1.0):.2g})",
     ]
     return "\n".join(lines) + "\n"
 

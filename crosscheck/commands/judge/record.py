@@ -38,7 +38,7 @@ Quantiles = Annotated[
 
 
 class JudgeWorstRecord(Record, of=WorstCall):
-    """The state of the largest error, to be reproduced."""
+    """A state at which the function deviates, to be reproduced: of the largest error, or the smallest example."""
 
     arguments: Mapping[str, Annotated[Sequence[Number], Keywords(description="One array (n,).")]]
     expected: Sequence[Number]
@@ -73,6 +73,7 @@ class FunctionRecord(Record, of=JudgedFunction, leave_out=("name", "code")):
     references_differ_backward: Mapping[str, Quantiles]
     repeated: Quantiles
     worst: JudgeWorstRecord
+    smallest: JudgeWorstRecord | None
     exact: ExactErrorsRecord | None
 
 

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from crosscheck.commands.judge.exact_report import exact_facts
-from crosscheck.commands.judge.function_report import function_section
+from crosscheck.commands.judge.function_report import function_section, smallest_example
 from crosscheck.commands.judge.record import record
 from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment, infinite_where_nan
 from crosscheck.report.error_tables import ERROR_FORMAT, verdict_of
@@ -37,7 +37,11 @@ MAX_LISTED_STATES = 20
 def judge_report(judgment: Judgment) -> Report:
     """The verdict and the diagnoses, then the numbers of every function."""
     functions = list(judgment.functions.values())
-    diagnoses = tuple(block for diagnosis in judgment.diagnoses for block in _diagnosis(diagnosis))
+    examples = [smallest_example(judgment, function) for function in functions]
+    diagnoses = (
+        *(block for diagnosis in judgment.diagnoses for block in _diagnosis(diagnosis)),
+        *(example for example in examples if example is not None),
+    )
     return Report(
         f"Your functions on {Path(judgment.robot).name}",
         verdict_of(judgment.agrees, judgment.decided, _reason(judgment)),
