@@ -11,7 +11,7 @@ from graphdyn.compiler.llvm.vector_code import VectorCode
 from graphdyn.compiler.native import MachineCode, host_lanes
 from graphdyn.compiler.programs import GROUND_SHAPES, Parts, Request, trace
 from graphdyn.compiler.rolled.rolling import is_long, most_unrolled
-from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted
+from graphdyn.compiler.running import BACKEND_VARIABLE, chosen_backend, cores, in_threads, interpreted, quick_for_few
 
 __all__ = [
     "BACKEND_VARIABLE",
@@ -33,6 +33,7 @@ __all__ = [
     "interpreted",
     "is_long",
     "most_unrolled",
+    "quick_for_few",
     "torque_gram",
     "trace",
 ]

@@ -8,7 +8,7 @@ import warnings
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from functools import cache
 from itertools import pairwise
@@ -18,16 +18,17 @@ from weakref import WeakKeyDictionary, WeakValueDictionary
 
 import numpy as np
 
-from graphdyn.arguments.choices import MANY_SAMPLES
+from graphdyn.arguments.choices import MANY_SAMPLES, Method
 from graphdyn.compiler.interpreter import Interpreter, together
 from graphdyn.compiler.llvm.precision import DOUBLE, Precision, precision_of
 from graphdyn.compiler.native import CompiledProgram, compiling, try_out
 from graphdyn.compiler.programs import Request, trace
 from graphdyn.compiler.rolled.program import LongProgram
-from graphdyn.compiler.rolled.rolling import is_long, record_long
+from graphdyn.compiler.rolled.rolling import is_long, most_unrolled, record_long
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
+from graphdyn.recursions import RECURSIONS
 from graphdyn.scalars.expressions import Guard, Program
 
 T = TypeVar("T")
@@ -219,6 +220,18 @@ def interpreted() -> Iterator[None]:
         yield
     finally:
         _forced.reset(token)
+
+
+@contextmanager
+def quick_for_few(model: RobotModel, recursion: str, samples: int) -> Iterator[Method]:
+    """Inside, the method that is quickest for what is computed again and again, whatever was computed before.
+
+    That is the recursive one: compiled for many samples, on NumPy for few. Of robots that take long to record, few
+    samples are computed by the projected method.
+    """
+    with nullcontext() if samples >= MANY_SAMPLES else interpreted():
+        short = model.n_bodies <= most_unrolled(Request(recursion, RECURSIONS[recursion].outputs))
+        yield "recursive" if samples >= MANY_SAMPLES or short else "projected"
 
 
 def cores() -> int:

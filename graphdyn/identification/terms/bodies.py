@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.compiler.running import quick_for_few
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import TermParameter
@@ -34,7 +35,8 @@ class RigidBodies:
         )
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
-        return joint_torque_regressor(model, samples.q, samples.v, samples.a, base=samples.base, method="reproducible")
+        with quick_for_few(model, "joint_torque_regressor", len(samples.q)) as method:
+            return joint_torque_regressor(model, samples.q, samples.v, samples.a, base=samples.base, method=method)
 
     def inertial_parameters(self, model: RobotModel, x: Array) -> Array:
         return x

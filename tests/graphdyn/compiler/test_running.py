@@ -459,3 +459,21 @@ def test_interpreted_for_a_while(monkeypatch):
         other.start()
         other.join()
     assert [*others, running.chosen_backend()] == ["llvm", "llvm"]
+
+
+@pytest.mark.parametrize(("samples", "back_end"), [(3, Interpreter), (MANY_SAMPLES, CompiledProgram)])
+def test_what_is_computed_again_and_again(samples, back_end):
+    """Few samples on NumPy, many compiled, the same numbers the second time; long robots are projected."""
+    model = NAMED["revolute_chain"]
+    x = np.random.default_rng(0).normal(size=(3, samples, model.nv))
+    found = []
+    for _ in range(2):
+        with running.quick_for_few(model, "joint_torque_regressor", samples) as method:
+            assert method == "recursive"
+            found.append(graphdyn.joint_torque_regressor(model, *x, method=method))
+        assert back_end_of(model) is back_end
+    projected = graphdyn.joint_torque_regressor(model, *x, method="projected")
+    assert np.abs(found[0] - projected).max() < SUM * np.abs(projected).max()
+    np.testing.assert_array_equal(*found)
+    with running.quick_for_few(CHAIN, "joint_torque_regressor", samples) as method:
+        assert method == ("projected" if samples < MANY_SAMPLES else "recursive")
