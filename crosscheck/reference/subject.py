@@ -115,3 +115,8 @@ def compared_frames(model: RobotModel) -> tuple[str, ...]:
     leaves = [i for i in range(1, model.n_bodies + 1) if not model.graph.outside(i)]
     names = [fixed.get(i, model.bodies[i - 1].name) for i in leaves]
     return tuple(dict.fromkeys([*names, *list(fixed.values())[-1:]]))
+
+
+def placed_frames(model: RobotModel) -> tuple[str, ...]:
+    """Frames whose placement is compared: all that are fixed in bodies, or the bodies of the leaves."""
+    return tuple(frame.name for frame in model.frames) or compared_frames(model)

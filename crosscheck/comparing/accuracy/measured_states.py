@@ -16,7 +16,7 @@ from crosscheck.quantities import COMPARED, Quantity, TabulatedQuantity
 from crosscheck.quantities.measures import Chosen
 from crosscheck.quantities.scales import largest, ratio
 from crosscheck.quantities.tolerances import EPS
-from crosscheck.reference.subject import compared_frames
+from crosscheck.reference.subject import compared_frames, placed_frames
 from graphdyn import SingularMassMatrix
 from graphdyn.arguments import Method
 from graphdyn.layout import Array
@@ -109,10 +109,11 @@ class MeasuredStates:
     def _exact(self, row: Quantity, states: ComparedStates, chosen: Chosen) -> list[ExactArray]:
         """The exact answer, or one for each of the compared frames."""
         if row.name == PLACEMENT:
-            return [exact_placements(self.source, states.q, x.name, digits=DIGITS) for x in states.model.frames]
+            frames = placed_frames(states.model)
+            return [exact_placements(self.source, states.q, name, digits=DIGITS) for name in frames]
         verb, options = VERBS[row.ours.verb], row.ours.options(chosen)
-        frames = compared_frames(states.model) if verb.of_frame else (None,)
-        return [self._computed(states, verb.name, frame, options)[row.ours.output] for frame in frames]
+        spoken_of = compared_frames(states.model) if verb.of_frame else (None,)
+        return [self._computed(states, verb.name, frame, options)[row.ours.output] for frame in spoken_of]
 
     def _computed(
         self, states: ComparedStates, verb: str, frame: str | None, options: Mapping[str, Any]

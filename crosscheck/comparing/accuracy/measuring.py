@@ -126,8 +126,6 @@ class _Measurement:
                 self.not_measured[name] = reason
             elif quantity.row.massive and massless:
                 self.not_measured[name] = "no body has mass: kinematics only"
-            elif quantity.row.from_file and not model.frames:
-                self.not_measured[name] = "no frame beside the links"
             else:
                 self._quantities.append(quantity)
         self._source, self._pinocchio = source, PinocchioModel.from_model(model)

@@ -15,7 +15,7 @@ from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.scales import Sizes, by_part
 from crosscheck.quantities.tested_function import TestedFunction
 from crosscheck.reference.native_functions import FrameFunction
-from crosscheck.reference.subject import compared_frames
+from crosscheck.reference.subject import compared_frames, placed_frames
 from graphdyn.arguments import Method
 from graphdyn.layout import Array
 
@@ -36,15 +36,15 @@ def _homogeneous(rotation: Array, position: Array) -> Array:
 
 
 def _placement(states: ScaledStates, chosen: Chosen, method: Method) -> Array:
-    """Placement of the frame of the states, or of all frames of the robot (N, m, 4, 4)."""
+    """Placement of the frame of the states, or of all that are compared (N, m, 4, 4)."""
     model, q = states.model, states.q
     if states.frame is not None:
         return _homogeneous(*graphdyn.frame_placement(model, q, states.frame))
-    return np.stack([_homogeneous(*graphdyn.frame_placement(model, q, frame.name)) for frame in model.frames], axis=1)
+    return np.stack([_homogeneous(*graphdyn.frame_placement(model, q, name)) for name in placed_frames(model)], axis=1)
 
 
 def _placement_of_pinocchio(there: PinocchioAnswers, chosen: Chosen) -> Array:
-    names = [there.frame] if there.frame else [frame.name for frame in there.robot.model.frames]
+    names = [there.frame] if there.frame else placed_frames(there.robot.model)
     placed = _homogeneous(*there.robot.frame_placements(there.q, names))
     return placed[:, 0] if there.frame else placed
 
