@@ -42,7 +42,7 @@ def main():
     if options.each_once:
         cases = [(slip, TEN_ARMS[k % len(TEN_ARMS)]) for k, slip in enumerate(PLANTED_SLIPS)]
     cases = [case for case in cases if options.only in str(case[0])][:: 1 if options.each_once else options.share]
-    totals, seconds = Counter(), []
+    totals, seconds, entries = Counter(), [], []
     for number, (slip, name) in enumerate(cases):
         model = models[name]
         joint = None if number % 2 else 1 + number // 2 % (model.n_bodies - 1)
@@ -60,6 +60,7 @@ def main():
         said = verdict(slip, judgment)
         totals[said] += 1
         seconds.append(taken)
+        entries.append(size_of(judgment, model))
         where = "all" if joint is None else model.joint_names[joint]
         claims = " | ".join(
             (*(x.message for x in judgment.diagnoses), *(y for x in judgment.diagnoses for y in x.also))
@@ -67,7 +68,19 @@ def main():
         print(f"{said:10} {taken:5.1f} s  {slip} [{name.split('/')[-1]}, {where}]  {claims[:300]}", flush=True)
     print(f"{len(cases)} cases: " + ", ".join(f"{count} {said}" for said, count in totals.most_common()))
     print(f"processor seconds per judgment: median {np.median(seconds):.2f}, largest {max(seconds):.1f}")
+    few = sum(count <= 2 for count in entries)
+    print(f"smallest examples of at most two entries: {few} of {len(entries)}")
     return bool(totals["WRONG"] or totals["missed"])
+
+
+def size_of(judgment, model):
+    """Number of entries of the smallest example other than zero, but for positions whose limits leave out zero."""
+    call = judgment.functions["inverse_dynamics"].smallest
+    if call is None:
+        return np.inf
+    lower, upper = np.array([(x.limits.lower or -np.inf, x.limits.upper or np.inf) for x in model.joints]).T
+    free = (lower <= 0) & (upper >= 0)
+    return sum(np.count_nonzero(np.array(x)[free] if name == "q" else x) for name, x in call.arguments.items())
 
 
 def shows(slip, model, joint):

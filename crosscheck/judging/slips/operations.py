@@ -50,9 +50,14 @@ class Operations:
     def __init__(self, slips: Sequence[Slip], rows: int) -> None:
         self.ways: dict[tuple[str, int], tuple[Way, ...]] = {}
         self._at: dict[str, dict[int | None, dict[Way, list[int]]]] = {}
-        self._shape = len(slips), rows
+        self._shape: tuple[int, int] = len(slips), rows
+        self._type: type = float
         for k, slip in enumerate(slips):
             self._at.setdefault(slip.operation, {}).setdefault(slip.joint, {}).setdefault(slip.way, []).append(k)
+
+    def see(self, rows: int, numbers: type) -> None:
+        """Set the number of states that operations see from here on, and the type of their numbers."""
+        self._shape, self._type = (self._shape[0], rows), numbers
 
     def result(
         self, operation: str, joint: int, right: Array, others: Mapping[str, Callable[[], Array]] | None = None
@@ -70,7 +75,7 @@ class Operations:
             for way, which in slips.get(place, {}).items():
                 wrong = others[way]() if isinstance(way, str) else way * right
                 if found is None:
-                    found = np.array(np.broadcast_to(right, (*right.shape[:-2], *self._shape)))
+                    found = np.array(np.broadcast_to(right, (*right.shape[:-2], *self._shape)), dtype=self._type)
                 k: NDArray[np.intp] = np.array(which)
                 found[..., k, :] = np.broadcast_to(wrong, found.shape)[..., k, :]
         return right if found is None else found

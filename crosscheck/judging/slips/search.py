@@ -11,13 +11,17 @@ from numpy.typing import NDArray
 from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, numbers_of
 from crosscheck.judging.observing.observation import Observation
+from crosscheck.judging.slips.lagrange import christoffel
 from crosscheck.judging.slips.newton_euler import link_axes, link_axes_weights, world_axes
 from crosscheck.judging.slips.operations import Formulation, Operations, Slip
 from crosscheck.judging.slips.spatial import spatial
 from graphdyn.layout import Array
 
-FORMULATIONS: tuple[Formulation, ...] = (link_axes, world_axes, link_axes_weights, spatial)
+FORMULATIONS: tuple[Formulation, ...] = (link_axes, world_axes, link_axes_weights, spatial, christoffel)
 """The formulations whose operations are tried, in turn."""
+
+MAX_CHRISTOFFEL_JOINTS = 12
+"""Number of joints up to which Christoffel symbols are tried: their number grows with the third power."""
 
 N_TRIED_ROWS = 2
 """Number of answers with which all slips are tried."""
@@ -43,6 +47,8 @@ def fitting_slips(
     tried = rows.only(_most_general(rows))
     seen: set[str] = set()
     for formulation in FORMULATIONS:
+        if formulation is christoffel and len(code.inside) > MAX_CHRISTOFFEL_JOINTS:
+            continue
         slips = all_slips(formulation, code)
         torque = torques_with(formulation, slips, code, tried.state)
         subtracted = np.where((tried.less >= 0)[:, None], torque[:, tried.less], 0.0)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from faults.textbook import TextbookArm
 from scipy.spatial.transform import Rotation
-from slips import link_frames, spatial_vectors, world_frames
+from slips import lagrange, link_frames, spatial_vectors, world_frames
 
-FORMS = {"link": link_frames, "world": world_frames, "spatial": spatial_vectors}
+FORMS = {"link": link_frames, "world": world_frames, "spatial": spatial_vectors, "Lagrange": lagrange}
 
 
 def hat(x):
