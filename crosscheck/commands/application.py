@@ -54,12 +54,23 @@ COMMANDS = (
 )
 """Function, name and examples of each command."""
 
+FIRST_STEPS = """\b
+First commands:
+  of a robot file     graphdyn inspect arm.urdf
+  of dynamics code    graphdyn judge arm.urdf --inverse-dynamics my_code.py:rnea
+  of a recording      graphdyn recording log.csv --robot arm.urdf
+"""
+"""The first command for each kind of user; \\b keeps the line breaks."""
+
 app = typer.Typer(
     cls=CommandGroup,
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Constrained dynamics of robot arms as one linear system, checked number by number against Pinocchio.",
+    context_settings={"help_option_names": ["--help", "-h"]},
+    help=f"""Constrained dynamics of robot arms as one linear system, checked number by number against Pinocchio.
+
+{FIRST_STEPS}""",
     epilog="`graphdyn COMMAND --help` explains a command and ends with examples. Exit codes: 0 agreed or done, "
     "1 disagreement found, 2 bad input, 3 error of the program itself, 4 further questions written, 130 interrupted, "
     "143 terminated.",

@@ -450,6 +450,16 @@ class TestOtherCommands:
             assert [name for name, _ in summaries] == list(COMMANDS)
             assert all(summary.endswith(".") and not summary.endswith("...") for _, summary in summaries)
 
+    def test_first_steps(self, program):
+        """Each is a command with options that it has, told by graphdyn alone, too."""
+        told = program("-h").out
+        assert told == program("--help").out
+        steps = re.findall(r"^    of .*?  graphdyn (\w+) (.*)$", told, re.MULTILINE)
+        assert [name for name, _ in steps] == ["inspect", "judge", "recording"]
+        for name, arguments in steps:
+            for option in re.findall(r"--[a-z-]+", arguments):
+                assert option in program(name, "-h").out
+
     def test_every_command_is_tested(self):
         assert tuple(info.name for info in app.registered_commands) == COMMANDS
 

@@ -24,7 +24,7 @@ def groups(help_text):
     for line in help_text.splitlines():
         if re.match(r"\S.*:$", line):
             heading = line.rstrip(":")
-        elif heading and (option := re.match(r"  (--[\w-]+)", line)):
+        elif heading and (option := re.match(r"  (?:-\w, )?(--[\w-]+)", line)):
             found.setdefault(heading, []).append(option.group(1))
     return found
 
