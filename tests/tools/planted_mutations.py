@@ -56,7 +56,7 @@ ROOMS = {
     f"{_COMMANDS}/paper": f"tests/{_COMMANDS}/test_paper.py {_NUMBERS}",
     f"{_COMMANDS}/show": f"tests/{_COMMANDS}/show {_NUMBERS}",
     f"{_COMMANDS}/simulate": f"tests/{_COMMANDS}/test_simulate.py {_NUMBERS}",
-    f"{_COMMANDS}/study": f"tests/{_COMMANDS}/test_study.py {_NUMBERS}",
+    f"{_COMMANDS}/study": f"tests/{_COMMANDS}/study {_NUMBERS}",
 }
 """Folders of modules too large to change everything in them, and the tests of each."""
 
