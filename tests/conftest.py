@@ -38,7 +38,7 @@ def pytest_collection_finish():
     gc.freeze()
 
 
-TOGETHER = ("bench", "paper", "identify", "commands/test_study")
+TOGETHER = ("bench", "paper", "identify", "commands/study")
 """Parts of the paths of files that share a result which takes seconds."""
 
 
