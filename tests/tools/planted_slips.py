@@ -35,9 +35,12 @@ def main():
     parser.add_argument("--only", default="", help="cases whose name has these words")
     options = parser.parse_args()
     models = {name: urdf.load(name).uncoupled for name in TEN_ARMS}
-    for name, model in models.items():
-        for form in FORMS:
-            judge(name, inverse_dynamics=right_function(form, model), samples=5)
+    right = [
+        judge(name, inverse_dynamics=right_function(form, model), samples=5).agrees
+        for name, model in models.items()
+        for form in FORMS
+    ]
+    print(f"right codes: {len(right) - sum(right)} of {len(right)} accused", flush=True)
     cases = [(slip, name) for slip in PLANTED_SLIPS for name in TEN_ARMS]
     if options.each_once:
         cases = [(slip, TEN_ARMS[k % len(TEN_ARMS)]) for k, slip in enumerate(PLANTED_SLIPS)]
@@ -70,7 +73,7 @@ def main():
     print(f"processor seconds per judgment: median {np.median(seconds):.2f}, largest {max(seconds):.1f}")
     few = sum(count <= 2 for count in entries)
     print(f"smallest examples of at most two entries: {few} of {len(entries)}")
-    return bool(totals["WRONG"] or totals["missed"])
+    return bool(totals["WRONG"] or totals["missed"] or not all(right))
 
 
 def size_of(judgment, model):
