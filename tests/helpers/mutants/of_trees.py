@@ -126,11 +126,21 @@ def odd_number(rng: random.Random, tree: etree._Element) -> None:
         _set(element, name, rng.choice([" ", " ", " ", "  ", "\t", "\n", ","]).join(words))
 
 
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
 def scaled_number(rng: random.Random, tree: etree._Element) -> None:
     if place := _some_attribute(rng, tree, _numeric):
         element, name = place
         words = element.attrib[name].split() or ["0"]
         k = rng.randrange(len(words))
+        if not _is_number(words[k]):  # such as 2e-, where another fault has shortened it
+            return
         factor = rng.choice([-1.0, 1e3, 1e-3, 1e6, 1e-6, 1e12, 1e-12, 10 ** rng.uniform(-20, 20), rng.uniform(-2, 2)])
         words[k] = repr(float(words[k]) * factor)
         _set(element, name, " ".join(words))
