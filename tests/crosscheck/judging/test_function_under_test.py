@@ -158,4 +158,5 @@ class TestInput:
             "evaluating the reference implementations",
             "judging inverse_dynamics",
             "looking for the fault of inverse_dynamics",
+            "looking for the smallest example of inverse_dynamics",
         ]
