@@ -17,6 +17,7 @@ from crosscheck.commands.identify import command as identify
 from crosscheck.commands.inspect import command as inspect
 from crosscheck.commands.judge import command as judge
 from crosscheck.commands.paper import command as paper
+from crosscheck.commands.payload import command as payload
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.console import accept_all_characters
 from crosscheck.commands.program.exits import AGREED, Command, CommandGroup, ended_by_signals, refuse_closed_output
@@ -43,6 +44,7 @@ COMMANDS = (
     (repair.run, "repair", repair.EPILOG),
     (recording.run, "recording", recording.EPILOG),
     (identify.run, "identify", identify.EPILOG),
+    (payload.run, "payload", payload.EPILOG),
     (simulate.run, "simulate", simulate.EPILOG),
     (excite.run, "excite", excite.EPILOG),
     (study.run, "study", study.EPILOG),

@@ -13,6 +13,14 @@ from crosscheck.identifying.methods.methods import (
 )
 from crosscheck.identifying.methods.torque_terms import TERMS, friction_terms, term_with
 from crosscheck.identifying.methods.wrench_method import FromWrenches
+from crosscheck.identifying.payload.gains_file import gains_document, load_gains
+from crosscheck.identifying.payload.payload import (
+    STATED_ERROR,
+    FittedCurrents,
+    IdentifiedPayload,
+    identify_gains,
+    identify_payload,
+)
 from crosscheck.identifying.preparing.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel, TorqueCurve
@@ -25,16 +33,19 @@ __all__ = [
     "METHODS_OF_SUMS",
     "STANDARD_METHODS",
     "STANDARD_METHODS_OF_SUMS",
+    "STATED_ERROR",
     "TERMS",
     "ByRows",
     "ByTime",
     "Candidate",
     "CandidateModel",
+    "FittedCurrents",
     "Folds",
     "FromWrenches",
     "HeldOut",
     "Identified",
     "IdentifiedModel",
+    "IdentifiedPayload",
     "LastPart",
     "OtherRecordings",
     "Preparation",
@@ -43,7 +54,11 @@ __all__ = [
     "VirtualRobot",
     "WithPinocchio",
     "friction_terms",
+    "gains_document",
     "identify",
+    "identify_gains",
+    "identify_payload",
+    "load_gains",
     "method_named",
     "method_with",
     "recommendation",

@@ -73,6 +73,11 @@ EXHIBITS = (
         "A log whose columns are recognized: what each of them is, and why.",
         ("recording", "log.csv", "--robot", "ur5"),
     ),
+    Exhibit(
+        "payload",
+        "A load of 2.8 kg, found from motor currents without and with it.",
+        ("payload", "empty.csv", "gripper.csv", "--robot", "ur5", "--gains", "12", "--gains-error", "0.03"),
+    ),
     Exhibit("paper", "The tables and results of the paper, recomputed.", ("paper",)),
     Exhibit(
         "identify",
@@ -144,23 +149,45 @@ def output_of(exhibit: Exhibit, folder: Path, pages: Path) -> str:
 
 
 def _write_inputs(folder: Path) -> None:
-    """The files that the commands read: the worked example of judge.md, a URDF file with faults, a log of a UR5."""
+    """The files that the commands read: the worked example of judge.md, a URDF file with faults, logs of a UR5."""
     text = (HERE.parent / "judge.md").read_text(encoding="utf-8")
     example = re.search(r"```python\n(.*?)\n\n\njudgment = ", text, re.DOTALL)
     assert example, "docs/judge.md has no worked example that ends before 'judgment = '"
     (folder / "textbook.py").write_text(example[1] + "\n", encoding="utf-8")
     (folder / "doubtful.urdf").write_bytes((HERE / "robots" / "doubtful.urdf").read_bytes())
     _write_log(folder / "log.csv")
+    for seed, (name, load) in enumerate((("empty", 0.0), ("gripper", 2.8))):
+        _write_currents(folder / f"{name}.csv", load, seed)
 
 
 def _write_log(path: Path) -> None:
     """Ten seconds of a UR5 that swings, by a recorder of its own: angles in degrees, no velocities."""
     robot = urdf.load("ur5")
-    t = np.arange(0.0, 10.0, 0.01)
-    frequencies, sizes = np.arange(1.0, 7.0) * 0.4, np.array([0.9, 0.7, 0.8, 1.0, 0.9, 1.2])
-    turns = np.outer(t, frequencies) + np.arange(6)
-    q, v = sizes * np.sin(turns), sizes * frequencies * np.cos(turns)
-    tau = graphdyn.joint_torques(robot, q, v, -(frequencies**2) * q) + 3.0 * v + 2.0 * np.sign(v)
+    t, q, v, a = _swinging(10.0)
+    tau = graphdyn.joint_torques(robot, q, v, a) + 3.0 * v + 2.0 * np.sign(v)
     columns = ["time", *(f"axis{k}_angle_deg" for k in range(1, 7)), *(f"axis{k}_torque_Nm" for k in range(1, 7))]
     table = np.column_stack([t, np.rad2deg(q), tau])
     np.savetxt(path, table, fmt="%.6f", delimiter=",", header=",".join(columns), comments="")
+
+
+def _write_currents(path: Path, load: float, seed: int) -> None:
+    """Half a minute of a UR5 whose last link carries a mass [kg]: currents, with noise."""
+    robot = urdf.load("ur5")
+    t, q, v, a = _swinging(30.0)
+    parameters = robot.inertial_parameters.copy()
+    parameters[-10:] += graphdyn.Body("load", load, (0.0, 0.02, 0.08), 0.004 * load * np.eye(3)).parameters
+    tau = graphdyn.joint_torques(robot.with_inertial_parameters(parameters), q, v, a) + 3.0 * v + 2.0 * np.sign(v)
+    noise = np.random.default_rng(seed).normal(size=tau.shape) * 0.03 * np.sqrt(np.mean(tau**2, axis=0))
+    joints = robot.independent_joints
+    columns = ["t [s]", *(f"q_{name} [rad]" for name in joints), *(f"tau_{name} [N m]" for name in joints)]
+    table = np.column_stack([t, q, (tau + noise) / 12.0])
+    np.savetxt(path, table, fmt="%.6f", delimiter=",", header=",".join(columns), comments="")
+
+
+def _swinging(seconds: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Times (N,), positions, velocities and accelerations (N, 6)."""
+    t = np.arange(0.0, seconds, 0.01)
+    frequencies, sizes = np.arange(1.0, 7.0) * 0.4, np.array([0.9, 0.7, 0.8, 1.0, 0.9, 1.2])
+    turns = np.outer(t, frequencies) + np.arange(6)
+    q, v = sizes * np.sin(turns), sizes * frequencies * np.cos(turns)
+    return t, q, v, -(frequencies**2) * q

@@ -18,6 +18,7 @@ FOR_USERS = {
     "graphdyn.identification": "Identification",
     "graphdyn.identification.terms": "Terms of the torque",
     "graphdyn.identification.data_quality": "Data quality of recordings",
+    "graphdyn.identification.currents": "Loads and gains from currents",
     "graphdyn.export": "Code to take along",
     "graphdyn.export.casadi": "Functions for CasADi",
     "graphdyn.export.jax": "Functions for JAX",

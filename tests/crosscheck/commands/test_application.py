@@ -36,7 +36,7 @@ from graphdyn.compiler import CACHE_VARIABLE
 
 COMMANDS = (
     *("crosscheck", "judge", "questions", "show", "view", "export", "vectors", "inspect"),
-    *("repair", "recording", "identify", "simulate"),
+    *("repair", "recording", "identify", "payload", "simulate"),
     *("excite", "study", "paper", "bench", "robots", "errata", "cache"),
 )
 
@@ -293,8 +293,8 @@ class TestExamples:
         monkeypatch.setattr("crosscheck.bench.benchmark.QUICK_EFFORT", Effort(1e-3, 2, 1, 300, (2, 3)))
         monkeypatch.setattr("crosscheck.bench.contender.MIN_STEADY_TIME", 1e-3)
 
-    FAST = tuple(name for name in COMMANDS if name not in ("study", "recording"))
-    """A study takes minutes, and a log is the user's: their tests run small ones."""
+    FAST = tuple(name for name in COMMANDS if name not in ("study", "recording", "payload"))
+    """A study takes minutes, and logs are the user's: their tests run small ones."""
 
     SLOW = frozenset({"crosscheck", "identify", "bench", "excite", "simulate", "view", "vectors"})
 

@@ -36,6 +36,7 @@ READS = {
         *("{log}", "--robot", "{robot}", "--mapping", "{mapping}", "--validate", "{other}", "--term", "{code}:T"),
         *("--known-torque", "{code}:K", "--methods", "wls,{method}:E"),
     ),
+    "payload": ("{log}", "{other}", "--robot", "{robot}", "--calibration", "{mapping}"),
     "excite": (*("--robot", "{robot}", "--motion", "{log}", "--against", "{other}", "--mapping", "{mapping}"),),
     "simulate": ("{robot}", "--torque", "{code}:T"),
     "study": ("--config", "{log}"),
@@ -101,6 +102,7 @@ class TestCommands:
             "--out",
             "--further",
             "--write-mapping",
+            "--write-gains",
         }
         for name, option in OUTPUTS:
             (parameter,) = (p for p in COMMANDS[name].params if option in p.opts)

@@ -1,0 +1,1 @@
+"""Loads and gains from recordings of motor currents."""
