@@ -7,10 +7,11 @@ import numpy as np
 
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.data_quality.data_quality import MIN_CLEAR_SHARE, DataQuality
-from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, Table
+from crosscheck.report.report import Block, Code, Column, Note, Notes, Prose, Row, Section, State, Table
 from graphdyn.identification.data_quality import RecordingQuality, excitation
 
 QUALITY_NOTE = "Lines of the file of --mapping, over those that are there"
+SEVERITY_STATES: dict[str, State] = {"fault": "disagrees", "warning": "undecided", "hint": "plain"}
 TOO_SHORT_NOTE = "The recording is too short to tell whether signs, columns, units and delays are right."
 
 
@@ -82,8 +83,8 @@ def _gain(numbers: tuple[float, float, float]) -> str:
 def _findings(data_quality: DataQuality) -> list[Block]:
     blocks: list[Block] = []
     for finding in data_quality.findings:
-        state = "disagrees" if finding.severity == "fault" else "undecided"
-        note = Note(f"{finding.severity}: {finding.message}; {finding.remedy}", finding.code, state=state)  # type: ignore[arg-type]
+        words = f"{finding.severity}: {finding.message}; {finding.remedy}"
+        note = Note(words, finding.code, state=SEVERITY_STATES[finding.severity])
         blocks.append(Notes((note,)))
         if finding.lines:
             blocks.append(Code("\n".join(finding.lines), title=QUALITY_NOTE))

@@ -51,13 +51,14 @@ class QualityFinding:
     """One fault or oddity of a recording.
 
     code: stable name of its kind
-    severity: "fault": no model is recommended until it is corrected; "warning": suspicious
+    severity: "fault": no model is recommended until it is corrected; "warning": suspicious; "hint": a number that may
+        mean something, and that refuses nothing
     joints: whose columns; message: what was found; remedy: what to do
     lines: of the mapping file, to be pasted over the existing ones; empty where no mapping helps
     """
 
     code: str
-    severity: Literal["fault", "warning"]
+    severity: Literal["fault", "warning", "hint"]
     joints: tuple[str, ...]
     message: str
     remedy: str

@@ -22,7 +22,7 @@ from crosscheck.commands import app
 from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
-from crosscheck.identifying.data_quality.data_quality import data_quality
+from crosscheck.identifying.data_quality.data_quality import QualityFinding, data_quality
 from crosscheck.identifying.data_quality.remedies import mapping_lines, recorded_columns
 from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
@@ -326,6 +326,22 @@ class TestVerdict:
         )
         assert f"Of {name}, which is predicted:" in as_text(identify_report(found, found.shown()), 250)
         assert record(found, None, [])["validation_data_quality"][0]["findings"][0].code == "reversed-torque"
+
+    def test_a_hint_refuses_nothing(self):
+        """It is shown with its number, and is no reason against a model."""
+        found = identified_arm.identified()
+        hint = QualityFinding("zero", "hint", ("elbow_joint",), "a zero of 3.1 ± 1.0°", "compare it with a picture")
+        hinted = replace(found.data_quality, findings=(hint,))
+        assert hinted.faults == ()
+        assert rejection_reasons(None, found.problem, (), found.baselines, hinted) == ()
+        text = as_text(identify_report(replace(found, data_quality=hinted), found.shown()), 250)
+        assert "hint: a zero of 3.1 ± 1.0°; compare it with a picture" in text
+        assert (
+            json.loads(json.dumps(plain(record(replace(found, data_quality=hinted), None, []))))["data_quality"][
+                "findings"
+            ][0]["severity"]
+            == "hint"
+        )
 
     def test_every_joint_counts(self):
         found = identified_arm.compared()
