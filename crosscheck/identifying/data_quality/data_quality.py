@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
-from crosscheck.identifying.data_quality.remedies import change_in_words, mapping_lines, recorded_columns
+from crosscheck.identifying.data_quality.finding import QualityFinding, finding_of
+from crosscheck.identifying.data_quality.halves_and_delays import findings_of_halves, hints_of_delays
+from crosscheck.identifying.data_quality.mapping_lines import mapping_lines, recorded_columns
+from crosscheck.identifying.data_quality.remedies import change_in_words
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
@@ -16,11 +18,9 @@ from graphdyn.identification import TorqueModel, Tunable
 from graphdyn.identification.data_quality import (
     MAX_RATE_GAIN_ERROR,
     Change,
-    DataFault,
     RecordingQuality,
     TooShort,
     assess_recording,
-    contradictions,
 )
 from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
@@ -44,30 +44,6 @@ CAD values are wrong by another factor in each link."""
 MIN_AGREEING_GAIN = 10.0
 """Gain from which the agreement of most joints is enough: CAD may be wrong in a wrist, but not by a common factor of
 ten in the heavier links, which most joints carry."""
-
-
-@dataclass(frozen=True)
-class QualityFinding:
-    """One fault or oddity of a recording.
-
-    code: stable name of its kind
-    severity: "fault": no model is recommended until it is corrected; "warning": suspicious; "hint": a number that may
-        mean something, and that refuses nothing
-    joints: whose columns; message: what was found; remedy: what to do
-    lines: of the mapping file, to be pasted over the existing ones; empty where no mapping helps
-    """
-
-    code: str
-    severity: Literal["fault", "warning", "hint"]
-    joints: tuple[str, ...]
-    message: str
-    remedy: str
-    lines: tuple[str, ...] = ()
-
-    @property
-    def text(self) -> str:
-        """Message and remedy in one line."""
-        return f"{self.message}; {self.remedy} [{self.code}]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,8 +83,11 @@ def data_quality(
     except TooShort:
         return None
     said = [*_faults(found, recordings[0]), *_of_channels(found)]
-    if not any(finding.severity == "fault" for finding in said):  # else gains and fits suffer from it
-        said += list(_of_fits(found)) or _of_units(found)
+    sound = not any(finding.severity == "fault" for finding in said)  # else gains and fits suffer from it
+    said += findings_of_halves(found)
+    if sound:
+        said += list(_of_fits(found)) or ([] if found.contradictions.any() else _of_units(found, recordings[0]))
+    said += hints_of_delays(found)
     return DataQuality(found, tuple(said), _unseen(found))
 
 
@@ -126,30 +105,14 @@ def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
 
 
 def _faults(found: RecordingQuality, recording: Recording) -> Iterator[QualityFinding]:
-    for fault in found.faults:
-        names = tuple(found.joint_names[j] for j in fault.change.joints)
+    lines = mapping_lines([fault.change for fault in found.faults], recording)
+    for fault, own_lines in zip(found.faults, lines, strict=True):
         remedy = "correct it in the mapping"
         if fault.instead:
             others = "; or ".join(dict.fromkeys(change_in_words(other, found.joint_names) for other in fault.instead))
             remedy += f", unless {others}, which would fit about as well"
-        what = change_in_words(fault.change, found.joint_names, _late_by(found, fault.change))
-        message = f"{what}: undone, the equations of motion fit with {_errors(fault)}"
-        code = fault.change.kind.replace(" ", "-")
-        yield QualityFinding(code, "fault", names, message, remedy, mapping_lines(fault.change, recording))
-
-
-def _errors(fault: DataFault) -> str:
-    before, after = (100 * np.exp(np.mean(np.log(errors))) for errors in (fault.before, fault.after))
-    worst = int(np.argmax(fault.before / fault.after))
-    return (
-        f"{after:.3g} % instead of {before:.3g} % (geometric mean over the joints; joint {worst + 1}: "
-        f"{100 * fault.after[worst]:.3g} % instead of {100 * fault.before[worst]:.3g} %)"
-    )
-
-
-def _late_by(found: RecordingQuality, change: Change) -> float:
-    """Standard deviation of a lag [s]."""
-    return found.lag.deviation if len(change.joints) > 1 else float(found.lag.deviations[change.joints[0]])
+        when = "undone after those above" if fault is not found.faults[0] else "undone"
+        yield finding_of(found, fault, "fault", f"{{what}}: {when}", remedy, own_lines)
 
 
 def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
@@ -178,7 +141,7 @@ def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
         yield QualityFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it")
 
 
-def _of_units(found: RecordingQuality) -> list[QualityFinding]:
+def _of_units(found: RecordingQuality, recording: Recording) -> list[QualityFinding]:
     """Findings on the unit of all torques; none if links and drives give little information."""
     g = found.gains
     with np.errstate(invalid="ignore"):
@@ -199,28 +162,22 @@ def _of_units(found: RecordingQuality) -> list[QualityFinding]:
             "give their unit, or their gain in N m at the joint; torques at the motors need "
             '[transmission] and side = "motor"; if the unit is right, the masses of the robot\'s file are not'
         )
-        lines = ("[tau]", f"gain = {1 / usual:.6g}  # times the gain that is there")
+        n = len(found.joint_names)
+        change = Change("scaled torque", tuple(range(n)), torque=np.eye(n) / usual, factor=usual)
+        (lines,) = mapping_lines([change], recording)
         return [QualityFinding("torque-unit", "fault", found.joint_names, message, remedy, lines)]
     remedy = "check unit and gains, and the masses of the robot's file: the joints do not agree on a factor"
     return [QualityFinding("torque-unit", "warning", found.joint_names, message, remedy)]
 
 
 def _of_fits(found: RecordingQuality) -> Iterator[QualityFinding]:
-    contradicted = contradictions(found.halves)
+    contradicted = np.any(found.contradictions, axis=0).tolist()
     for j, name in enumerate(found.joint_names):
-        common, own = found.halves[:, 0, j], found.halves[:, 1, j]
-        if contradicted[:, j].any():
-            half = int(np.argmax(common / own))
-            message = (
-                f"the two halves of the recording contradict each other at {name}: {100 * common[half]:.3g} % in the "
-                f"{('first', 'second')[half]} half by the common fit, {100 * own[half]:.3g} % by its own"
-            )
-            remedy = "something changed in between (load, sign, controller, slipping belt): use one part, by --split"
-            yield QualityFinding("halves", "fault", (name,), message, remedy)
-        elif found.variation[j] > 0 and found.free_errors[j] > MIN_UNRELATED_RESIDUAL * found.variation[j]:
+        variation, left = found.variation[j], found.free_errors[j]
+        if not contradicted[j] and variation > 0 and left > MIN_UNRELATED_RESIDUAL * variation:
             message = (
                 f"the torque of {name} has nothing to do with the motion: no parameters leave less than "
-                f"{100 * found.free_errors[j] / found.variation[j]:.0f} % of its variation"
+                f"{100 * left / variation:.0f} % of its variation"
             )
             remedy = "check its column; it may be noise around a mean, or another signal"
             yield QualityFinding("unrelated", "fault", (name,), message, remedy)

@@ -54,8 +54,10 @@ def orthonormal_basis(columns: Array, tolerance: float) -> Array:
     tolerance: singular value, relative to the largest, below which a direction is rounding
     """
     length = np.linalg.norm(columns, axis=0)
-    u, s, _ = np.linalg.svd(columns[:, length > 0] / length[length > 0], full_matrices=False)
-    return np.asarray(u[:, s > tolerance * s.max(initial=0.0)])
+    unit = columns[:, length > 0] / length[length > 0]
+    q, r = np.linalg.qr(unit)  # of many rows the singular values of the small factor take a fraction of the time
+    u, s, _ = np.linalg.svd(r, full_matrices=False)
+    return np.asarray(q @ u[:, s > tolerance * s.max(initial=0.0)])
 
 
 @dataclass(frozen=True, eq=False)

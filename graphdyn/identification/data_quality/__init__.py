@@ -3,7 +3,7 @@
 from graphdyn.identification.data_quality.bounded_fit import contradictions
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels
-from graphdyn.identification.data_quality.measured_torque import Gains, Lag
+from graphdyn.identification.data_quality.measured_torque import Gains
 from graphdyn.identification.data_quality.recording_quality import (
     Excitation,
     RecordingQuality,
@@ -12,9 +12,11 @@ from graphdyn.identification.data_quality.recording_quality import (
 )
 from graphdyn.identification.data_quality.searching import MAX_RATE_GAIN_ERROR, DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
+from graphdyn.identification.data_quality.torque_delays import MIN_DELAY, Lag
 
 __all__ = [
     "MAX_RATE_GAIN_ERROR",
+    "MIN_DELAY",
     "Change",
     "Channels",
     "DataFault",

@@ -97,7 +97,7 @@ class BoundedFit:
         known = np.split(torque_model.known_torque(samples), len(motions))
         return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
 
-    def part(self, rows: slice) -> BoundedFit:
+    def part(self, rows: slice | NDArray[np.intp]) -> BoundedFit:
         """The fit of some of the samples."""
         return BoundedFit(self.matrix[rows], self.known[rows], self.kept[rows], self._bounds)
 

@@ -20,11 +20,15 @@ class RecordedColumns:
 
     position, torque: unit matrices if the columns are those of the joints          (n, n)
     zero: joint coordinates at zero of the position columns                         (n,) [rad or m]
+    position_factor, torque_factor: by which the recorded numbers were multiplied, signs included; all alike if left out
+        (n,)
     """
 
     position: Array
     torque: Array
     zero: Array
+    position_factor: Array | None = None
+    torque_factor: Array | None = None
 
     @classmethod
     def of_joints(cls, n: int) -> RecordedColumns:
@@ -111,11 +115,14 @@ class Change:
         return replace(samples, q=q, v=v, a=a, tau=tau)
 
 
-def changes(slides: Sequence[bool], contradicting: Sequence[int] = ()) -> Iterator[Change]:
+def changes(
+    slides: Sequence[bool], contradicting: Sequence[int] = (), columns: RecordedColumns | None = None
+) -> Iterator[Change]:
     """All changes to try, the simpler first.
 
     slides: which joints are prismatic                      (n,)
     contradicting: joints whose v is not the rate of q; for them position or velocity alone may be changed
+    columns: whose factors may stay with the joints when columns are exchanged
     """
     n = len(slides)
     turning = [j for j in range(n) if not slides[j]]
@@ -131,10 +138,30 @@ def changes(slides: Sequence[bool], contradicting: Sequence[int] = ()) -> Iterat
         if set(pair) & set(contradicting):
             yield Change("exchanged positions", pair, position=swap, alone="position")
             yield Change("exchanged positions", pair, velocity=swap, alone="velocity")
+        if columns is not None:
+            yield from _exchanged_alone(swap, pair, columns)
     everywhere = -np.eye(n)
     yield Change("all torques reversed", tuple(range(n)), torque=everywhere)
     yield Change("all positions reversed", tuple(range(n)), position=everywhere, velocity=everywhere)
     yield from _angles(turning, n, contradicting)
+
+
+def _exchanged_alone(swap: Array, pair: tuple[int, int], columns: RecordedColumns) -> Iterator[Change]:
+    """Columns exchanged without their factors, where these differ: signs and gains belong to the joints."""
+    q, tau = (_without_factors(swap, factor) for factor in (columns.position_factor, columns.torque_factor))
+    if not np.array_equal(tau, swap):
+        yield Change("exchanged torques", pair, torque=tau)
+    if not np.array_equal(q, swap):
+        yield Change("exchanged positions", pair, position=q, velocity=q)
+    if not (np.array_equal(q, swap) and np.array_equal(tau, swap)):
+        yield Change("exchanged joints", pair, position=q, velocity=q, torque=tau)
+
+
+def _without_factors(swap: Array, factor: Array | None) -> Array:
+    """The exchange of recorded numbers as one of SI values, F swap F⁻¹."""
+    if factor is None or not np.all(factor != 0):
+        return swap
+    return np.asarray(swap * factor[:, None] / factor)
 
 
 def scales(gain: Array, share: Array) -> Iterator[Change]:

@@ -18,9 +18,11 @@ from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit, contradictions, halves_apart
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels, channels
-from graphdyn.identification.data_quality.measured_torque import Gains, Lag, gains, lag
-from graphdyn.identification.data_quality.searching import DataFault, Examined, search, variation
-from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
+from graphdyn.identification.data_quality.halves import FaultsByHalves, faults_by_halves
+from graphdyn.identification.data_quality.measured_torque import Gains, gains
+from graphdyn.identification.data_quality.searching import DataFault, corrected, examined, search, variation
+from graphdyn.identification.data_quality.thinning import Piece
+from graphdyn.identification.data_quality.torque_delays import Lag
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import RigidBodies
@@ -84,25 +86,33 @@ class RecordingQuality:
     """Data quality of a recording with n joints, those that no others drive.
 
     faults: in the order of their correction; none are searched if a channel holds no signal of its own
+    half_faults: of the first half alone, and of the second, if the halves contradict each other
+    doubtful: what else the whole of such a recording shows, or one half
     unseen: changes after which the recording would fit equally well, so that it cannot reveal them
     errors: ‖e_j‖ / ‖τ_j‖ of the fit within bounds, as recorded                      (n,)
     free_errors: the same without bounds                                             (n,)
     sign_costs: rise of Σ log ‖e_j‖ with the torque of each joint reversed           (n,)
     halves: of each half of the rows, errors of the common and of its separate fit   (2, 2, n)
+    contradictions: halves and joints that contradict the other half, before and after the correction of faults (2, n)
+    lag_left: delays after this correction
     variation: ‖τ_j - mean‖ / ‖τ_j‖: error of a constant                            (n,)
     gains, lag, channels: as recorded
     """
 
     joint_names: tuple[str, ...]
     faults: tuple[DataFault, ...]
+    half_faults: tuple[tuple[DataFault, ...], tuple[DataFault, ...]]
+    doubtful: tuple[DataFault, ...]
     unseen: tuple[Change, ...]
     errors: Array
     free_errors: Array
     sign_costs: Array
     halves: Array
+    contradictions: NDArray[np.bool_]
     variation: Array
     gains: Gains
     lag: Lag
+    lag_left: Lag
     channels: Channels
 
 
@@ -128,29 +138,44 @@ def assess_recording(
     model = torque_model.model
     columns = columns or RecordedColumns.of_joints(model.nv)
     with one_thread():
-        thinned = ThinnedRecording(pieces)
-        fit = BoundedFit.of(torque_model, thinned.samples, np.abs(thinned.samples.v) >= min_speed)
-        tau = thinned.samples.tau
-        found_gains = gains(torque_model, thinned.samples, fit)
+        now = examined(torque_model, pieces, min_speed)
+        fit, tau = now.fit, now.samples.tau
+        found_gains = gains(torque_model, now.samples, fit)
         raw = channels(pieces, torques or [piece.samples.tau for piece in pieces])
         faults: tuple[DataFault, ...] = ()
         unseen: tuple[Change, ...] = ()
-        halves, delays = halves_apart(tau, fit), lag(thinned, fit)
+        left, halves = now, halves_apart(tau, fit)
+        by_halves = FaultsByHalves((), ((), ()), ())
+        apart = np.zeros_like(contradictions(halves))
         if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):
-            faults, unseen, left = search(torque_model, pieces, columns, Examined(thinned, fit, delays), found_gains)
-            if contradictions(halves).any() and contradictions(halves_apart(left.samples.tau, left.fit)).any():
-                faults = ()  # something changed in between, and no change of the whole recording undoes it
+            faults, unseen, left = search(torque_model, pieces, columns, now, found_gains)
+            apart = contradictions(halves) & contradictions(halves_apart(left.samples.tau, left.fit))
+        if apart.any():
+
+            def searched(part: Sequence[Piece]) -> tuple[DataFault, ...]:
+                there = examined(torque_model, part, min_speed)
+                of_part = gains(torque_model, there.samples, there.fit)
+                return search(torque_model, part, columns, there, of_part)[0]
+
+            by_halves = faults_by_halves(pieces, faults, np.flatnonzero(apart.any(axis=0)), searched)
+            faults = by_halves.of_both
+            left = corrected(torque_model, pieces, columns, now, [fault.change for fault in faults])
+            apart = contradictions(halves) & contradictions(halves_apart(left.samples.tau, left.fit))
         return RecordingQuality(
             joint_names=model.independent_joints,
             faults=faults,
+            half_faults=by_halves.of_one,
+            doubtful=by_halves.doubtful,
             unseen=unseen,
             errors=fit.errors(tau),
             free_errors=fit.errors(tau, bounded=False),
             sign_costs=_sign_costs(fit, tau),
             halves=halves,
+            contradictions=apart,
             variation=variation(tau),
             gains=found_gains,
-            lag=delays,
+            lag=now.delays,
+            lag_left=left.delays,
             channels=raw,
         )
 

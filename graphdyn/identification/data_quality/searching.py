@@ -7,15 +7,16 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.choices import MANY_SAMPLES
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
 from graphdyn.identification.data_quality.channels import rate_gain
-from graphdyn.identification.data_quality.measured_torque import Gains, Lag, gains, lag
+from graphdyn.identification.data_quality.measured_torque import Gains, gains
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
+from graphdyn.identification.data_quality.torque_delays import MIN_DELAY, MIN_DELAY_DEVIATIONS, Lag, lag
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
@@ -24,10 +25,9 @@ MIN_CHANGE_GAIN = 0.5
 On the recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
 less than 0.9."""
 
-MIN_LATE_GAIN, MIN_DELAY_DEVIATIONS, MIN_DELAY = 0.15, 4.0, 0.005
-"""Bounds for a delay: the fall of Σ log ‖e_j‖, its length in σ, and its length [s]. Friction that
-sets in before a joint moves looks like a shorter delay (2.3 ms with the sign of v on the TX40). On those three
-recordings delays of at most 6 ms (2.5 σ) gain 0.06 or less, further 20 ms at least 0.28."""
+MIN_LATE_GAIN = 0.15
+"""Fall of Σ log ‖e_j‖ from which a delay of all torques is a fault. On those three recordings delays of at most 7 ms
+(2.5 σ) gain 0.07 or less, further 20 ms at least 0.28."""
 
 MAX_DELAY_SHARE = 0.95
 """Part of the searched interval in which a delay must lie: at its ends there is no valley."""
@@ -45,6 +45,10 @@ MEASURED_SIZE_KINDS = ("late torque", "scaled torque")
 MAX_FAULTS = 3
 """Largest number of faults, each searched after the correction of the previous one."""
 
+MIN_KEPT_SHARE = 0.05
+"""Part of the rows of a joint that must be faster than the smallest speed; otherwise all of them count: it may be the
+unit of the angles that makes it slow."""
+
 MAX_RATE_GAIN_ERROR = 0.2
 """Deviation from 1 of the gain of v on the rate of q beyond which they contradict each other."""
 
@@ -56,6 +60,7 @@ class ChangeTrial:
     gained: fall of Σ log ‖e_j‖; errors: ‖e_j‖ / ‖τ_j‖ afterwards (n,)
     unexplained: the same relative to the variation of the torque, geometric mean over the joints
     cad_misfit: Σ log of the errors of CAD with fitted drives afterwards, for changes that gain about the same
+    deviation: standard deviation of a size that was found, in its unit; NaN for another change
     """
 
     change: Change
@@ -63,10 +68,12 @@ class ChangeTrial:
     errors: Array
     unexplained: float
     cad_misfit: Callable[[], float]
+    deviation: float = float("nan")
 
     @property
     def convincing(self) -> bool:
-        needed = MIN_LATE_GAIN if self.change.kind == "late torque" else MIN_CHANGE_GAIN
+        all_late = self.change.kind == "late torque" and len(self.change.joints) == len(self.errors)
+        needed = MIN_LATE_GAIN if all_late else MIN_CHANGE_GAIN
         return self.unexplained < MAX_UNEXPLAINED_SHARE and self.gained >= needed
 
 
@@ -75,6 +82,7 @@ class DataFault:
     """A fault and the change that corrects it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
 
     instead: changes that would be nearly as good
+    deviation: standard deviation of a size that was found; NaN for another fault
     """
 
     change: Change
@@ -82,6 +90,7 @@ class DataFault:
     before: Array
     after: Array
     instead: tuple[Change, ...] = ()
+    deviation: float = float("nan")
 
 
 class Examined(NamedTuple):
@@ -94,6 +103,16 @@ class Examined(NamedTuple):
     @property
     def samples(self) -> Samples:
         return self.thinned.samples
+
+
+def examined(torque_model: TorqueModel, pieces: Sequence[Piece], min_speed: ArrayLike) -> Examined:
+    """Pieces as they are. min_speed: as in Problem"""
+    thinned = ThinnedRecording(pieces)
+    v = np.abs(thinned.samples.v)
+    kept = v >= min_speed
+    resting = kept.mean(axis=0) < MIN_KEPT_SHARE
+    fit = BoundedFit.of(torque_model, thinned.samples, kept | resting)
+    return Examined(thinned, fit, lag(torque_model, thinned, fit))
 
 
 def search(
@@ -109,7 +128,7 @@ def search(
     while True:
         before = now.fit.errors(now.samples.tau)
         contradicting = np.flatnonzero(np.abs(rate_gain(pieces) - 1) > MAX_RATE_GAIN_ERROR).tolist()
-        considered = [*changes(slides, contradicting), *scales(found_gains.gain, found_gains.share)]
+        considered = [*changes(slides, contradicting, columns), *scales(found_gains.gain, found_gains.share)]
         trials = [*_tried(torque_model, now, columns, considered), *_late(torque_model, now)]
         found = [trial for trial in trials if trial.convincing]
         if not found or len(faults) == MAX_FAULTS:
@@ -123,11 +142,26 @@ def search(
         close = [trial for trial in found if trial.gained > largest - MIN_MISFIT_RISE]
         best = min(close, key=lambda trial: trial.cad_misfit()) if len(close) > 1 else close[0]
         instead = tuple(trial.change for trial in close if trial is not best)
-        faults.append(DataFault(best.change, best.gained, before, best.errors, instead))
-        pieces = [_undone(piece, best.change, columns) for piece in pieces]
-        thinned = ThinnedRecording(pieces)
-        fit = BoundedFit.of(torque_model, thinned.samples, best.change.followed(now.fit.kept))
-        now = Examined(thinned, fit, lag(thinned, fit))
+        faults.append(DataFault(best.change, best.gained, before, best.errors, instead, best.deviation))
+        pieces, now = _corrected(torque_model, pieces, now, best.change, columns)
+
+
+def corrected(
+    torque_model: TorqueModel, pieces: Sequence[Piece], columns: RecordedColumns, now: Examined, some: Sequence[Change]
+) -> Examined:
+    """A recording after some changes, one after the other."""
+    for change in some:
+        pieces, now = _corrected(torque_model, pieces, now, change, columns)
+    return now
+
+
+def _corrected(
+    torque_model: TorqueModel, pieces: Sequence[Piece], now: Examined, change: Change, columns: RecordedColumns
+) -> tuple[Sequence[Piece], Examined]:
+    pieces = [_undone(piece, change, columns) for piece in pieces]
+    thinned = ThinnedRecording(pieces)
+    fit = BoundedFit.of(torque_model, thinned.samples, change.followed(now.fit.kept))
+    return pieces, Examined(thinned, fit, lag(torque_model, thinned, fit))
 
 
 def _tried(
@@ -176,17 +210,23 @@ def _late(torque_model: TorqueModel, now: Examined) -> list[ChangeTrial]:
     thinned, fit, found = now
     n, before = len(fit.kept.T), fit.errors(thinned.samples.tau)
     trials = []
-    for joints, seconds, deviation, gained in [
-        (tuple(range(n)), found.common, found.deviation, found.gained),
-        *(((j,), found.joints[j], found.deviations[j], found.joints_gained[j]) for j in range(n)),
+    for joints, seconds, deviation, gained, held_out in [
+        (tuple(range(n)), found.common, found.deviation, found.gained, found.held_out),
+        *(
+            ((j,), found.joints[j], found.deviations[j], found.joints_gained[j], found.joints_held_out[j])
+            for j in range(n)
+        ),
     ]:
         if not max(MIN_DELAY_DEVIATIONS * deviation, MIN_DELAY) < abs(seconds) < MAX_DELAY_SHARE * thinned.span:
+            continue
+        if not held_out.improves:
             continue
         lags = np.zeros(n)
         lags[list(joints)] = seconds
         samples = replace(thinned.samples, tau=thinned.torque(lags))
         change = Change("late torque", joints, factor=float(seconds))
-        trials.append(replace(_trial(torque_model, change, before, samples, fit), gained=float(gained)))
+        trial = _trial(torque_model, change, before, samples, fit)
+        trials.append(replace(trial, gained=float(gained), deviation=float(deviation)))
     return trials
 
 

@@ -22,6 +22,10 @@ SPLINE_ORDER = 5
 """Order of the spline of the torque: below a fifth of the sampling rate it is exact to 1e-4."""
 
 
+SMOOTHING_ORDER, MAX_CUTOFF_SHARE = 4, 0.4
+"""Order of the low-pass, and the largest part of the sampling rate that its cutoff may be."""
+
+
 class TooShort(InvalidInput):
     """A recording too short to look for delays."""
 
@@ -49,6 +53,7 @@ class ThinnedRecording:
     def __init__(self, pieces: Sequence[Piece], rows: int = MAX_EXAMINED_ROWS):
         from scipy.interpolate import BSpline, make_interp_spline
 
+        self._pieces, self._rows = pieces, rows
         longest = max(len(piece.samples) * piece.period for piece in pieces)
         self.span = min(MAX_LAG, MAX_LAG_SHARE * longest)
         margins = [int(np.ceil(self.span / piece.period)) for piece in pieces]
@@ -85,6 +90,27 @@ class ThinnedRecording:
         """The torque of one joint measured so much later (N,)."""
         return np.concatenate([each[joint](t + later) for _, each, t in self._parts])
 
-    def torque_rate(self) -> Array:
-        """Rate of the torque (N, n) [N m/s or N/s]."""
-        return np.concatenate([spline(t, 1) for spline, _, t in self._parts])
+    def torque_rate(self, later: Array) -> Array:
+        """Rate of the torque measured so much later, a time for each joint (n,): (N, n) [N m/s or N/s]."""
+        columns = [np.concatenate([each[j](t + x, 1) for _, each, t in self._parts]) for j, x in enumerate(later)]
+        return np.column_stack(columns)
+
+    def smoothed(self, cutoff: float) -> ThinnedRecording:
+        """The recording after a zero-phase low-pass [Hz] of q, v, a and tau alike, in the same rows.
+
+        Itself, where the cutoff is above MAX_CUTOFF_SHARE of the sampling rate.
+        """
+        from scipy.signal import butter, sosfiltfilt
+
+        if cutoff > MAX_CUTOFF_SHARE / max(piece.period for piece in self._pieces):
+            return self
+        pieces = []
+        for piece in self._pieces:
+            sections = butter(SMOOTHING_ORDER, cutoff, fs=1 / piece.period, output="sos")
+            past = min(len(piece.samples) - 1, int(np.ceil(1 / (cutoff * piece.period))))
+            low = {
+                name: sosfiltfilt(sections, getattr(piece.samples, name), axis=0, padlen=past)
+                for name in ("q", "v", "a", "tau")
+            }
+            pieces.append(replace(piece, samples=replace(piece.samples, **low)))
+        return ThinnedRecording(pieces, self._rows)

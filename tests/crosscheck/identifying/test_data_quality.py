@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from identified import identified_arm, spoilt_recordings
+from identified import identified_arm, several_faults, spoilt_recordings
 from long_check import few
 from shared_data import DATA, existing
 from shown.approved import approve_record, approve_result
@@ -23,14 +23,15 @@ from crosscheck.commands.identify.record import record
 from crosscheck.commands.identify.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.data_quality.data_quality import QualityFinding, data_quality
-from crosscheck.identifying.data_quality.remedies import mapping_lines, recorded_columns
+from crosscheck.identifying.data_quality.mapping_lines import mapping_lines, recorded_columns
 from crosscheck.identifying.preparing.trials import Baselines
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons, residual_ratio
 from crosscheck.recordings import BadMapping, Recording, StreamedRecording, load_recording, mapping_of
 from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.data_quality import Change
+from graphdyn.identification.data_quality import Change, DataFault
+from graphdyn.identification.data_quality.held_out import HeldOutGain
 from graphdyn.identification.data_quality.measured_torque import Gains
 from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
@@ -89,10 +90,16 @@ def right(file):
     return quality_of(loaded(file, RIGHT))
 
 
+MAX_PASTED_DIFFERENCE = 0.05
+"""Of torques, relative to their largest: delays are found to some milliseconds."""
+
+
 def loaded(file, tables):
     """The recording as a mapping with these tables reads it; texts and lists are written alike in JSON and TOML."""
     lines = [f"joints = {json.dumps(NAMES)}", f"rate = {250 / round(250 / RATE)}"]
     for name, table in tables.items():
+        if not isinstance(table, dict):
+            continue
         lines += [f"[{name}]", *(f"{key} = {json.dumps(value)}" for key, value in table.items())]
     mapping = file.parent / "mapping.toml"
     mapping.write_text("\n".join(lines), encoding="utf-8")
@@ -130,7 +137,7 @@ class TestRemedies:
         """What was said of sign and gain stays: ±1000 of the columns, divided by 1000."""
         recording = loaded(file, wrong("tau", gain=[1000, 1000, 2000, 1000]))
         change = Change("scaled torque", (0, 1, 2, 3), torque=np.diag([1e-3, 2e-3, 1e-3, 1e-3]), factor=1000.0)
-        assert mapping_lines(change, recording) == (
+        assert mapping_lines([change], recording)[0] == (
             "[tau]", 'unit = "N m"', "sign = [1, 1, 1, -1]", "gain = [1, 2, 2, 1]",
         )  # fmt: skip
 
@@ -152,7 +159,7 @@ class TestRemedies:
                 ("[q]", "sign = [1, -1, 1]"),
                 ("[q]", "sign = [1, -1, -1]"),
             ),
-            (Change("degrees", (0, 1, 2), np.eye(3)), ("[q]", 'unit = "deg"'), ("[q]", 'unit = "deg"')),
+            (Change("degrees", (0, 1, 2), np.eye(3) * np.pi / 180), ("[q]", 'unit = "deg"'), ("[q]", 'unit = "deg"')),
             (
                 Change("zero", (1,), zero=np.deg2rad([0, 180, 0])),
                 ("[q]", "offset = [0, 180, 0]", 'offset_unit = "deg"'),
@@ -169,12 +176,12 @@ class TestRemedies:
         """Of a recording without one, whose columns count from 1, and of one with other signs, zeros and delays."""
         rows = np.random.default_rng(0).normal(size=(5, 3))
         bare = Recording(("a", "b", "c"), np.arange(5.0), rows, tau=rows)
-        assert mapping_lines(change, bare) == without
+        assert mapping_lines([change], bare)[0] == without
         q = {"columns": ["q_c", "q_a", "q_b"], "sign": [1, -1, 1], "offset": [0, 10, 180], "offset_unit": "deg"}
         tau = {"columns": ["tau_c", "tau_a", "tau_b"], "delay": 0.01}
         columns = mapping_of({"joints": ["c", "a", "b"], "rate": 1, "q": q, "tau": tau}, "m.toml")
         own = replace(bare, provenance=replace(bare.provenance, columns=columns))
-        assert mapping_lines(change, own) == with_own
+        assert mapping_lines([change], own)[0] == with_own
         zeros = np.deg2rad([10, 180, 0])
         assert recorded_columns(own).zero == pytest.approx(zeros)
         assert not recorded_columns(bare).zero.any()
@@ -189,6 +196,41 @@ class TestRemedies:
         again = quality_of(loaded(file, mended))
         assert again.findings == ()
         np.testing.assert_allclose(again.measures.errors, right.measures.errors, rtol=0.1)
+
+
+SEVERAL = (
+    "torques 2 and 4 exchanged, torque 4 reversed",
+    "torque 2 reversed, torques 2 and 3 exchanged, torque 3 late",
+    "zero of 2, torques 3 and 4 exchanged, torque 3 reversed",
+    "in degrees, torques 2 and 3 exchanged, late",
+)
+
+
+class TestSeveralFaults:
+    """Lines pasted one after the other, each over the keys of its tables, leave no fault."""
+
+    def check(self, found):
+        assert len(found.found) > 1
+        assert found.left == ()
+        q, tau = several_faults.same_motion(found.clean, found.mended)
+        assert q == pytest.approx(0.0, abs=1e-6)
+        assert tau < MAX_PASTED_DIFFERENCE
+
+    @pytest.mark.parametrize("what", few(SEVERAL, SEVERAL[0], SEVERAL[1]))
+    def test_in_a_file(self, file, what):
+        tables = several_faults.whole({"joints": [*NAMES], "rate": 1.0} | RIGHT)
+        planted = several_faults.PLANTED[what]
+        self.check(
+            several_faults.pasted(
+                tables, planted, lambda found: loaded(file, found), arm().torque_model, identified_arm.CUTOFF
+            )
+        )
+
+    @pytest.mark.long
+    @pytest.mark.parametrize("what", several_faults.PLANTED)
+    def test_in_a_log_of_a_ur10(self, what):
+        existing(DATA / "data" / "ur10")
+        self.check(several_faults.pasted_in("ur10", several_faults.PLANTED[what]))
 
 
 class TestWords:
@@ -221,8 +263,9 @@ class TestWords:
     def test_of_units(self):
         (finding,) = quality_of(replace(arm().fitted, tau=1000 * arm().fitted.tau)).findings
         assert (finding.code, finding.severity) == ("torque-unit", "fault")
-        assert finding.lines[0] == "[tau]"
-        assert float(finding.lines[1].split()[2]) == pytest.approx(1e-3, rel=0.3)
+        pasted = tomllib.loads("\n".join(finding.lines))["tau"]
+        assert (pasted["unit"], pasted["sign"]) == ("N m", [1.0] * 4)
+        assert pasted["gain"] == pytest.approx([1e-3] * 4, rel=0.3)
 
     @pytest.mark.parametrize(
         ("gain", "severity"),
@@ -242,7 +285,8 @@ class TestWords:
         said = quality_of(arm().fitted).findings
         assert [(finding.code, finding.severity) for finding in said] == [("torque-unit", severity)] * bool(severity)
         if severity == "fault":
-            assert float(said[0].lines[1].split()[2]) == pytest.approx(1 / gain[0], rel=0.1)
+            pasted = tomllib.loads("\n".join(said[0].lines))["tau"]
+            assert pasted["gain"] == pytest.approx([1 / gain[0]] * 4, rel=0.1)
             assert said[0].remedy.endswith("if the unit is right, the masses of the robot's file are not")
 
     def test_of_noise(self):
@@ -251,8 +295,43 @@ class TestWords:
         assert {joint for finding in found.faults for joint in finding.joints} >= set(NAMES[1:])
 
     def test_of_halves(self):
+        """What changed in between is told first, then the fault of the half that has it, which no mapping corrects."""
         found = quality_of(spoilt_recordings.half_reversed(1)(arm().fitted))
-        assert any("contradict each other at shoulder_lift_joint" in finding.message for finding in found.faults)
+        first, *others = found.faults
+        assert (first.code, first.joints) == ("halves", ("shoulder_lift_joint",))
+        assert first.message.startswith("the two halves of the recording contradict each other at shoulder_lift_joint")
+        (second,) = [finding for finding in others if finding.code != "halves"]
+        assert second.message.startswith(
+            "in the second half alone the torque of shoulder_lift_joint is reversed: undone there, the equations of "
+        )
+        assert second.remedy == "correct it in that part of the file, or use the other part, by --split"
+        assert second.lines == ()
+
+    @pytest.mark.parametrize(("gained", "words"), [(0.02, "falls by 0.5 ± 1 %"), (-0.02, "rises by 0.5 ± 1 %")])
+    def test_of_a_delay_that_improves_nothing(self, monkeypatch, right, gained, words):
+        late = replace(right.measures.lag_left, common=-0.0063, deviation=0.002, held_out=HeldOutGain(gained, 0.04))
+        found = replace(right.measures, lag_left=late)
+        monkeypatch.setattr("crosscheck.identifying.data_quality.data_quality.assess_recording", lambda *_, **__: found)
+        (hint,) = quality_of(arm().fitted).findings
+        assert (hint.severity, hint.code, hint.lines) == ("hint", "late-torque", ())
+        assert hint.message == (
+            "perhaps the torques were recorded 6.3 ± 2.0 ms early: undone, the error of blocks predicted by the others "
+            f"{words} (mean over the joints)"
+        )
+        assert hint.remedy == "compare with delay in [tau] of the mapping"
+
+    def test_of_what_one_half_shows_elsewhere(self, monkeypatch, right):
+        swap = np.eye(4)[[0, 1, 3, 2]] * [1, 1, 2, 0.5]
+        change = Change("exchanged torques", (2, 3), torque=swap)
+        fault = DataFault(change, 1.0, np.full(4, 0.2), np.full(4, 0.1))
+        found = replace(right.measures, doubtful=(fault,))
+        monkeypatch.setattr("crosscheck.identifying.data_quality.data_quality.assess_recording", lambda *_, **__: found)
+        (hint,) = quality_of(arm().fitted).findings
+        assert (hint.severity, hint.code) == ("hint", "exchanged-torques")
+        assert hint.message.startswith(
+            "perhaps the torques of elbow_joint and wrist_1_joint are exchanged, their signs and gains are not: undone"
+        )
+        assert hint.remedy == "look first what changed in between"
 
     def test_of_what_cannot_be_seen(self):
         said = " ".join(quality_of(arm().fitted).unseen)

@@ -11,13 +11,31 @@ from random_trees import body_of_points
 import graphdyn
 from graphdyn import Body, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
-from graphdyn.identification.data_quality import Change, Piece, RecordedColumns, assess_recording, excitation
+from graphdyn.identification.data_quality import (
+    Change,
+    DataFault,
+    Piece,
+    RecordedColumns,
+    assess_recording,
+    excitation,
+)
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.changes import changes, scales
 from graphdyn.identification.data_quality.channels import channels, rate_gain
+from graphdyn.identification.data_quality.delay_fit import FittedDelays
+from graphdyn.identification.data_quality.halves import faults_by_halves, halved
+from graphdyn.identification.data_quality.held_out import held_out_gain
 from graphdyn.identification.data_quality.measured_torque import gains
-from graphdyn.identification.data_quality.recording_quality import groups
+from graphdyn.identification.data_quality.recording_quality import examined, groups
 from graphdyn.identification.data_quality.thinning import ThinnedRecording, TooShort
+from graphdyn.identification.data_quality.torque_delays import (
+    MIN_CHANCE_SHARE,
+    MIN_DISAGREEMENT,
+    STUDENT,
+    _common,
+    _Mean,
+    _of_both,
+)
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -233,6 +251,17 @@ class TestFaults:
         for name, expected in zip(("q", "v", "a", "tau"), joints(of_q, of_v, of_tau, moved), strict=True):
             assert getattr(found, name) == pytest.approx(expected), name
 
+    def test_columns_exchanged_without_their_factors(self):
+        """Signs and gains belong to the joints: recorded numbers change places, F P F⁻¹ in SI units."""
+        factor = np.array([1.0, -2.0, 4.0, 1.0])
+        columns = RecordedColumns(np.eye(N), np.eye(N), np.zeros(N), np.ones(N), factor)
+        tried = [change for change in changes([False] * N, (), columns) if change.kind == "exchanged torques"]
+        numbers = np.random.default_rng(0).normal(size=N)
+        wanted = factor * numbers[[0, 2, 1, 3]]
+        found = [change.torque @ (factor * numbers) for change in tried if change.joints == (1, 2)]
+        assert min(np.abs(values - wanted).max() for values in found) < 1e-14
+        assert len([change for change in tried if change.joints == (0, 3)]) == 1
+
     @pytest.mark.parametrize("kind", ["reversed position", "reversed joint"])
     def test_an_angle_that_counts_back_from_half_a_turn(self, kind):
         """π - q instead of q: one of the changes that are tried gives the angle back."""
@@ -270,7 +299,8 @@ class TestThinned:
             assert found.torque(later)[:, 0] == pytest.approx(expected[:, 0])
             assert found.torque(np.array([later, -later])) == pytest.approx(expected)
             assert found.torque_of(1, -later) == pytest.approx(expected[:, 1])
-        assert found.torque_rate()[:, 1] == pytest.approx(-3 * self.QUINTIC.deriv()(t))
+        rate = found.torque_rate(np.array([0.0, 0.02]))
+        assert rate == pytest.approx(np.column_stack([self.QUINTIC.deriv()(t), -3 * self.QUINTIC.deriv()(t + 0.02)]))
 
     def test_too_short(self):
         with pytest.raises(TooShort, match="no piece of the recording is long enough to look for delays"):
@@ -293,6 +323,112 @@ class TestDelays:
     def test_none(self):
         assert abs(clean().lag.common) < WITHIN
         assert clean().lag.deviation < WITHIN
+
+    def test_friction_that_the_model_lacks(self):
+        """It grows with the root of the speed, which the model takes for straight; σ contains what it feigns."""
+        motion, _ = torque_at()
+        late = 0.02
+        clean, v = recording(late), motion(np.arange(0, SECONDS, PERIOD) - late)[1]
+        size = np.sqrt(np.mean(clean.samples.tau**2, axis=0))
+        tau = clean.samples.tau + 0.2 * size * np.sign(v) * np.sqrt(np.abs(v))
+        found = examined(torque_model(), [replace(clean, samples=replace(clean.samples, tau=tau))], 0.0).delays
+        assert abs(found.common - late) < 2 * found.deviation < 0.002
+        assert np.all(np.abs(found.joints - late) < 4 * found.deviations)
+
+    def test_joints_that_disagree(self):
+        """The mean of two delays is uncertain by their difference; one joint against the others is told as such."""
+        found = examined(torque_model(), [recording([0, 0, 0.03, 0])], 0.0).delays
+        assert found.deviation > 0.005
+        assert np.flatnonzero(found.joints_gained).tolist() == [2]
+        assert found.joints_held_out[2].improves
+        assert found.deviations[2] < 0.002
+
+    def test_low_and_all_frequencies(self):
+        """The variance of a difference that chance explains is left out."""
+        of = functools.partial(_Mean, between=0.0)
+        delay, deviation = _of_both(of(0.005, 0.001), of(0.0, 0.0005))
+        chance = MIN_CHANCE_SHARE * 0.001**2
+        assert delay == 0.005
+        assert deviation == pytest.approx(np.sqrt((STUDENT * 0.001) ** 2 + 0.005**2 - MIN_DISAGREEMENT**2 * chance))
+        assert _of_both(of(0.005, 0.001), of(0.0, 0.003))[1] == pytest.approx(STUDENT * 0.001)
+
+    def test_mean_of_delays(self):
+        """By information; its variance is that of chance, and of a scatter that chance does not explain."""
+        seconds, weights = np.array([0.0, 0.01, np.nan]), np.array([3.0, 1.0, 5.0])
+        found = FittedDelays(seconds, 1e-8 * np.eye(3), np.diag(weights))
+        mean, deviation, between = _common(found, np.ones(3, dtype=bool))
+        assert mean == pytest.approx(0.0025)
+        scatter = 0.75 * 0.0025**2 + 0.25 * 0.0075**2
+        assert between == pytest.approx(np.sqrt((scatter - 0.375 * 1e-8) / 0.375))
+        assert deviation == pytest.approx(np.sqrt((1e-8 + between**2) * (0.75**2 + 0.25**2)))
+
+    def test_held_out(self):
+        """Blocks predicted by a fit on the others: of a delay that is there, and of one that is not."""
+        there = ThinnedRecording([recording(0.02)])
+        fit = BoundedFit.of(torque_model(), there.samples, np.ones(there.samples.q.shape, dtype=bool))
+        undone = held_out_gain(fit, there.torque(), there.torque(0.02))
+        assert undone.improves
+        redone = held_out_gain(fit, there.torque(0.02), there.torque())
+        assert not redone.improves
+        assert redone.gained == pytest.approx(-undone.gained, rel=1e-3)
+        blocks, tau, later = np.array_split(np.arange(len(there.samples)), 10), there.torque(), there.torque(0.02)
+        squares = np.zeros((2, N))
+        for block in blocks:
+            rest = np.setdiff1d(np.arange(len(tau)), block)
+            for k, measured in enumerate((tau, later)):
+                own = BoundedFit.of(torque_model(), there.samples[rest], fit.kept[rest])
+                e = fit.matrix[block] @ own.parameters(measured[rest]) - measured[block]
+                squares[k] += np.sum(e**2, axis=0)
+        assert undone.gained == pytest.approx(np.sum(np.log(squares[0] / squares[1])) / 2, rel=1e-6)
+
+
+class TestHalves:
+    def half_reversed(self, piece):
+        tau = piece.samples.tau.copy()
+        tau[len(tau) // 2 :, 1] *= -1
+        return replace(piece, samples=replace(piece.samples, tau=tau))
+
+    def test_a_fault_of_one_half(self):
+        found = assess_recording(torque_model(), [self.half_reversed(recording())])
+        assert found.faults == ()
+        assert found.half_faults[0] == ()
+        assert [(fault.change.kind, fault.change.joints) for fault in found.half_faults[1]] == [
+            ("reversed torque", (1,))
+        ]
+        assert found.contradictions[:, 1].any()
+
+    @pytest.mark.long
+    def test_beside_a_fault_of_the_whole(self):
+        found = assess_recording(torque_model(), [self.half_reversed(changed(torque=exchange(2, 3)))])
+        assert [(fault.change.kind, fault.change.joints) for fault in found.faults] == [("exchanged torques", (2, 3))]
+        assert [(fault.change.kind, fault.change.joints) for fault in found.half_faults[1]] == [
+            ("reversed torque", (1,))
+        ]
+
+    def test_which_half_shows_what(self):
+        def fault(kind, *joints):
+            return DataFault(Change(kind, joints), 1.0, np.ones(N), np.ones(N))
+
+        a, b, c, d, e = (fault("reversed torque", j) for j in (0, 1, 2, 3, 4))
+        of_halves = iter([(a, b, d), (a, c)])
+        found = faults_by_halves([recording()], (a, e), [1, 2], lambda half: next(of_halves))
+        assert found.of_both == (a,)
+        assert found.of_one == ((b,), (c,))
+        assert found.doubtful == (e, d)
+
+    def test_halves_of_pieces(self):
+        long, short = recording(), recording()
+        long, short = (Piece(piece.samples[:rows], PERIOD) for piece, rows in ((long, 700), (short, 100)))
+        first, second = halved([long, short])
+        assert [len(piece.samples) for piece in first] == [400]
+        assert [len(piece.samples) for piece in second] == [300, 100]
+
+    def test_too_short_for_halves(self):
+        def refuse(half):
+            raise TooShort("too short")
+
+        whole = (DataFault(Change("reversed torque", (0,)), 1.0, np.ones(N), np.ones(N)),)
+        assert faults_by_halves([recording()], whole, [0], refuse).doubtful == whole
 
 
 class TestChannels:
