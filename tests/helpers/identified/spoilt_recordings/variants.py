@@ -1,84 +1,12 @@
-"""Recordings corrupted in the ways in which users corrupt them, and what `identify` says of each."""
+"""Columns and torques corrupted in the ways in which users corrupt them: signs, exchanges, units, delays."""
 
-import functools
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
-import crosscheck
 import urdf
-from crosscheck.identifying import ByRows, ByTime, Folds, Preparation, friction_terms, virtual_robot
-from crosscheck.identifying.data_quality.data_quality import DataQuality, data_quality
-from crosscheck.recordings import load_mapping, load_recording
 from graphdyn import RobotModel
-from graphdyn.identification import ConsistentWithPrior, TorqueModel
-from graphdyn.identification.terms import KnownTorque, RigidBodies
-
-REPOSITORY = Path(__file__).parents[3]
-DATA = (REPOSITORY / os.environ.get("GRAPHDYN_TEST_DATA", "../shared")).resolve() / "data"
-MAPPINGS = REPOSITORY / "docs" / "recordings"
-POSES = 20
-
-
-@dataclass(frozen=True, eq=False)
-class Material:
-    """A robot, its recording as a function of the mapping (None: it has none), and the arguments of identify."""
-
-    model: RobotModel
-    mapping: object
-    load: Callable
-    options: dict
-
-
-@functools.cache
-def material(name):
-    return {"ur10": _ur10, "tx40": _tx40, "kr300": _kr300, "ur5": _ur5}[name]()
-
-
-def _ur10():
-    model, mapping = urdf.load("ur10"), load_mapping(MAPPINGS / "ur10.toml")
-    terms = friction_terms(["viscous", "coulomb", "stribeck", "offset"], width=0.05)
-    options = {"terms": (RigidBodies(), *terms), "preparation": Preparation(8.0), "methods": ["wls", "consistent"]}
-    path = DATA / "ur10" / "ur10_free_motion.csv"
-    options["held_out"] = ByRows((60, 1700), (1750, np.inf))
-    return Material(model, mapping, lambda m: load_recording(path, m, joints=model.joint_names), options)
-
-
-def _tx40():
-    folder = DATA / "tx40"
-    model, mapping = urdf.load(str(folder / "tx40.urdf")), load_mapping(MAPPINGS / "tx40.toml")
-    terms = friction_terms(["viscous", "coulomb", "offset", "rotor", "coupled-wrist"], width=0.05)
-    options = {"terms": (RigidBodies(), *terms), "preparation": Preparation(20.0, decimate=(10, 10))}
-    options |= {"methods": ["wls", "consistent"], "held_out": ByTime((0, 6), (6, 9))}
-    paths = [folder / "pos_read_data.csv", folder / "curr_data.csv"]
-    return Material(model, mapping, lambda m: load_recording(paths, m, joints=model.joint_names), options)
-
-
-def _kr300():
-    sys.path.insert(0, str(MAPPINGS))
-    os.environ["KR300_JSON"] = str(DATA / "kr300" / "kr300.json")
-    import kr300
-
-    model, mapping = kr300.Kr300(os.environ["KR300_JSON"], 150.0).robot, load_mapping(MAPPINGS / "kr300.toml")
-    options = {
-        "terms": (RigidBodies(), *friction_terms(["viscous", "coulomb", "offset", "rotor"])),
-        "held_out": Folds(3),
-    }
-    options |= {"known": (KnownTorque(kr300.counterbalance),)}
-    options |= {"preparation": Preparation(8.0, min_speed=0.02)}
-    options |= {"methods": ["wls", ConsistentWithPrior("pullback", strength=1000.0)]}
-    path = DATA / "kr300" / "kr300_A.csv"
-    return Material(model, mapping, lambda m: load_recording(path, m, joints=model.joint_names), options)
-
-
-def _ur5():
-    arm = virtual_robot("ur5", friction_terms(["viscous", "coulomb"], width=0.05), seconds=10.0)
-    options = {"terms": arm.torque_model.terms, "preparation": Preparation(10.0), "methods": ["wls", "consistent"]}
-    return Material(arm.subject.model, None, lambda m: arm.fitted, options)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,42 +188,3 @@ def variants(name):
     if name == "ur10":
         found.append(Variant("taken for a ur5", (), model=as_ur5, undetectable=True))
     return found
-
-
-@dataclass(frozen=True)
-class Judged:
-    """data_quality: of the recording; usable, best: of the identification, None without one; right: as it must be"""
-
-    variant: Variant
-    data_quality: DataQuality
-    usable: bool | None
-    best: str | None
-
-    @property
-    def codes(self):
-        return [finding.code for finding in self.data_quality.findings]
-
-    @property
-    def right(self):
-        if self.variant.undetectable:
-            return bool(self.data_quality.unseen)
-        if not self.variant.codes:
-            return self.usable is not False and not self.data_quality.findings
-        return not self.usable and bool(set(self.codes[:1]) & set(self.variant.codes))
-
-
-def spoilt(name, variant):
-    """The robot and the recording of a variant."""
-    given = material(name)
-    return variant.model(given.model), variant.arrays(given.load(variant.columns(given.mapping)))
-
-
-def judged(name, variant, *, fitted=True):
-    """fitted: with an identification, not the data quality alone"""
-    model, recording = spoilt(name, variant)
-    options = material(name).options
-    if not fitted:
-        torque_model = TorqueModel(model, options["terms"], options.get("known", ()))
-        return Judged(variant, data_quality(torque_model, [recording], options["preparation"]), None, None)
-    found = crosscheck.identify(model, recording, poses=POSES, **options)
-    return Judged(variant, found.data_quality, found.usable, found.recommendation.best)

@@ -1,0 +1,148 @@
+"""What the program says of a spoilt recording, and whether that is what its exact undoing shows.
+
+The oracle is the gain of the exact undoing: the fall of Σ_j log ‖e_j‖ of the program's own bounded fit, from the
+spoilt recording to the clean one. A kind with a gain of MIN_VISIBLE_GAIN or more is visible. Some faults leave the fit
+as good as it was, or make it better, and are visible by construction: their Fault.shows says why.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from identified.spoilt_recordings.case import Case
+from identified.spoilt_recordings.kinds import Kind
+from identified.spoilt_recordings.materials import material
+
+import crosscheck
+from crosscheck.identifying.data_quality.data_quality import data_quality
+from graphdyn import InvalidInput
+
+MIN_VISIBLE_GAIN = 0.5
+"""Gain from which a change of columns is a fault for the program, too."""
+
+WITHOUT_CAUSE = ("unrelated",)
+"""Codes of findings that state no cause."""
+
+VERDICTS = ("named", "named in part", "wrong cause", "refused without a cause", "usable")
+
+
+@cache
+def clean(name):
+    return Case.of(name)
+
+
+@cache
+def clean_bases(name):
+    """Clean cases by the base of a kind: a key is the set of recorded channels."""
+    return {}
+
+
+def base_of(name, kind):
+    """The clean case of a kind; the same object for all kinds with the same channels."""
+    base = kind.base(clean(name))
+    key = tuple(base.recording.recorded(("q", "v", "a", "tau")))
+    return clean_bases(name).setdefault(key, base)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What the program says of a spoilt recording.
+
+    gain: of the exact undoing; NaN where the spoilt recording has no fit
+    findings: of the data quality, in their order; refused: whether the recording may be used
+    refusal: message of an error, empty without one
+    """
+
+    kind: Kind
+    gain: float
+    findings: tuple
+    refused: bool
+    refusal: str
+    joint_names: tuple[str, ...]
+
+    @property
+    def visible(self):
+        return bool(self.kind.shows) or not self.gain < MIN_VISIBLE_GAIN
+
+    @property
+    def faults(self):
+        return [finding for finding in self.findings if finding.severity == "fault"]
+
+    @property
+    def judgment(self):
+        """One of VERDICTS."""
+        if not self.refused:
+            return "usable"
+        told = self.faults
+        right = [any(fault.named_by(finding, self.joint_names) for fault in self.kind.faults) for finding in told]
+        if not any(right):
+            causes = any(finding.code not in WITHOUT_CAUSE for finding in told)
+            return "wrong cause" if causes else "refused without a cause"
+        all_named = all(
+            any(fault.named_by(finding, self.joint_names) for finding in told) for fault in self.kind.faults
+        )
+        return "named" if right[0] and all_named else "named in part"
+
+    @property
+    def hinted(self):
+        """Whether a finding that is no reason to refuse names a fault."""
+        return any(
+            fault.named_by(finding, self.joint_names)
+            for finding in self.findings
+            if finding.severity != "fault"
+            for fault in self.kind.faults
+        )
+
+    @property
+    def right(self):
+        """Whether the verdict is as it must be: visible faults are named."""
+        if not self.kind.judged:
+            return self.judgment != "wrong cause"
+        return not self.visible or self.judgment == "named"
+
+    @property
+    def told(self):
+        """Findings in short."""
+        listed = [
+            f"{finding.code} ({', '.join(finding.joints) if len(finding.joints) < 3 else 'all'})"
+            + ("" if finding.severity == "fault" else f" [{finding.severity}]")
+            for finding in self.findings
+        ]
+        return "; ".join(listed) or self.refusal or "–"
+
+
+def gain_of_undoing(base, spoilt):
+    """The oracle. NaN where the spoilt recording cannot be fitted."""
+    try:
+        return float(np.sum(np.log(spoilt.errors / base.errors)))
+    except (InvalidInput, np.linalg.LinAlgError):
+        return float("nan")
+
+
+def examined(case):
+    """Findings of the data quality alone, whether they refuse the recording, and the message of an error."""
+    try:
+        found = data_quality(case.torque_model, [case.recording], case.preparation)
+    except InvalidInput as error:
+        return (), True, str(error)
+    if found is None:
+        return (), True, "too short"
+    return found.findings, bool(found.faults), ""
+
+
+def identified(name, case):
+    """Findings of the whole command, whether it refuses the recording, and the message of an error."""
+    options = material(name).options | {"terms": case.terms, "known": case.known, "preparation": case.preparation}
+    try:
+        found = crosscheck.identify(case.model, case.recording, poses=5, **options)
+    except InvalidInput as error:
+        return (), True, str(error)
+    return found.data_quality.findings if found.data_quality else (), not found.usable, ""
+
+
+def verdict(name, kind, *, fitted=True):
+    """The verdict on one kind of a material. fitted: with an identification, not the data quality alone"""
+    base = base_of(name, kind)
+    spoilt = kind.spoilt(base)
+    told = identified(name, spoilt) if fitted else examined(spoilt)
+    return Verdict(kind, gain_of_undoing(base, spoilt), *told, base.model.independent_joints)
