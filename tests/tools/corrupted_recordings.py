@@ -11,8 +11,14 @@ arrays. The exit code is the number of variants that are judged otherwise than t
 
 Each further kind has an exact correction, and an oracle counts those that show: the correction must lower Σ log ‖e_j‖
 of the program's own bounded fit by 0.5. They are split into two halves of the same classes: `--kinds first` for
-development, `--kinds second` to be kept aside; of the latter only totals are printed, unless `--list` is given. The
-exit code is then the number of visible kinds that are not named.
+development, `--kinds second` to be kept aside; of the latter only totals are printed, unless `--list` is given.
+`--seed 1` draws the sizes, joints and combinations of some hundred others. The exit code is then the number of visible
+kinds that are not named, and of kinds without need to be named whose cause is wrong.
+
+    python tests/tools corrupted_recordings ur10e m1013:3 --kinds first     simulated arms, by a seed
+    python tests/tools corrupted_recordings --kinds clean                   recordings without a fault: no finding
+
+Simulated arms are those of `graphdyn robots`, and the files of the folder urdf/arms in the shared data.
 """
 
 import argparse
@@ -21,29 +27,44 @@ from collections import Counter
 
 from identified.spoilt_recordings import judged, variants
 from identified.spoilt_recordings.kinds import half, kinds
-from identified.spoilt_recordings.verdicts import VERDICTS, verdict
+from identified.spoilt_recordings.random_kinds import random_kinds
+from identified.spoilt_recordings.simulated import CLEAN
+from identified.spoilt_recordings.verdicts import VERDICTS, clean, examined, identified, verdict
 
 RECORDINGS = ["ur5", "ur10", "tx40", "kr300"]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("recordings", nargs="*", default=RECORDINGS)
+    parser.add_argument("recordings", nargs="*", metavar="RECORDING")
     parser.add_argument("--only", default="", help="kinds with this in their name")
     parser.add_argument(
         "--data-quality", action="store_true", help="the data quality of the recording alone, without any fit"
     )
-    parser.add_argument("--kinds", choices=["variants", "first", "second", "both"], default="variants")
+    parser.add_argument("--kinds", choices=[*ACCEPTED], default="variants")
+    parser.add_argument("--seed", type=int, help="of random kinds, in place of --kinds")
     parser.add_argument("--list", action="store_true", help="every kind of the second half, too")
     arguments = parser.parse_args()
-    wrong = _variants(arguments) if arguments.kinds == "variants" else _kinds(arguments)
+    wrong = (_kinds if arguments.seed is not None else ACCEPTED[arguments.kinds])(arguments)
     sys.exit(min(wrong, 100))
+
+
+def _clean(arguments):
+    found = 0
+    print("| recording | findings |\n|---|---|")
+    for name in arguments.recordings or [*RECORDINGS, *CLEAN]:
+        case = clean(name)
+        findings, refused, error = examined(case) if arguments.data_quality else identified(name, case)
+        found += bool(findings or refused)
+        told = "; ".join(f"{finding.code} ({', '.join(finding.joints)})" for finding in findings)
+        print(f"| {name} | {told or error or ('refused' if refused else '–')} |", flush=True)
+    return found
 
 
 def _variants(arguments):
     wrong = 0
     print("| recording | variant | told | usable | best result | as it must be |\n|---|---|---|---|---|---|")
-    for name in arguments.recordings:
+    for name in arguments.recordings or RECORDINGS:
         for variant in variants(name):
             if arguments.only not in variant.name:
                 continue
@@ -60,12 +81,15 @@ def _variants(arguments):
 
 
 def _kinds(arguments):
-    chosen = kinds() if arguments.kinds == "both" else half(arguments.kinds)
-    listed = arguments.kinds != "second" or arguments.list
+    listed = arguments.seed is not None or arguments.kinds != "second" or arguments.list
     if listed:
         print("| recording | kind | class | gain | visible | verdict | told |\n|---|---|---|---|---|---|---|")
     found = []
-    for name in arguments.recordings:
+    for name in arguments.recordings or RECORDINGS:
+        if arguments.seed is not None:
+            chosen = random_kinds(arguments.seed, clean(name).n)
+        else:
+            chosen = kinds() if arguments.kinds == "both" else half(arguments.kinds)
         for kind in chosen:
             if arguments.only not in kind.name:
                 continue
@@ -95,6 +119,9 @@ def _totals(found):
         hidden = sum(not row.visible and row.judgment == "wrong cause" for row in rows)
         numbers = (len(rows), len(visible), *(counts[judgment] for judgment in VERDICTS))
         print(f"| {title} | {' | '.join(map(str, numbers))} | {share} | {hidden} |")
+
+
+ACCEPTED = {"variants": _variants, "first": _kinds, "second": _kinds, "both": _kinds, "clean": _clean}
 
 
 if __name__ == "__main__":

@@ -127,8 +127,8 @@ def _of_torques():
         yield torques.gain_drift(share, j)
     yield from (torques.gain_step(0.5, 1), torques.gain_step(-0.4, 3))
     yield from (torques.offset_step(0.15, 1), torques.offset_step(0.1, 3), torques.offset_step(0.3, 2))
-    for mass, start in ((1.0, 0.5), (3.0, 0.5), (5.0, 0.4), (20.0, 0.5), (60.0, 0.7)):
-        yield torques.payload(mass, start)
+    for share, start in ((0.02, 0.5), (0.05, 0.5), (0.1, 0.5), (0.2, 0.4), (0.1, 0.7)):
+        yield torques.payload(share, start)
     yield from (torques.lowpassed(0.5), torques.lowpassed(2.0), torques.lowpassed(5.0))
     yield from (torques.delayed(0.05, 1), torques.delayed(0.1, 2), torques.delayed(-0.04, 3), torques.delayed(0.15))
     yield from (torques.noise(10.0), torques.noise(3.0))

@@ -17,7 +17,8 @@ from graphdyn.identification import ConsistentWithPrior
 from graphdyn.identification.terms import KnownTorque, RigidBodies
 
 REPOSITORY = Path(__file__).parents[4]
-DATA = (REPOSITORY / os.environ.get("GRAPHDYN_TEST_DATA", "../shared")).resolve() / "data"
+SHARED = (REPOSITORY / os.environ.get("GRAPHDYN_TEST_DATA", "../shared")).resolve()
+DATA, ARMS = SHARED / "data", SHARED / "urdf" / "arms"
 MAPPINGS = REPOSITORY / "docs" / "recordings"
 
 
@@ -33,7 +34,16 @@ class Material:
 
 @functools.cache
 def material(name):
-    return {"ur10": _ur10, "tx40": _tx40, "kr300": _kr300, "ur5": _ur5}[name]()
+    """A recording of RECORDINGS, of simulated.CLEAN, or of a simulated robot: its name, or name:seed."""
+    own = {"ur10": _ur10, "tx40": _tx40, "kr300": _kr300, "ur5": _ur5}
+    if name in own:
+        return own[name]()
+    from identified.spoilt_recordings import simulated  # which builds materials itself
+
+    if name in simulated.CLEAN:
+        return simulated.CLEAN[name]()
+    robot, _, seed = name.partition(":")
+    return simulated.simulated(robot, int(seed or 0))
 
 
 def _ur10():

@@ -139,17 +139,19 @@ def offset_step(share, j):
     return _added("step", f"offset of tau{j + 1} jumps by {100 * share:.0f} % of its range", why, step, (j,))
 
 
-def payload(mass, start=0.5):
-    """A load held from a share of the recording on."""
+def payload(share, start=0.5):
+    """A load of a share of the mass of the arm, held from a share of the recording on."""
 
     def torque(case):
         center = np.cross(case.model.joints[-1].axis, [0.6, 0.8, 0.3])
         center = LOAD_ARM * (center / np.linalg.norm(center) + np.asarray(case.model.joints[-1].axis))
         loaded = replace(case, terms=(PayloadMass(center),), known=())
+        mass = share * sum(body.mass for body in case.model.bodies)
         return loaded.torque_of(np.array([mass])) * (_ramp(case) > start)
 
     why = "a part was gripped while the log ran"
-    return _added("payload change", f"{mass:g} kg from {100 * start:.0f} % on", why, torque)
+    label = f"load of {100 * share:.3g} % of the arm from {100 * start:.0f} % on"
+    return _added("payload change", label, why, torque)
 
 
 def lowpassed(cutoff):

@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 from identified.spoilt_recordings.case import Case
+from identified.spoilt_recordings.faults import Fault
 from identified.spoilt_recordings.kinds import Kind
 from identified.spoilt_recordings.materials import material
 
@@ -49,12 +50,14 @@ class Verdict:
     """What the program says of a spoilt recording.
 
     gain: of the exact undoing; NaN where the spoilt recording has no fit
+    to_name: the faults that show even alone: of several at once, the others need not be named
     findings: of the data quality, in their order; refused: whether the recording may be used
     refusal: message of an error, empty without one
     """
 
     kind: Kind
     gain: float
+    to_name: tuple[Fault, ...]
     findings: tuple
     refused: bool
     refusal: str
@@ -78,9 +81,7 @@ class Verdict:
         if not any(right):
             causes = any(finding.code not in WITHOUT_CAUSE for finding in told)
             return "wrong cause" if causes else "refused without a cause"
-        all_named = all(
-            any(fault.named_by(finding, self.joint_names) for finding in told) for fault in self.kind.faults
-        )
+        all_named = all(any(fault.named_by(finding, self.joint_names) for finding in told) for fault in self.to_name)
         return "named" if right[0] and all_named else "named in part"
 
     @property
@@ -145,4 +146,10 @@ def verdict(name, kind, *, fitted=True):
     base = base_of(name, kind)
     spoilt = kind.spoilt(base)
     told = identified(name, spoilt) if fitted else examined(spoilt)
-    return Verdict(kind, gain_of_undoing(base, spoilt), *told, base.model.independent_joints)
+    gain = gain_of_undoing(base, spoilt)
+    to_name = kind.faults
+    if len(to_name) > 1:
+        to_name = tuple(
+            fault for fault in to_name if fault.shows or not gain_of_undoing(base, fault.spoil(base)) < MIN_VISIBLE_GAIN
+        )
+    return Verdict(kind, gain, to_name, *told, base.model.independent_joints)
