@@ -126,9 +126,7 @@ def _together(draw, number):
     made = {
         "sign": lambda: columns.reversed_torque(free.pop()),
         "turned": lambda: columns.reversed_position(free.pop()),
-        "exchange": lambda: columns.exchanged(
-            *sorted((free.pop(), free.pop())), draw.rng.choice(["q", "tau", "joints"])
-        ),
+        "exchange": lambda: columns.exchanged(*sorted((free.pop(), free.pop())), what),
         "zero": lambda: columns.zero(free.pop(), draw.angle(10)),
         "gear": lambda: columns.position_gear(free.pop(), draw.ratio()),
         "degrees": lambda: columns.degrees(free.pop()),
