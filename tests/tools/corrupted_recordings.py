@@ -18,6 +18,10 @@ kinds that are not named, and of kinds without need to be named whose cause is w
     python tests/tools corrupted_recordings ur10e m1013:3 --kinds first     simulated arms, by a seed
     python tests/tools corrupted_recordings --kinds clean                   recordings without a fault: no finding
 
+`--remedies` writes each recording to a file, pastes the lines of all findings into its mapping, one after the other,
+and reads it again: *left* is what the exact correction would still gain, and the last column of the totals counts
+those with less than 0.5.
+
 Simulated arms are those of `graphdyn robots`, and the files of the folder urdf/arms in the shared data.
 """
 
@@ -29,7 +33,7 @@ from identified.spoilt_recordings import judged, variants
 from identified.spoilt_recordings.kinds import half, kinds
 from identified.spoilt_recordings.random_kinds import random_kinds
 from identified.spoilt_recordings.simulated import CLEAN
-from identified.spoilt_recordings.verdicts import VERDICTS, clean, examined, identified, verdict
+from identified.spoilt_recordings.verdicts import MIN_VISIBLE_GAIN, VERDICTS, clean, examined, identified, verdict
 
 RECORDINGS = ["ur5", "ur10", "tx40", "kr300"]
 
@@ -44,6 +48,7 @@ def main():
     parser.add_argument("--kinds", choices=[*ACCEPTED], default="variants")
     parser.add_argument("--seed", type=int, help="of random kinds, in place of --kinds")
     parser.add_argument("--list", action="store_true", help="every kind of the second half, too")
+    parser.add_argument("--remedies", action="store_true", help="put the lines of the findings to the test, in a file")
     arguments = parser.parse_args()
     wrong = (_kinds if arguments.seed is not None else ACCEPTED[arguments.kinds])(arguments)
     sys.exit(min(wrong, 100))
@@ -83,7 +88,9 @@ def _variants(arguments):
 def _kinds(arguments):
     listed = arguments.seed is not None or arguments.kinds != "second" or arguments.list
     if listed:
-        print("| recording | kind | class | gain | visible | verdict | told |\n|---|---|---|---|---|---|---|")
+        print(
+            "| recording | kind | class | gain | visible | verdict | left | told |\n|---|---|---|---|---|---|---|---|"
+        )
     found = []
     for name in arguments.recordings or RECORDINGS:
         if arguments.seed is not None:
@@ -93,12 +100,13 @@ def _kinds(arguments):
         for kind in chosen:
             if arguments.only not in kind.name:
                 continue
-            row = verdict(name, kind, fitted=not arguments.data_quality)
+            row = verdict(name, kind, fitted=not arguments.data_quality, remedies=arguments.remedies)
             found.append((name, row))
             if listed:
                 visible = "by construction" if kind.shows else "yes" if row.visible else "no"
                 judgment = row.judgment + (", told" if row.hinted else "")
-                cells = (name, kind.name, kind.of, f"{row.gain:.2f}", visible, judgment, row.told)
+                left = "–" if row.left is None else f"{row.left:.2f}"
+                cells = (name, kind.name, kind.of, f"{row.gain:.2f}", visible, judgment, left, row.told)
                 print(f"| {' | '.join(cells)} |", flush=True)
     _totals(found)
     return sum(not row.right for _, row in found)
@@ -107,7 +115,7 @@ def _kinds(arguments):
 def _totals(found):
     """Counts of verdicts on visible kinds by recording and by class, and wrong causes among the others."""
     judged_rows = [(name, row) for name, row in found if row.kind.judged]
-    header = ["", "kinds", "visible", *VERDICTS, "share named", "not visible: wrong cause"]
+    header = ["", "kinds", "visible", *VERDICTS, "share named", "not visible: wrong cause", "undone by their lines"]
     print(f"\n| {' | '.join(header)} |\n|{'---|' * len(header)}")
     groups = [(name, [row for other, row in judged_rows if other == name]) for name in dict(judged_rows)]
     classes = dict.fromkeys(row.kind.of for _, row in judged_rows)
@@ -118,7 +126,9 @@ def _totals(found):
         share = f"{100 * counts['named'] / len(visible):.0f} %" if visible else "–"
         hidden = sum(not row.visible and row.judgment == "wrong cause" for row in rows)
         numbers = (len(rows), len(visible), *(counts[judgment] for judgment in VERDICTS))
-        print(f"| {title} | {' | '.join(map(str, numbers))} | {share} | {hidden} |")
+        lines = [row.left < MIN_VISIBLE_GAIN for row in visible if row.left is not None]
+        undone = f"{sum(lines)} of {len(lines)}"
+        print(f"| {title} | {' | '.join(map(str, numbers))} | {share} | {hidden} | {undone} |")
 
 
 ACCEPTED = {"variants": _variants, "first": _kinds, "second": _kinds, "both": _kinds, "clean": _clean}

@@ -5,10 +5,15 @@ from collections import Counter
 import numpy as np
 import pytest
 from identified.spoilt_recordings.kinds import half, kinds
-from identified.spoilt_recordings.verdicts import base_of
+from identified.spoilt_recordings.random_kinds import random_kinds
+from identified.spoilt_recordings.remedied import Filed
+from identified.spoilt_recordings.verdicts import base_of, clean
 
 ARM = "ur5"
 """The simulated one, whose recording needs no file."""
+
+LINES = (["[q]", "sign = [1, -1, 1, 1, 1, 1]"], ["[tau]", "sign = [1, 1, -1, 1, 1, 1]"])
+"""Of the mapping, for two findings."""
 
 ROUNDING = 1e-9
 """Error of a channel relative to its largest value: fifty times that of two products with a matrix and its inverse."""
@@ -29,7 +34,7 @@ def differ(case, other, tolerance):
     )
 
 
-@pytest.mark.parametrize("kind", kinds(), ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", [*kinds(), *random_kinds(0)], ids=lambda kind: kind.name)
 def test_spoils_and_is_undone(kind):
     base = base_of(ARM, kind)
     spoilt = kind.spoilt(base)
@@ -45,3 +50,13 @@ def test_halves_are_disjoint_and_even():
     counts = [Counter(kind.of for kind in part) for part in (first, second)]
     assert max(abs(counts[0][of] - counts[1][of]) for of in counts[0] | counts[1]) <= 1
     assert abs(len(first) - len(second)) <= 1
+
+
+def test_remedies_are_pasted_one_after_the_other():
+    filed = Filed.of(clean(ARM))
+    assert not differ(filed.case, clean(ARM), ROUNDING)
+    turned = filed.remedied(LINES).case
+    for name, j in (("q", 1), ("tau", 2)):
+        expected = np.array(getattr(clean(ARM).recording, name))
+        expected[:, j] *= -1
+        np.testing.assert_allclose(getattr(turned.recording, name), expected, rtol=ROUNDING)

@@ -50,7 +50,8 @@ class Fault:
     joints: numbers of the joints whose columns it changes; empty for the whole arm
     base: the case that is spoilt, from the recording as it is
     shows: why the fault counts as visible whatever its undoing gains; empty if the gain decides
-    judged: whether the recording must be refused if the fault is visible
+    judged: whether the recording must be refused if the fault is visible; noise makes results uncertain, not wrong
+    warned: whether a warning that names it is enough while its undoing gains little
     """
 
     of: str
@@ -62,6 +63,7 @@ class Fault:
     base: Callable = lambda case: case
     shows: str = ""
     judged: bool = True
+    warned: bool = False
 
     @property
     def codes(self):

@@ -37,6 +37,10 @@ class Kind:
     def judged(self):
         return all(fault.judged for fault in self.faults)
 
+    @property
+    def warned(self):
+        return all(fault.warned for fault in self.faults)
+
     def base(self, case):
         """The clean case that is spoilt, which its exact undoing gives back."""
         for fault in self.faults:

@@ -42,7 +42,7 @@ def doubled_rows(times=2):
         return _rows(case, np.repeat(np.arange(count), times), finer)
 
     why = "the log runs faster than the controller"
-    return Fault("repeated rows", f"every row {times} times", why, spoil, shows=REPEATED)
+    return Fault("repeated rows", f"every row {times} times", why, spoil, shows=REPEATED, warned=True)
 
 
 def repeated_block(first, last):
@@ -56,7 +56,7 @@ def repeated_block(first, last):
 
     why = "a buffer was written twice, and the rows numbered again"
     label = f"rows from {100 * first:.0f} to {100 * last:.0f} % twice"
-    return Fault("repeated rows", label, why, spoil, shows=REPEATED)
+    return Fault("repeated rows", label, why, spoil, shows=REPEATED, warned=True)
 
 
 def missing_rows(pieces, share):
@@ -86,7 +86,7 @@ def dead_torque(j, first, last, *, zero=False):
         return case.changed(tau=tau)
 
     label = f"tau{j + 1} {'zero' if zero else 'frozen'} from {100 * first:.0f} to {100 * last:.0f} %"
-    return Fault("dead torque", label, "the drive stopped writing", spoil, None, (j,), shows=DEAD)
+    return Fault("dead torque", label, "the drive stopped writing", spoil, None, (j,), shows=DEAD, warned=True)
 
 
 def dead_position(j, first, last, *, velocity):
@@ -99,7 +99,7 @@ def dead_position(j, first, last, *, velocity):
 
     label = f"q{j + 1} frozen from {100 * first:.0f} to {100 * last:.0f} %" + (", v right" if velocity else "")
     base = with_velocity if velocity else without_velocity
-    return Fault("dead position", label, "the encoder stopped writing", spoil, None, (j,), base, DEAD)
+    return Fault("dead position", label, "the encoder stopped writing", spoil, None, (j,), base, DEAD, warned=True)
 
 
 def hung_log(first, last):
@@ -113,7 +113,9 @@ def hung_log(first, last):
         return case.changed(**{name: getattr(case.recording, name)[index] for name in names})
 
     label = f"all channels frozen from {100 * first:.0f} to {100 * last:.0f} %"
-    return Fault("repeated rows", label, "the log held the last message while none came", spoil, shows=REPEATED)
+    return Fault(
+        "repeated rows", label, "the log held the last message while none came", spoil, shows=REPEATED, warned=True
+    )
 
 
 def _clipped(values, j, share, j_range):
@@ -132,7 +134,7 @@ def clipped_position(j, share, *, velocity, sides=(1, 1)):
     label = f"q{j + 1} clipped in {100 * share * sum(sides):.0f} %" + (", v right" if velocity else "")
     base = with_velocity if velocity else without_velocity
     why = "the range of the encoder, or of its number in the file, is smaller than the motion"
-    return Fault("clipped position", label, why, spoil, None, (j,), base, CLIPPED)
+    return Fault("clipped position", label, why, spoil, None, (j,), base, CLIPPED, warned=True)
 
 
 def clipped_torque(j, share, sides=(1, 1)):
@@ -140,4 +142,4 @@ def clipped_torque(j, share, sides=(1, 1)):
         return case.changed(tau=_clipped(case.recording.tau, j, share, sides))
 
     label = f"tau{j + 1} clipped in {100 * share * sum(sides):.0f} %"
-    return Fault("clipped torque", label, "the current sensor saturates", spoil, None, (j,), shows=CLIPPED)
+    return Fault("clipped torque", label, "the current sensor saturates", spoil, None, (j,), shows=CLIPPED, warned=True)

@@ -203,4 +203,4 @@ def quantized(share, j=None):
     who = "tau" if j is None else f"tau{j + 1}"
     why = "few bits of a converter, or few digits in the file"
     label = f"{who} in steps of {100 * share:g} % of its range"
-    return Fault("quantized torque", label, why, spoil, None, () if j is None else (j,))
+    return Fault("quantized torque", label, why, spoil, None, () if j is None else (j,), judged=False)

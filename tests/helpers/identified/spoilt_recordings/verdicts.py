@@ -5,6 +5,7 @@ spoilt recording to the clean one. A kind with a gain of MIN_VISIBLE_GAIN or mor
 as good as it was, or make it better, and are visible by construction: their Fault.shows says why.
 """
 
+import tomllib
 from dataclasses import dataclass
 from functools import cache
 
@@ -13,9 +14,11 @@ from identified.spoilt_recordings.case import Case
 from identified.spoilt_recordings.faults import Fault
 from identified.spoilt_recordings.kinds import Kind
 from identified.spoilt_recordings.materials import material
+from identified.spoilt_recordings.remedied import Filed
 
 import crosscheck
 from crosscheck.identifying.data_quality.data_quality import data_quality
+from crosscheck.recordings import BadMapping
 from graphdyn import InvalidInput
 
 MIN_VISIBLE_GAIN = 0.5
@@ -53,6 +56,8 @@ class Verdict:
     to_name: the faults that show even alone: of several at once, the others need not be named
     findings: of the data quality, in their order; refused: whether the recording may be used
     refusal: message of an error, empty without one
+    left: what the exact undoing would still gain after the lines of all findings were pasted into the mapping, one
+        after the other; None where a fault has no lines, or the lines are no mapping
     """
 
     kind: Kind
@@ -62,6 +67,7 @@ class Verdict:
     refused: bool
     refusal: str
     joint_names: tuple[str, ...]
+    left: float | None = None
 
     @property
     def visible(self):
@@ -75,7 +81,8 @@ class Verdict:
     def judgment(self):
         """One of VERDICTS."""
         if not self.refused:
-            return "usable"
+            enough = self.kind.warned and self.gain < MIN_VISIBLE_GAIN
+            return "named" if enough and self.hinted else "usable"
         told = self.faults
         right = [any(fault.named_by(finding, self.joint_names) for fault in self.kind.faults) for finding in told]
         if not any(right):
@@ -141,15 +148,38 @@ def identified(name, case):
     return found.data_quality.findings if found.data_quality else (), not found.usable, ""
 
 
-def verdict(name, kind, *, fitted=True):
-    """The verdict on one kind of a material. fitted: with an identification, not the data quality alone"""
+def verdict(name, kind, *, fitted=True, remedies=False):
+    """The verdict on one kind of a material.
+
+    fitted: with an identification, not the data quality alone
+    remedies: whether the recording goes through a file, so that the lines of its findings can be put to the test
+    """
     base = base_of(name, kind)
     spoilt = kind.spoilt(base)
-    told = identified(name, spoilt) if fitted else examined(spoilt)
-    gain = gain_of_undoing(base, spoilt)
+    gain, left = gain_of_undoing(base, spoilt), None
     to_name = kind.faults
     if len(to_name) > 1:
         to_name = tuple(
             fault for fault in to_name if fault.shows or not gain_of_undoing(base, fault.spoil(base)) < MIN_VISIBLE_GAIN
         )
-    return Verdict(kind, gain, to_name, *told, base.model.independent_joints)
+    try:
+        filed = Filed.of(spoilt) if remedies else None
+        told = (
+            identified(name, filed.case if filed else spoilt) if fitted else examined(filed.case if filed else spoilt)
+        )
+        if filed:
+            left = left_by_remedies(base, filed, told[0])
+    except InvalidInput as error:  # by checks of the file
+        told = (), True, str(error)
+    return Verdict(kind, gain, to_name, *told, base.model.independent_joints, left)
+
+
+def left_by_remedies(base, filed, findings):
+    """What the exact undoing would still gain; None where the lines of the findings do not tell."""
+    lines = [finding.lines for finding in findings if finding.severity == "fault"]
+    if not all(lines):
+        return None
+    try:
+        return gain_of_undoing(base, filed.remedied(lines).case)
+    except (BadMapping, tomllib.TOMLDecodeError):
+        return None
