@@ -51,6 +51,7 @@ class Fault:
     base: the case that is spoilt, from the recording as it is
     shows: why the fault counts as visible whatever its undoing gains; empty if the gain decides
     judged: whether the recording must be refused if the fault is visible; noise makes results uncertain, not wrong
+    adds: whether it adds to the torque: the gain then compares ‖e_j‖, not ‖e_j‖ / ‖τ_j‖, which also changes with ‖τ_j‖
     warned: whether a warning that names it is enough while its undoing gains little
     """
 
@@ -64,6 +65,7 @@ class Fault:
     shows: str = ""
     judged: bool = True
     warned: bool = False
+    adds: bool = False
 
     @property
     def codes(self):

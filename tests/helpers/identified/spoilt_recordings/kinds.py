@@ -12,18 +12,23 @@ from identified.spoilt_recordings.faults import Fault
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """One or more faults of one recording, in the order in which they spoil it."""
+    """One or more faults of one recording, in the order in which they spoil it.
+
+    title, group: name and class, where they are not those of the faults
+    """
 
     faults: tuple[Fault, ...]
+    title: str = ""
+    group: str = ""
 
     @property
     def name(self):
-        return " + ".join(fault.label for fault in self.faults)
+        return self.title or " + ".join(fault.label for fault in self.faults)
 
     @property
     def of(self):
         """The class: of a single fault, or their number."""
-        return self.faults[0].of if len(self.faults) == 1 else f"{len(self.faults)} faults"
+        return self.group or (self.faults[0].of if len(self.faults) == 1 else f"{len(self.faults)} faults")
 
     @property
     def why(self):
@@ -36,6 +41,10 @@ class Kind:
     @property
     def judged(self):
         return all(fault.judged for fault in self.faults)
+
+    @property
+    def adds(self):
+        return all(fault.adds for fault in self.faults)
 
     @property
     def warned(self):
@@ -66,7 +75,7 @@ class Kind:
 
 def kinds():
     """All kinds for an arm of six joints."""
-    return [*(Kind((fault,)) for fault in single_faults()), *(Kind(faults) for faults in combinations())]
+    return [*single_faults(), *(Kind(faults) for faults in combinations())]
 
 
 def half(which):
@@ -83,10 +92,9 @@ def half(which):
 
 
 def single_faults():
-    yield from _of_the_arm()
-    yield from _of_columns()
-    yield from _of_torques()
-    yield from _of_rows()
+    """Kinds of one fault, and gears with another ratio and sign."""
+    for group in (_of_the_arm(), _of_columns(), _of_torques(), _of_rows()):
+        yield from (fault if isinstance(fault, Kind) else Kind((fault,)) for fault in group)
 
 
 def _of_the_arm():
@@ -108,14 +116,22 @@ def _of_columns():
         for angle in own:
             yield columns.zero(j, -angle if (j + angle) % 2 else angle)
     for j, factor in ((1, 2), (2, 0.5), (0, 1.5), (3, 1.01), (1, 81 / 101), (2, 1.21), (4, 2), (5, 0.5), (1, -1.5)):
-        yield columns.gear(j, factor)
+        yield _signed(columns.reversed_joint, columns.gear, j, factor)
     for j, factor in ((2, 2), (1, 0.5), (3, 1.5), (1, 1.01), (2, 81 / 101), (4, 1.21), (5, -2), (0, 2)):
-        yield columns.position_gear(j, factor)
+        yield _signed(columns.reversed_position, columns.position_gear, j, factor)
     for j, factor in ((1, 2), (2, 0.5), (3, -1.5), (1, 81 / 101), (2, 1.21), (4, 3), (0, 1.5)):
-        yield columns.torque_gear(j, factor)
+        yield _signed(columns.reversed_torque, columns.torque_gear, j, factor)
     yield from (columns.coupled_wrist(), columns.coupled_wrist(-1.0), columns.coupled_wrist(torque=True))
     yield from (columns.scaled_velocity(1, 2.0), columns.scaled_velocity(3, 1 / 57.3), columns.scaled_velocity(2, 1.1))
     yield from (columns.exchanged_velocities(1, 2), columns.exchanged_velocities(3, 4), columns.copied_velocity(2, 1))
+
+
+def _signed(sign, scale, j, factor):
+    """A fault of scale by a factor; one of sign and one of scale for a negative factor."""
+    if factor > 0:
+        return scale(j, factor)
+    parts = (sign(j), scale(j, -factor))
+    return Kind(parts, scale(j, factor).label, parts[1].of)
 
 
 def _of_torques():

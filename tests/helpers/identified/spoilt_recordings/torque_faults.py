@@ -19,7 +19,7 @@ def _added(of, label, why, torque, joints=(), **more):
     def spoil(case):
         return case.changed(tau=case.recording.tau + torque(case))
 
-    return Fault(of, label, why, spoil, None, joints, **more)
+    return Fault(of, label, why, spoil, None, joints, adds=True, **more)
 
 
 def _ramp(case):

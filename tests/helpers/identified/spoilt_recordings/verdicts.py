@@ -1,8 +1,9 @@
 """What the program says of a spoilt recording, and whether that is what its exact undoing shows.
 
 The oracle is the gain of the exact undoing: the fall of Σ_j log ‖e_j‖ of the program's own bounded fit, from the
-spoilt recording to the clean one. A kind with a gain of MIN_VISIBLE_GAIN or more is visible. Some faults leave the fit
-as good as it was, or make it better, and are visible by construction: their Fault.shows says why.
+spoilt recording to the clean one. ‖e_j‖ is relative to ‖τ_j‖, as in the program, except where a fault adds to the
+torque. A kind with a gain of MIN_VISIBLE_GAIN or more is visible. Some faults leave the fit as good as it was, or make
+it better, and are visible by construction: their Fault.shows says why.
 """
 
 import tomllib
@@ -119,12 +120,16 @@ class Verdict:
         return "; ".join(listed) or self.refusal or "–"
 
 
-def gain_of_undoing(base, spoilt):
-    """The oracle. NaN where the spoilt recording cannot be fitted."""
+def gain_of_undoing(base, spoilt, adds=False):
+    """The oracle. NaN where the spoilt recording cannot be fitted.
+
+    adds: whether the fault adds to the torque: ‖e_j‖ is then not to be measured by the ‖τ_j‖ that it changes
+    """
     try:
-        return float(np.sum(np.log(spoilt.errors / base.errors)))
+        sizes = [case.errors * (np.linalg.norm(case.fit[1], axis=0) if adds else 1.0) for case in (base, spoilt)]
     except (InvalidInput, np.linalg.LinAlgError):
         return float("nan")
+    return float(np.sum(np.log(sizes[1] / sizes[0])))
 
 
 def examined(case):
@@ -156,7 +161,7 @@ def verdict(name, kind, *, fitted=True, remedies=False):
     """
     base = base_of(name, kind)
     spoilt = kind.spoilt(base)
-    gain, left = gain_of_undoing(base, spoilt), None
+    gain, left = gain_of_undoing(base, spoilt, kind.adds), None
     to_name = kind.faults
     if len(to_name) > 1:
         to_name = tuple(
@@ -177,7 +182,7 @@ def verdict(name, kind, *, fitted=True, remedies=False):
 def left_by_remedies(base, filed, findings):
     """What the exact undoing would still gain; None where the lines of the findings do not tell."""
     lines = [finding.lines for finding in findings if finding.severity == "fault"]
-    if not all(lines):
+    if not lines or not all(lines):
         return None
     try:
         return gain_of_undoing(base, filed.remedied(lines).case)
