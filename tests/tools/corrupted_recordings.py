@@ -115,7 +115,16 @@ def _kinds(arguments):
 def _totals(found):
     """Counts of verdicts on visible kinds by recording and by class, and wrong causes among the others."""
     judged_rows = [(name, row) for name, row in found if row.kind.judged]
-    header = ["", "kinds", "visible", *VERDICTS, "share named", "not visible: wrong cause", "undone by their lines"]
+    header = [
+        "",
+        "kinds",
+        "visible",
+        *VERDICTS,
+        "share named",
+        "with a wrong cause beside",
+        "not visible: wrong cause",
+        "undone by their lines",
+    ]
     print(f"\n| {' | '.join(header)} |\n|{'---|' * len(header)}")
     groups = [(name, [row for other, row in judged_rows if other == name]) for name in dict(judged_rows)]
     classes = dict.fromkeys(row.kind.of for _, row in judged_rows)
@@ -124,11 +133,12 @@ def _totals(found):
         visible = [row for row in rows if row.visible]
         counts = Counter(row.judgment for row in visible)
         share = f"{100 * counts['named'] / len(visible):.0f} %" if visible else "–"
+        beside = sum(row.beside for row in visible)
         hidden = sum(not row.visible and row.judgment == "wrong cause" for row in rows)
         numbers = (len(rows), len(visible), *(counts[judgment] for judgment in VERDICTS))
         lines = [row.left < MIN_VISIBLE_GAIN for row in visible if row.left is not None]
         undone = f"{sum(lines)} of {len(lines)}"
-        print(f"| {title} | {' | '.join(map(str, numbers))} | {share} | {hidden} | {undone} |")
+        print(f"| {title} | {' | '.join(map(str, numbers))} | {share} | {beside} | {hidden} | {undone} |")
 
 
 ACCEPTED = {"variants": _variants, "first": _kinds, "second": _kinds, "both": _kinds, "clean": _clean}

@@ -85,7 +85,7 @@ class Verdict:
             enough = self.kind.warned and self.gain < MIN_VISIBLE_GAIN
             return "named" if enough and self.hinted else "usable"
         told = self.faults
-        right = [any(fault.named_by(finding, self.joint_names) for fault in self.kind.faults) for finding in told]
+        right = [self._named(finding) for finding in told]
         if not any(right):
             causes = any(finding.code not in WITHOUT_CAUSE for finding in told)
             return "wrong cause" if causes else "refused without a cause"
@@ -93,14 +93,18 @@ class Verdict:
         return "named" if right[0] and all_named else "named in part"
 
     @property
+    def beside(self):
+        """Whether a finding beside the right ones states a wrong cause."""
+        return self.judgment == "named" and not all(
+            finding.code in WITHOUT_CAUSE
+            or any(fault.named_by(finding, self.joint_names) for fault in self.kind.faults)
+            for finding in self.faults
+        )
+
+    @property
     def hinted(self):
         """Whether a finding that is no reason to refuse names a fault."""
-        return any(
-            fault.named_by(finding, self.joint_names)
-            for finding in self.findings
-            if finding.severity != "fault"
-            for fault in self.kind.faults
-        )
+        return any(self._named(finding) for finding in self.findings if finding.severity != "fault")
 
     @property
     def right(self):
