@@ -28,7 +28,11 @@ MIN_VISIBLE_GAIN = 0.5
 WITHOUT_CAUSE = ("unrelated",)
 """Codes of findings that state no cause."""
 
-VERDICTS = ("named", "named in part", "wrong cause", "refused without a cause", "usable")
+MAX_EQUIVALENT_GAIN = 0.1
+"""What the exact undoing may still gain where another cause explains the recording as well: no wrong change gains more
+on the clean recordings."""
+
+VERDICTS = ("named", "equivalent", "named in part", "wrong cause", "refused without a cause", "usable")
 
 
 @cache
@@ -80,26 +84,36 @@ class Verdict:
 
     @property
     def judgment(self):
-        """One of VERDICTS."""
+        """One of VERDICTS.
+
+        With remedies put to the test, another cause is equivalent if its remedy leaves nothing: the recording cannot
+        tell them apart. A right cause whose remedy does not undo it is named in part.
+        """
         if not self.refused:
             enough = self.kind.warned and self.gain < MIN_VISIBLE_GAIN
             return "named" if enough and self.hinted else "usable"
-        told = self.faults
-        right = [self._named(finding) for finding in told]
+        right = [self._named(finding) for finding in self.faults]
+        first = bool(right) and right[0]
+        if self.left is not None and self.left < MAX_EQUIVALENT_GAIN and not (first and self._all_named):
+            return "equivalent"
         if not any(right):
-            causes = any(finding.code not in WITHOUT_CAUSE for finding in told)
+            causes = any(finding.code not in WITHOUT_CAUSE for finding in self.faults)
             return "wrong cause" if causes else "refused without a cause"
-        all_named = all(any(fault.named_by(finding, self.joint_names) for finding in told) for fault in self.to_name)
-        return "named" if right[0] and all_named else "named in part"
+        undone = self.left is None or self.left < MIN_VISIBLE_GAIN
+        return "named" if first and self._all_named and undone else "named in part"
+
+    @property
+    def _all_named(self):
+        return all(any(fault.named_by(finding, self.joint_names) for finding in self.faults) for fault in self.to_name)
 
     @property
     def beside(self):
         """Whether a finding beside the right ones states a wrong cause."""
-        return self.judgment == "named" and not all(
-            finding.code in WITHOUT_CAUSE
-            or any(fault.named_by(finding, self.joint_names) for fault in self.kind.faults)
-            for finding in self.faults
-        )
+        stated = [finding for finding in self.faults if finding.code not in WITHOUT_CAUSE]
+        return self.judgment == "named" and not all(map(self._named, stated))
+
+    def _named(self, finding):
+        return any(fault.named_by(finding, self.joint_names) for fault in self.kind.faults)
 
     @property
     def hinted(self):
@@ -111,7 +125,7 @@ class Verdict:
         """Whether the verdict is as it must be: visible faults are named."""
         if not self.kind.judged:
             return self.judgment != "wrong cause"
-        return not self.visible or self.judgment == "named"
+        return not self.visible or self.judgment in ("named", "equivalent")
 
     @property
     def told(self):
