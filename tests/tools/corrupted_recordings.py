@@ -132,7 +132,7 @@ def _totals(found):
     for title, rows in [*groups, ("all", [row for _, row in judged_rows])]:
         visible = [row for row in rows if row.visible]
         counts = Counter(row.judgment for row in visible)
-        share = f"{100 * counts['named'] / len(visible):.0f} %" if visible else "–"
+        share = f"{100 * (counts['named'] + counts['equivalent']) / len(visible):.0f} %" if visible else "–"
         beside = sum(row.beside for row in visible)
         hidden = sum(not row.visible and row.judgment == "wrong cause" for row in rows)
         numbers = (len(rows), len(visible), *(counts[judgment] for judgment in VERDICTS))
