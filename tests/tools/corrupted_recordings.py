@@ -60,8 +60,8 @@ def _clean(arguments):
     for name in arguments.recordings or [*RECORDINGS, *CLEAN]:
         case = clean(name)
         findings, refused, error = examined(case) if arguments.data_quality else identified(name, case)
-        found += bool(findings or refused)
-        told = "; ".join(f"{finding.code} ({', '.join(finding.joints)})" for finding in findings)
+        found += refused or any(finding.severity != "hint" for finding in findings)
+        told = "; ".join(f"{finding.code} ({', '.join(finding.joints)}) [{finding.severity}]" for finding in findings)
         print(f"| {name} | {told or error or ('refused' if refused else '–')} |", flush=True)
     return found
 

@@ -30,7 +30,8 @@ class Judged:
         if self.variant.undetectable:
             return bool(self.data_quality.unseen)
         if not self.variant.codes:
-            return self.usable is not False and not self.data_quality.findings
+            told = [finding for finding in self.data_quality.findings if finding.severity != "hint"]
+            return self.usable is not False and not told
         return not self.usable and bool(set(self.codes[:1]) & set(self.variant.codes))
 
 

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from zlib import crc32
 
-from identified.spoilt_recordings import column_faults as columns
-from identified.spoilt_recordings import gravity_and_time as arm
-from identified.spoilt_recordings import row_faults as rows
-from identified.spoilt_recordings import torque_faults as torques
-from identified.spoilt_recordings.faults import Fault
+from identified.spoilt_recordings.faults import columns, rows, torques
+from identified.spoilt_recordings.faults import whole_arm as arm
+from identified.spoilt_recordings.faults.fault import Fault
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,10 +1,8 @@
 """Kinds of spoilt recordings with random sizes, joints and combinations: others for every seed."""
 
 import numpy as np
-from identified.spoilt_recordings import column_faults as columns
-from identified.spoilt_recordings import gravity_and_time as arm
-from identified.spoilt_recordings import row_faults as rows
-from identified.spoilt_recordings import torque_faults as torques
+from identified.spoilt_recordings.faults import columns, rows, torques
+from identified.spoilt_recordings.faults import whole_arm as arm
 from identified.spoilt_recordings.kinds import Kind
 
 PAIRS, TRIPLES = 10, 8

@@ -12,7 +12,7 @@ from functools import cache
 
 import numpy as np
 from identified.spoilt_recordings.case import Case
-from identified.spoilt_recordings.faults import Fault
+from identified.spoilt_recordings.faults.fault import Fault
 from identified.spoilt_recordings.kinds import Kind
 from identified.spoilt_recordings.materials import material
 from identified.spoilt_recordings.remedied import Filed

@@ -2,7 +2,7 @@
 
 import numpy as np
 from identified.spoilt_recordings.case import with_velocity, without_velocity
-from identified.spoilt_recordings.faults import Fault
+from identified.spoilt_recordings.faults.fault import Fault
 
 REPEATED = "rows that repeat are no further measurements, and every deviation is too small"
 DEAD = "the channel holds no measurement there"

@@ -2,7 +2,7 @@
 
 import numpy as np
 from identified.spoilt_recordings.case import with_velocity
-from identified.spoilt_recordings.faults import Fault
+from identified.spoilt_recordings.faults.fault import Fault
 
 
 def multiplied(case, position=None, torque=None, velocity=None):

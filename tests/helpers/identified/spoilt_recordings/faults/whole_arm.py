@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 from identified.spoilt_recordings.case import with_velocity, without_velocity
-from identified.spoilt_recordings.faults import Fault
+from identified.spoilt_recordings.faults.fault import Fault
 from scipy.spatial.transform import Rotation
 
 

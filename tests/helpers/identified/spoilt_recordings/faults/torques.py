@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from identified.spoilt_recordings.faults import Fault
+from identified.spoilt_recordings.faults.fault import Fault
 
 from graphdyn.identification.terms import Offset, PayloadMass
 
