@@ -9,6 +9,8 @@ from identified.spoilt_recordings.random_kinds import random_kinds
 from identified.spoilt_recordings.remedied import Filed
 from identified.spoilt_recordings.verdicts import base_of, clean
 
+from crosscheck.identifying.data_quality.data_quality import data_quality
+
 ARM = "ur5"
 """The simulated one, whose recording needs no file."""
 
@@ -41,6 +43,12 @@ def test_spoils_and_is_undone(kind):
     assert differ(base, spoilt, 1e-6)
     if kind.has_inverse:
         assert not differ(base, kind.undone(spoilt), ROUNDING)
+
+
+def test_the_oracle_has_the_errors_of_the_program():
+    case = clean(ARM)
+    found = data_quality(case.torque_model, [case.recording], case.preparation)
+    np.testing.assert_allclose(case.errors, found.measures.errors, rtol=ROUNDING)
 
 
 def test_halves_are_disjoint_and_even():
