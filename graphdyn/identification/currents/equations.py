@@ -2,7 +2,7 @@
 
 Unknowns, in this order: logarithms of the gains (n,), base parameters of the links (r,), friction of every recording
 and joint in units of its current, and ten parameters of every load. Friction has its own parameters in every recording:
-a warmer gear is no heavier load.
+a warmer gear is no heavier load. The signs of the gains are no unknowns: they are set beforehand.
 """
 
 from __future__ import annotations
@@ -14,7 +14,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
+from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.identification.terms.bodies import carrier
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
@@ -38,11 +40,13 @@ class CurrentEquations:
 
     torque_model: its first term is RigidBodies; the structure of all recordings
     carrier: link that carries the loads, the last one if None
+    signs: of the gains: -1 where a current runs against the torque, 1 everywhere if None   (n,)
     """
 
     torque_model: TorqueModel
     recordings: Sequence[LoadedRecording]
     carrier: str | None = None
+    signs: Array | None = None
 
     @cached_property
     def n_joints(self) -> int:
@@ -88,6 +92,12 @@ class CurrentEquations:
         return slice(start, start + BODY_PARAMETERS)
 
     @cached_property
+    def torque_columns(self) -> NDArray[np.int64]:
+        """Places of links and loads among the unknowns."""
+        loads = [np.r_[self.load_columns(load)] for load in self.loads]
+        return np.concatenate([np.r_[self.link_columns], *loads])
+
+    @cached_property
     def size(self) -> int:
         """Number of unknowns."""
         first: int = self.link_columns.stop + len(self.recordings) * sum(map(len, self._friction))
@@ -98,12 +108,30 @@ class CurrentEquations:
         """The equations of every recording as a whole."""
         return [merged(recording.blocks) for recording in self.recordings]
 
+    @cached_property
+    def without_friction(self) -> list[Array]:
+        """Factors of every recording, links and currents, without what friction explains (n, b + 1, r + 1)."""
+        found = []
+        for k, total in enumerate(self.totals):
+            rows = total.factors[..., np.append(self.links, total.n_columns)]
+            for joint, factor in enumerate(total.factors):
+                own, _ = self.friction_columns(k, joint)
+                basis = orthonormal_basis(factor[:, own], RANK_TOLERANCE)
+                rows[joint] -= basis @ (basis.T @ rows[joint])
+            found.append(rows)
+        return found
+
+    def per_torque(self, x: Array) -> Array:
+        """Currents per torque of the joints (n,): signs over gains."""
+        found: Array = np.exp(-x[self.gain_columns])
+        return found if self.signs is None else self.signs * found
+
     def currents(self, recording: int, x: Array) -> Array:
         """The linear parameters u (n, b) with c_j = W_j u_j in a recording, for the unknowns x."""
         found = np.zeros((self.n_joints, structure(self.torque_model).base.rank))
         load = self.recordings[recording].load
         links = x[self.link_columns] + (0 if load is None else self.load_matrix @ x[self.load_columns(load)])
-        for joint, per_torque in enumerate(np.exp(-x[self.gain_columns])):
+        for joint, per_torque in enumerate(self.per_torque(x)):
             own, places = self.friction_columns(recording, joint)
             found[joint, self.links], found[joint, own] = per_torque * links, x[places]
         return found
@@ -113,7 +141,7 @@ class CurrentEquations:
         found = np.zeros((self.n_joints, structure(self.torque_model).base.rank, self.size))
         load = self.recordings[recording].load
         values = self.currents(recording, x)
-        for joint, per_torque in enumerate(np.exp(-x[self.gain_columns])):
+        for joint, per_torque in enumerate(self.per_torque(x)):
             own, places = self.friction_columns(recording, joint)
             found[joint, self.links, joint] = -values[joint, self.links]
             found[joint, self.links, self.link_columns] = per_torque * np.eye(len(self.links))

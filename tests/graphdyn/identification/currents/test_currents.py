@@ -100,6 +100,30 @@ def test_a_joint_without_motion_has_no_gain(arm, gains):
     assert np.isnan(fit.gains.values[~fit.gains.determined]).all()
 
 
+@pytest.mark.parametrize("joint", [1, 4])
+def test_a_current_that_runs_against_its_torque(arm, motions, gains, joint):
+    """The gain is that of the reversed column, and nothing else changes."""
+    rng = np.random.default_rng(6)
+    signs = np.where(np.arange(6) == joint, -1.0, 1.0)
+    blocks = [arm.recorded(motions[name], signs * gains, rng, load) for name, load in (("empty", None), ("w", "w"))]
+    fit = fit_currents(arm.torque_model, blocks, known_loads={"w": KnownLoad(WEIGHED[0])})
+    assert np.flatnonzero(fit.reversed).tolist() == [joint]
+    assert (np.abs(np.log(fit.gains.values / gains)) < FOUR_SIGMA * fit.gains.relative_deviations).all()
+
+
+def test_a_dead_channel_is_left_out(arm, motions, gains):
+    """Its gain is undetermined; the others are found."""
+    rng = np.random.default_rng(6)
+    dead = np.where(np.arange(6) == 2, np.inf, gains)
+    blocks = [arm.recorded(motions[name], dead, rng, load) for name, load in (("empty", None), ("w", "w"))]
+    fit = fit_currents(arm.torque_model, blocks, known_loads={"w": KnownLoad(WEIGHED[0])})
+    assert np.isinf(fit.noise[:, 2]).all()
+    assert np.flatnonzero(~fit.gains.determined).tolist() == [2]
+    found = fit.gains.determined
+    off = np.log(fit.gains.values[found] / gains[found])
+    assert (np.abs(off) < FOUR_SIGMA * fit.gains.relative_deviations[found]).all()
+
+
 class TestLoad:
     def test_parameters_and_their_deviations(self):
         """Against differences of the same formulas."""
@@ -137,6 +161,12 @@ class TestBadInput:
             fit_currents(arm.torque_model, blocks, gains=JointGains.stated(np.ones(5), 0.1))
         with pytest.raises(InvalidInput, match="no recording carries the load 'other'; those carried: weighed, wanted"):
             fit_currents(arm.torque_model, blocks, known_loads={"other": KnownLoad(1.0)})
+
+    def test_nothing_but_dead_channels(self, arm, motions):
+        rng = np.random.default_rng(6)
+        dead = arm.recorded(motions["empty"], np.full(6, np.inf), rng)
+        with pytest.raises(InvalidInput, match="no current changes in any recording; record a motion of all joints"):
+            fit_currents(arm.torque_model, [dead], gains=JointGains.stated(np.ones(6), 0.1))
 
     @pytest.mark.parametrize(
         ("make", "message"),

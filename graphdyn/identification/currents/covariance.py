@@ -1,0 +1,54 @@
+"""The covariance of a fit of currents: a jackknife over time blocks, and what the known numbers leave open."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphdyn.identification.algebra.least_squares import square_triangle
+from graphdyn.identification.currents.equations import CurrentEquations
+from graphdyn.identification.statistics.correlation import KNOWN_SHARE
+from graphdyn.layout import Array
+
+UNDETERMINED = 1e-7
+"""Singular value of the equations, columns at unit length, relative to the largest, below which a combination is
+undetermined: gains without anything known have 1e-10, the weakest gain of a moving joint 1e-4."""
+
+
+def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], noise: Array, x: Array) -> Array:
+    """Covariance of the unknowns x (size, size); infinite variances of what nothing determines, or one block alone.
+
+    known: rows and right side of what is known; noise: of every recording and joint (k, n)
+    """
+    steps = [equations.derivatives(k, x) for k in range(len(noise))]
+    totals = zip(equations.totals, noise, steps, strict=True)
+    parts = [(_weighted(total.factors, own)[..., :-1] @ step).reshape(-1, len(x)) for total, own, step in totals]
+    jacobian = np.concatenate([*parts, known[0]])
+    length = np.linalg.norm(jacobian, axis=0)
+    length = np.where(length > 0, length, 1.0)
+    _, s, v_t = np.linalg.svd(square_triangle(jacobian / length))
+    kept = s > UNDETERMINED * s[0]
+    axes = v_t[kept].T / s[kept] / length[:, None]  # combinations that are determined, with unit information (size, m)
+    changes, alone = [], np.zeros(len(x), dtype=bool)
+    for k, recording in enumerate(equations.recordings):
+        values, along = equations.currents(k, x), steps[k] @ axes
+        for block in recording.blocks:
+            w = _weighted(block.factors, noise[k])
+            j = (w[..., :-1] @ along).reshape(-1, axes.shape[1])
+            residual = (np.einsum("jrb,jb->jr", w[..., :-1], values) - w[..., -1]).ravel()
+            left, vectors = np.linalg.eigh(np.eye(axes.shape[1]) - j.T @ j)  # information of all else
+            others = left > KNOWN_SHARE
+            changes.append(axes @ (vectors[:, others] @ (vectors[:, others].T @ (j.T @ residual) / left[others])))
+            share = axes @ vectors[:, ~others]
+            alone |= np.sum(share**2, axis=1) > KNOWN_SHARE * np.sum(axes**2, axis=1)
+    moved, stated = np.array(changes), axes @ (known[0] @ axes).T
+    covariance: Array = moved.T @ moved * (len(moved) - 1) / len(moved) + stated @ stated.T
+    lost = alone | (np.sum(v_t[~kept] ** 2, axis=0) > UNDETERMINED)
+    covariance[lost, :] = covariance[:, lost] = 0.0
+    covariance[lost, lost] = np.inf
+    return covariance
+
+
+def _weighted(factors: Array, noise: Array) -> Array:
+    """Factors (n, rows, b + 1) in units of the noise (n,)."""
+    found: Array = factors / noise[:, None, None]
+    return found
