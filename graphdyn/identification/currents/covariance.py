@@ -1,6 +1,13 @@
-"""The covariance of a fit of currents: a jackknife over time blocks, and what the known numbers leave open."""
+"""The covariance of a fit of currents: a jackknife over time blocks, and what the known numbers leave open.
+
+A standard deviation from B blocks is itself uncertain. It is enlarged by the quantile of Student's t distribution, so
+that twice the deviation covers as much as with a normal distribution; the degrees of freedom are those of Welch and
+Satterthwaite (Biometrics Bulletin 2, 1946), one contribution per recording.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,8 +21,23 @@ UNDETERMINED = 1e-7
 undetermined: gains without anything known have 1e-10, the weakest gain of a moving joint 1e-4."""
 
 
-def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], noise: Array, x: Array) -> Array:
-    """Covariance of the unknowns x (size, size); infinite variances of what nothing determines, or one block alone.
+TWO_SIGMA = 0.9772498680518208
+"""Probability that a normal variable is below two standard deviations."""
+
+
+class Covariance(NamedTuple):
+    """Covariances of the unknowns (size, size); infinite variances of what nothing determines, or one block alone.
+
+    measured: from the time blocks, with the quantiles of few blocks
+    expected: for the noise of every joint; its correlations do not scatter as those of few blocks do
+    """
+
+    measured: Array
+    expected: Array
+
+
+def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], noise: Array, x: Array) -> Covariance:
+    """Covariances of the unknowns x.
 
     known: rows and right side of what is known; noise: of every recording and joint (k, n)
     """
@@ -28,8 +50,11 @@ def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], 
     _, s, v_t = np.linalg.svd(square_triangle(jacobian / length))
     kept = s > UNDETERMINED * s[0]
     axes = v_t[kept].T / s[kept] / length[:, None]  # combinations that are determined, with unit information (size, m)
-    changes, alone = [], np.zeros(len(x), dtype=bool)
+    stated = axes @ (known[0] @ axes).T
+    measured, alone = stated @ stated.T, np.zeros(len(x), dtype=bool)
+    uncertainty = np.zeros(len(x))
     for k, recording in enumerate(equations.recordings):
+        changes = []
         values, along = equations.currents(k, x), steps[k] @ axes
         for block in recording.blocks:
             w = _weighted(block.factors, noise[k])
@@ -40,12 +65,29 @@ def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], 
             changes.append(axes @ (vectors[:, others] @ (vectors[:, others].T @ (j.T @ residual) / left[others])))
             share = axes @ vectors[:, ~others]
             alone |= np.sum(share**2, axis=1) > KNOWN_SHARE * np.sum(axes**2, axis=1)
-    moved, stated = np.array(changes), axes @ (known[0] @ axes).T
-    covariance: Array = moved.T @ moved * (len(moved) - 1) / len(moved) + stated @ stated.T
+        moved = np.array(changes) * np.sqrt((len(changes) - 1) / len(changes))
+        measured += moved.T @ moved
+        uncertainty += np.sum(moved**2, axis=0) ** 2 / (len(changes) - 1)
+    enlarged = _enlarged(np.diagonal(measured), uncertainty)
     lost = alone | (np.sum(v_t[~kept] ** 2, axis=0) > UNDETERMINED)
-    covariance[lost, :] = covariance[:, lost] = 0.0
-    covariance[lost, lost] = np.inf
-    return covariance
+    found = []
+    for covariance in (measured * enlarged * enlarged[:, None], axes @ axes.T):
+        covariance[lost, :] = covariance[:, lost] = 0.0
+        covariance[lost, lost] = np.inf
+        found.append(covariance)
+    return Covariance(*found)
+
+
+def _enlarged(variance: Array, uncertainty: Array) -> Array:
+    """Factors of standard deviations (size,): Student's quantile over the normal one.
+
+    uncertainty: half the variances of the variances (size,)
+    """
+    from scipy.stats import t  # imported where first used: import graphdyn stays light
+
+    freedom = np.full(len(variance), np.inf)
+    np.divide(variance**2, uncertainty, out=freedom, where=uncertainty > 0)
+    return np.asarray(t.ppf(TWO_SIGMA, freedom) / 2)
 
 
 def _weighted(factors: Array, noise: Array) -> Array:

@@ -89,12 +89,12 @@ def fit_currents(
     if np.any(point.signs < 0):
         equations = replace(equations, signs=point.signs)
     x = _unknowns(equations, point, fit.linear(point))
-    covariance = current_covariance(equations, known, noise, x)
+    covariance, own = current_covariance(equations, known, noise, x), equations.gain_columns
     return CurrentFit(
-        _gains(x[equations.gain_columns], covariance[equations.gain_columns, equations.gain_columns]),
+        _gains(x[own], covariance.measured[own, own], covariance.expected[own, own]),
         point.signs < 0,
         {
-            load: IdentifiedLoad(x[columns], covariance[columns, columns])
+            load: IdentifiedLoad(x[columns], covariance.measured[columns, columns])
             for load in equations.loads
             for columns in [equations.load_columns(load)]
         },
@@ -116,10 +116,15 @@ def _unknowns(equations: CurrentEquations, point: Point, torques: Array) -> Arra
     return x
 
 
-def _gains(logarithms: Array, covariance: Array) -> JointGains:
-    """The gains; those that are hardly known, and their covariances, are undetermined."""
-    lost = ~(np.diagonal(covariance) < MAX_RELATIVE_DEVIATION**2)
-    covariance = covariance.copy()
-    covariance[lost, :] = covariance[:, lost] = 0.0
+def _gains(logarithms: Array, measured: Array, expected: Array) -> JointGains:
+    """The gains; those that are hardly known, and their covariances, are undetermined.
+
+    Their deviations are measured, their correlations those expected. Whoever uses gains weighs them against other
+    recordings, and combinations that seem certain by chance would count most.
+    """
+    lost = ~(np.diagonal(measured) < MAX_RELATIVE_DEVIATION**2)
+    known = np.where(lost, 1.0, np.diagonal(measured)), np.where(lost, 1.0, np.diagonal(expected))
+    factor = np.sqrt(known[0] / known[1])
+    covariance = np.where(lost | lost[:, None], 0.0, expected) * factor * factor[:, None]
     covariance[lost, lost] = np.inf
     return JointGains(np.where(lost, np.nan, np.exp(logarithms)), covariance)
