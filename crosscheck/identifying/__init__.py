@@ -13,14 +13,10 @@ from crosscheck.identifying.methods.methods import (
 )
 from crosscheck.identifying.methods.torque_terms import TERMS, friction_terms, term_with
 from crosscheck.identifying.methods.wrench_method import FromWrenches
+from crosscheck.identifying.payload.fitted_currents import STATED_ERROR, FittedCurrents
+from crosscheck.identifying.payload.gains import as_torques, identify_gains
 from crosscheck.identifying.payload.gains_file import gains_document, load_gains
-from crosscheck.identifying.payload.payload import (
-    STATED_ERROR,
-    FittedCurrents,
-    IdentifiedPayload,
-    identify_gains,
-    identify_payload,
-)
+from crosscheck.identifying.payload.payload import IdentifiedPayload, identify_payload
 from crosscheck.identifying.preparing.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel, TorqueCurve
@@ -53,6 +49,7 @@ __all__ = [
     "TorqueCurve",
     "VirtualRobot",
     "WithPinocchio",
+    "as_torques",
     "friction_terms",
     "gains_document",
     "identify",

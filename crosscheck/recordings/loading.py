@@ -70,6 +70,7 @@ def load_recording(
     joints: Sequence[str] | None = None,
     rate: float | None = None,
     drop: Collection[str] = (),
+    currents: bool = False,
 ) -> Recording:
     """Read a recording: one file, or several files with the same rows that a mapping joins.
 
@@ -77,6 +78,7 @@ def load_recording(
     joints: names in the order of the robot; the recording's joints are these, in this order
     rate: samples per second, if no column holds the time
     drop: codes of findings whose rows are dropped ("repeated-stamp", …; all of them: DROPPABLE)
+    currents: without a mapping, tau are the currents of the motors as recorded, where there are any
 
     t is that of the file; stamps since 1970 are counted from the first row, which the provenance states.
 
@@ -86,7 +88,7 @@ def load_recording(
     unknown = [code for code in drop if code not in DROPPABLE]
     if unknown:
         raise InvalidInput(f"drop has {unknown[0]!r}; rows can be dropped for: {', '.join(DROPPABLE)}")
-    content = _read(paths, mapping, joints, rate)
+    content = _read(paths, mapping, joints, rate, currents)
     remaining = [f for f in content.findings if f.severity == "error" and f.code not in drop]
     if remaining:
         raise DirtyRecording(tuple(content.findings))
@@ -131,6 +133,7 @@ def _read(
     mapping: ColumnMapping | str | PathLike[str] | None,
     joints: Sequence[str] | None,
     rate: float | None,
+    currents: bool = False,
 ) -> _Content:
     files = [Path(path) for path in ([paths] if isinstance(paths, str | PathLike) else paths)]
     mapping = given_mapping(mapping, rate)
@@ -139,7 +142,7 @@ def _read(
     tables = [read_table(path, mapping, tuple(joints) if joints else None) for path in files]
     findings = [finding for table in tables for finding in table.findings]
     if mapping is None:
-        mapping, said = mapping_by_name(tables[0], joints, rate)
+        mapping, said = mapping_by_name(tables[0], joints, rate, currents)
         findings += said
     by_quantity = mapped_columns(tables, mapping)
     columns = list({(c.table.path, c.number): c for found in by_quantity.values() for c in found}.values())

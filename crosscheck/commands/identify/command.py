@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import typer
 from rich.text import Text
 
-from crosscheck.commands.identify.models import method_shown, methods_of
+from crosscheck.commands.identify.models import method_shown, methods_of, scaled_torques
 from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.program.console import out, progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver, recorded
@@ -33,6 +33,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,
   graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
   graphdyn identify a.csv b.csv --validate c.csv --robot arm.urdf --mapping columns.toml --methods all
   graphdyn identify a.csv --robot arm.urdf --models drives.toml --folds 10 --validate b.csv --json rows.json
+  graphdyn identify log.csv --robot arm.urdf --currents payload=4:weight.csv --write-gains gains.toml
   graphdyn identify 'fleet/*.parquet' --robot arm.urdf --cutoff 10 --scheduler tcp://10.0.0.1:8786
   graphdyn identify pos.csv cur.csv --mapping tx40.toml --robot tx40.urdf --cutoff 20 --decimate 10,10 --split 0:6 6:9
 """
@@ -52,6 +53,9 @@ def run(options: IdentifyOptions) -> None:
     Before any fit the recording is examined: reversed signs, exchanged columns, degrees, zeros, units, delays. Each
     finding comes with lines for --mapping. Nothing is recommended from a recording with a fault, nor a model that
     predicts some joint badly, or worse than CAD with fitted drives.
+
+    With --currents the LOGs hold motor currents. Their gains are found first, with standard deviations, and convert
+    them to torques. What nothing fixes is refused: a gain scales together with all links that its joint moves.
 
     With --jobs or --scheduler the LOGs may have any length, and are read part by part. Each is a Parquet file, which is
     a log of its own, or a folder, which is one log in Parquet files that follow each other without a gap, in the order
@@ -86,19 +90,30 @@ class Asked(NamedTuple):
 def from_recordings(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:
     """The LOGs, each in memory."""
     import urdf
-    from crosscheck.identifying import identify
+    from crosscheck.identifying import as_torques, friction_terms, identify
     from crosscheck.identifying.identify import number_of_steps
+    from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES
 
     logs, validate, reading = options.logs or [], options.validate or [], options.reading
     joints = urdf.load(robot, reading=reading).independent_joints
-    with progress("read", len(logs) + len(validate)) as advance:
-        named = ("--robot", robot, *reading_arguments(options))
-        recordings = options.recordings("LOG", logs, joints, advance, named, options.rate)
-        unseen = options.recordings("--validate", validate, joints, advance, named, options.rate)
-    show_findings(finding for recording in [*recordings, *unseen] for finding in recording.findings)
+    with_load = [] if options.loaded is None else [options.loaded[1]]
+    paths = {"LOG": logs, "--validate": validate, "--currents": with_load}
+    with progress("read", sum(map(len, paths.values()))) as advance:
+        named, currents = ("--robot", robot, *reading_arguments(options)), bool(options.currents)
+        recordings, unseen, loaded = (
+            options.recordings(option, given, joints, advance, named, options.rate, currents=currents)
+            for option, given in paths.items()
+        )
+    show_findings(finding for recording in [*recordings, *unseen, *loaded] for finding in recording.findings)
+    found = None
+    if options.currents:
+        terms = (*friction_terms(STANDARD_TERM_NAMES), *scaled_torques(options.scaled_torque))
+        found = options.gains(robot, recordings, loaded, terms=terms, preparation=asked.preparation, reading=reading)
+        recordings, unseen = ([as_torques(recording, found) for recording in group] for group in (recordings, unseen))
     held_out = options.held_out(unseen)
     with progress("identify", number_of_steps(asked.models, held_out)) as advance:
-        return identify(robot, recordings, held_out=held_out, progress=advance, reading=reading, **asked._asdict())
+        result = identify(robot, recordings, held_out=held_out, progress=advance, reading=reading, **asked._asdict())
+    return replace(result, currents=found)
 
 
 def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import typer
 
+from crosscheck.commands.identify.currents_option import CurrentsOptions
 from crosscheck.commands.identify.models import (
     DEFAULT_TERMS,
     FUNCTION_FORM,
@@ -286,6 +287,7 @@ class IdentifyOptions(
     HeldOutOptions,
     TorqueOptions,
     PreparationOptions,
+    CurrentsOptions,
     LoopOptions,
     SimulationOptions,
     ReadingOptions,
@@ -362,10 +364,14 @@ class IdentifyOptions(
             of_logs = (
                 *("validate", "split", "split_rows", "folds", "mapping", "rate", "drop", "known_torque"),
                 *("known_bodies", "payload", "payload_on", "models", "controller", "control_rate", "torque_hold"),
+                "currents",
             )
             refuse(self, of_logs, "needs a LOG; without one the robot is simulated")
         if self.in_parts:
             self._refuse_in_parts()
+        self.check_currents()
+        if self.currents:
+            refuse(self, ("known_torque",), "is in N m, which --currents have not yet; give --scaled-torque")
         if self.models is not None:
             of_models = ("terms", "width", "stribeck_velocity", "stribeck_exponent", "term")
             refuse(self, of_models, "and --models exclude each other; write it in the file")
@@ -377,7 +383,7 @@ class IdentifyOptions(
             raise typer.BadParameter("--jobs and --scheduler need LOGs; a simulated robot is identified without them")
         of_memory = (
             *("drop", "derive_velocity", "decimate", "split", "split_rows", "folds", "controller", "control_rate"),
-            "torque_hold",
+            *("torque_hold", "currents"),
         )
         refuse(self, of_memory, "needs the recording in memory; leave it out with --jobs and --scheduler")
         if self.cutoff == "residual":

@@ -7,6 +7,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
+from crosscheck.commands.identify.gains_record import CurrentsRecord
+from crosscheck.identifying import FittedCurrents
 from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.results.identified_model import Candidate, HeldOutPrediction, IdentifiedModel
 from crosscheck.identifying.results.parameters import (
@@ -22,6 +24,7 @@ from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import RecordingFinding
 from crosscheck.report.records.record import CommandRecord, Keywords, Number, Numbers, Record, attribute, written
 from graphdyn.identification import MethodComparison, MethodResult, ResidualSizes
+from graphdyn.identification.currents import gain_deviations
 from graphdyn.identification.data_quality import Excitation, excitation
 from graphdyn.layout import Array
 from graphdyn.model import PARAMETER_NAMES
@@ -237,6 +240,7 @@ class IdentifyRecord(
     validation_data_quality: what every recording that is predicted and not fitted shows of itself; null where it is too
         short
     shown: the result in the tables
+    currents: gains that have converted recorded currents; null for recorded torques
     """
 
     robot = attribute("subject.name")
@@ -262,6 +266,7 @@ class IdentifyRecord(
     comparison: Sequence[CandidateRecord]
     validation_data_quality: Sequence[DataQualityRecord | None]
     shown: ShownRecord | None
+    currents: CurrentsRecord | None
 
 
 def record(found: Identified, shown: MethodResult | None, command: Sequence[str]) -> dict[str, Any]:
@@ -277,7 +282,13 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         other_models=[_model(model) for model in found.others],
         comparison=[_candidate(candidate) for candidate in found.candidates],
         shown=None if shown is None else _shown(found, shown),
+        currents=None if found.currents is None else _currents(found, found.currents),
     )
+
+
+def _currents(found: Identified, currents: FittedCurrents) -> dict[str, Any]:
+    deviations = gain_deviations(found.problem.equations, currents.gains)
+    return written(CurrentsRecord, currents, base_deviations=deviations)
 
 
 def _model(model: IdentifiedModel) -> dict[str, Any]:

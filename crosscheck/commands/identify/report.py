@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from crosscheck.commands.identify.gains_report import gains_of_identified
 from crosscheck.commands.identify.methods_report import methods_section, singular_values
 from crosscheck.commands.identify.model_report import parameters_section, torques_section
 from crosscheck.commands.identify.quality_report import data_quality_section, excitation_table, rejection_sections
@@ -34,6 +35,7 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
         _verdict(found),
         (
             Section("recording", "", (_overview(found, shown),)),
+            *gains_of_identified(found, shown),
             *rejection_sections(found),
             data_quality_section(found),
             methods_section(found),

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
+from crosscheck.commands.identify.currents_option import files_of, gains_of, write_gains
 from crosscheck.commands.identify.models import DEFAULT_TERMS
 from crosscheck.commands.identify.options import PreparationOptions
-from crosscheck.commands.payload.gains_option import gains_of
 from crosscheck.commands.program.console import progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, DISAGREED
@@ -127,13 +127,10 @@ def run(options: PayloadOptions) -> None:
     """
     import urdf
     from crosscheck.commands.payload.report import payload_report
-    from crosscheck.identifying import gains_document
 
     found = _found(options, urdf.load(options.robot, reading=options.reading).independent_joints)
     deliver(payload_report(found), options)
-    if options.write_gains is not None:
-        source = f"{found.known}; {', '.join(found.names)}"
-        options.write_gains.write(gains_document(found.gains, found.joints, source))
+    write_gains(options.write_gains, found)
     raise typer.Exit(DISAGREED if found.rejection_reasons else AGREED)
 
 
@@ -143,16 +140,20 @@ def _found(options: PayloadOptions, joints: tuple[str, ...]) -> IdentifiedPayloa
 
     if options.gains is None:
         refuse(options, ("gains_error",), "is the error of --gains; give them too")
-    known_load, gains = options.known_load, gains_of("--gains", options.gains, options.gains_error, joints)
+    known_load = options.known_load
     names = [] if options.terms == "none" else [name.strip() for name in options.terms.split(",")]
     named = ("--robot", options.robot, *reading_arguments(options))
     extra = [] if options.calibration is None else [options.calibration]
     with warnings_shown(), progress("read", len(options.logs) + len(extra)) as advance:
-        recordings = options.recordings("EMPTY LOADED", options.logs, joints, advance, named, options.rate)
-        known = options.recordings("--calibration", extra, joints, advance, named, options.rate)
+        recordings = options.recordings(
+            "EMPTY LOADED", options.logs, joints, advance, named, options.rate, currents=True
+        )
+        known = options.recordings("--calibration", extra, joints, advance, named, options.rate, currents=True)
         if len(recordings) != 2:
             raise typer.BadParameter(f"EMPTY LOADED: {len(recordings)} recordings are given; give two")
         show_findings(finding for recording in [*recordings, *known] for finding in recording.findings)
+        files = files_of([*recordings, *known])
+        gains = gains_of("--gains", options.gains, options.gains_error, joints, files)
         return identify_payload(
             options.robot,
             recordings[0],

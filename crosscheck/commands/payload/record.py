@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from crosscheck.commands.identify.gains_record import GainsRecord
 from crosscheck.identifying import IdentifiedPayload
 from crosscheck.report.records.record import CommandRecord, Number, Numbers, Record, attribute, written
-from graphdyn.identification.currents import IdentifiedLoad, JointGains
+from graphdyn.identification.currents import IdentifiedLoad
 
 
 class LoadRecord(Record, of=IdentifiedLoad):
@@ -23,18 +24,13 @@ class LoadRecord(Record, of=IdentifiedLoad):
     consistent: bool = attribute()
 
 
-class GainsRecord(Record, of=JointGains):
-    """Torque per unit of the recorded column, joint by joint."""
-
-    deviations: Numbers = attribute()
-
-
 class PayloadRecord(CommandRecord, of=IdentifiedPayload, only=("known", "link"), format="graphdyn payload 1"):
     """A load and gains of the motors.
 
     robot: name
     recordings: files, the empty one first
     rejection_reasons: why the result is of no use; empty where it is
+    warnings: currents that say nothing, and joints that do not move
     """
 
     robot: str = attribute("subject.name")
@@ -45,6 +41,7 @@ class PayloadRecord(CommandRecord, of=IdentifiedPayload, only=("known", "link"),
     relative_residuals: Sequence[Numbers] = attribute()
     lower_bound: bool = attribute()
     rejection_reasons: Sequence[str] = attribute()
+    warnings: Sequence[str] = attribute()
 
 
 def record(found: IdentifiedPayload, command: Sequence[str]) -> dict[str, Any]:

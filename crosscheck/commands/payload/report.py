@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from crosscheck.commands.payload.gains_report import gains_section
+from crosscheck.commands.identify.gains_report import gains_section
 from crosscheck.commands.payload.record import record
 from crosscheck.identifying import IdentifiedPayload
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
@@ -55,12 +55,4 @@ def _notes(found: IdentifiedPayload) -> tuple[Block, ...]:
     notes = []
     if not found.load.consistent:
         notes.append(Note("no body has this tensor: the recordings determine it too roughly; use mass and center"))
-    if found.lower_bound:
-        notes.append(
-            Note(
-                f"the shortest recording has {found.correlation_times:.0f} correlation times of its residual: every σ "
-                "is a lower bound; record longer",
-                state="undecided",
-            )
-        )
     return (Notes(tuple(notes)),) if notes else ()

@@ -67,10 +67,13 @@ class ColumnOptions:
         advance: Advance,
         robot: Sequence[str],
         rate: float | None = None,
+        *,
+        currents: bool = False,
     ) -> list[Recording]:
         """The recordings of the files, as many files for each as the mapping names. Raises as load_recording.
 
         robot: arguments that name it and say how it is read, for the command that a refusal names
+        currents: as for load_recording
         """
         from crosscheck.recordings import DROPPABLE, load_mapping, load_recording
 
@@ -94,7 +97,8 @@ class ColumnOptions:
         for group in groups:
             advance(group[0].name, 0)
             with naming_recording_command(logs, robot, self.mapping):
-                recordings.append(load_recording(group, columns, joints=joints, rate=rate, drop=codes))
+                recording = load_recording(group, columns, joints=joints, rate=rate, drop=codes, currents=currents)
+                recordings.append(recording)
             advance(group[0].name, len(group))
         return recordings
 

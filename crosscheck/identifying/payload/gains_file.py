@@ -3,6 +3,7 @@
 joints = ["shoulder", "elbow"]      # others have no gain
 gains = [13.3, 9.4]                 # torque per unit of the recorded column
 relative_deviations = [0.05, 0.05]  # or covariance, of the logarithms of the gains
+recordings = ["weight.csv"]         # files that gave them, if any did
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from graphdyn import InvalidInput
 from graphdyn.identification.currents import JointGains
 from graphdyn.layout import Array
 
-GAIN_KEYS = ("joints", "gains", "relative_deviations", "covariance", "source")
+GAIN_KEYS = ("joints", "gains", "relative_deviations", "covariance", "source", "recordings")
 
 
 def load_gains(path: Path, joints: Sequence[str]) -> JointGains:
@@ -53,13 +54,23 @@ def load_gains(path: Path, joints: Sequence[str]) -> JointGains:
     return JointGains(found, covariance)
 
 
-def gains_document(gains: JointGains, joints: Sequence[str], source: str) -> bytes:
-    """The text of the file for these gains; those that are undetermined are left out."""
+def recordings_of_gains(path: Path) -> tuple[str, ...]:
+    """Files that gave the gains of a file that load_gains reads."""
+    found = toml_document(path.read_bytes()).get("recordings", [])
+    return tuple(map(str, found)) if isinstance(found, list) else ()
+
+
+def gains_document(gains: JointGains, joints: Sequence[str], source: str, recordings: Sequence[str] = ()) -> bytes:
+    """The text of the file for these gains; those that are undetermined are left out.
+
+    source: what gave them, in words; recordings: files that did
+    """
     places = np.flatnonzero(gains.determined)
     covariance = ["  [" + ", ".join(map(repr, row.tolist())) + "]" for row in gains.covariance[np.ix_(places, places)]]
     lines = [
         "# Gains: torque [N m or N] per unit of the recorded current; covariance of their logarithms.",
         f"source = {_quoted(source)}",
+        f"recordings = [{', '.join(map(_quoted, recordings))}]",
         f"joints = [{', '.join(_quoted(joints[place]) for place in places.tolist())}]",
         f"gains = [{', '.join(map(repr, gains.values[places].tolist()))}]",
         "covariance = [",

@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import Any
 
 from crosscheck.identifying.data_quality.data_quality import DataQuality
+from crosscheck.identifying.payload.fitted_currents import FittedCurrents
 from crosscheck.identifying.preparing.holding_out import Division
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.preparing.trials import Baselines
@@ -33,6 +34,7 @@ class Identified(IdentifiedModel):
     data_quality: data quality of the recordings of the fit; None where they are too short to tell
     validation_data_quality: of every recording that is predicted and not fitted, likewise
     truth: the true parameters of a virtual robot           (p,)
+    currents: the gains that have converted recorded currents to torques; None for recorded torques
     """
 
     recordings: tuple[Recording, ...]
@@ -43,6 +45,7 @@ class Identified(IdentifiedModel):
     data_quality: DataQuality | None = None
     validation_data_quality: tuple[DataQuality | None, ...] = ()
     truth: Array | None = None
+    currents: FittedCurrents | None = None
 
     @property
     def predicted_recordings(self) -> tuple[str, ...]:

@@ -252,7 +252,10 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
         raise BadMapping(f"{where}: unit is {shown(units)}; give one text, or one per joint")
     known: list[Unit] = [known_unit(name, unit, where) for unit in units]
     if any(unit.needs_gain for unit in known) and "gain" not in table:
-        raise BadMapping(f"{where}: {units[0]!r} is not a unit of torque; give the gain in N m per {units[0]}")
+        raise BadMapping(
+            f"{where}: {units[0]!r} is not a unit of torque; give the gain in N m per {units[0]}, or "
+            "gain = 1 for `graphdyn payload` and `identify --currents`, which find it"
+        )
     side = table.get("side", "joint")
     if side not in ("joint", "motor"):
         raise BadMapping(f'{where}: side is {shown(side)}; use "joint" or "motor"')

@@ -20,6 +20,7 @@ from crosscheck.recordings.mapping.column_names import (
     meaning,
     only,
 )
+from crosscheck.recordings.mapping.current_columns import current_channel, current_columns
 from crosscheck.recordings.mapping.mapping import MAPPED_QUANTITIES, SI_UNITS, Channel, ColumnMapping, TimeColumn
 from crosscheck.recordings.table import RecordedTable, in_words
 from graphdyn.errors import counted
@@ -87,9 +88,12 @@ def _two_parts(table: RecordedTable) -> tuple[Named, Named] | None:
 
 
 def mapping_by_name(
-    table: RecordedTable, joints: Sequence[str] | None, rate: float | None
+    table: RecordedTable, joints: Sequence[str] | None, rate: float | None, currents: bool = False
 ) -> tuple[ColumnMapping, list[RecordingFinding]]:
-    """The mapping, and its assumptions. Raises AmbiguousColumns, BadMapping."""
+    """The mapping, and its assumptions. Raises AmbiguousColumns, BadMapping.
+
+    currents: take those of the motors, where there are any, in place of torques
+    """
     where = str(table.path)
     if not table.has_names:
         raise BadMapping(f"{where}: the columns have no names; give a mapping with their numbers")
@@ -107,9 +111,14 @@ def mapping_by_name(
     channels = {
         name: _channel(table, name, families[name], order, findings) for name in MAPPED_QUANTITIES if name in families
     }
-    currents = [name for name in table.names if CURRENT_COLUMNS.fullmatch(name)]
-    if "tau" not in channels and currents:
-        message = f"currents instead of torques ({in_words(currents)})"
+    motors = current_columns(table, order) if currents else None
+    if motors is not None:
+        channels["tau"] = current_channel(motors)
+        message = f"currents as torques ({in_words(table.names[number - 1] for number in motors)})"
+        findings.append(noted(where, "currents", message, "their gains are found, or given"))
+    named = [name for name in table.names if CURRENT_COLUMNS.fullmatch(name)]
+    if "tau" not in channels and named:
+        message = f"currents instead of torques ({in_words(named)})"
         findings.append(noted(where, "current-without-gain", message, "give their gains in a mapping"))
     time = time_column(table, families, rate, findings)
     names = tuple(f"joint_{joint}" if joint.isdigit() else joint for joint in order)

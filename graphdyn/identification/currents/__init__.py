@@ -15,6 +15,7 @@ from graphdyn.identification.currents.equations import CurrentEquations, LoadedR
 from graphdyn.identification.currents.fit import CurrentFit, fit_currents
 from graphdyn.identification.currents.gains import JointGains
 from graphdyn.identification.currents.loads import IdentifiedLoad, KnownLoad
+from graphdyn.identification.currents.sensitivity import gain_deviations
 from graphdyn.identification.currents.trusted_gravity import TrustedGravity
 
 __all__ = [
@@ -26,4 +27,5 @@ __all__ = [
     "LoadedRecording",
     "TrustedGravity",
     "fit_currents",
+    "gain_deviations",
 ]

@@ -1,8 +1,9 @@
 """The covariance of a fit of currents: a jackknife over time blocks, and what the known numbers leave open.
 
 A standard deviation from B blocks is itself uncertain. It is enlarged by the quantile of Student's t distribution, so
-that twice the deviation covers as much as with a normal distribution; the degrees of freedom are those of Welch and
-Satterthwaite (Biometrics Bulletin 2, 1946), one contribution per recording.
+that twice the deviation covers as much as with a normal distribution. The degrees of freedom are those of Satterthwaite
+(Biometrics Bulletin 2, 1946): as many as blocks, where all contribute alike, and fewer where a few of them hold
+most of what is known of a parameter.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], 
     axes = v_t[kept].T / s[kept] / length[:, None]  # combinations that are determined, with unit information (size, m)
     stated = axes @ (known[0] @ axes).T
     measured, alone = stated @ stated.T, np.zeros(len(x), dtype=bool)
-    uncertainty = np.zeros(len(x))
+    variance, uncertainty = np.diagonal(measured).copy(), np.zeros(len(x))
     for k, recording in enumerate(equations.recordings):
         changes = []
         values, along = equations.currents(k, x), steps[k] @ axes
@@ -62,13 +63,15 @@ def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], 
             residual = (np.einsum("jrb,jb->jr", w[..., :-1], values) - w[..., -1]).ravel()
             left, vectors = np.linalg.eigh(np.eye(axes.shape[1]) - j.T @ j)  # information of all else
             others = left > KNOWN_SHARE
-            changes.append(axes @ (vectors[:, others] @ (vectors[:, others].T @ (j.T @ residual) / left[others])))
+            moved = (axes @ (vectors[:, others] / left[others])) @ (j @ vectors[:, others]).T  # by unit noise
+            changes.append(moved @ residual)
+            expected = np.sum(moved**2, axis=1)
+            variance, uncertainty = variance + expected, uncertainty + expected**2
             share = axes @ vectors[:, ~others]
             alone |= np.sum(share**2, axis=1) > KNOWN_SHARE * np.sum(axes**2, axis=1)
-        moved = np.array(changes) * np.sqrt((len(changes) - 1) / len(changes))
-        measured += moved.T @ moved
-        uncertainty += np.sum(moved**2, axis=0) ** 2 / (len(changes) - 1)
-    enlarged = _enlarged(np.diagonal(measured), uncertainty)
+        s_b = np.array(changes)
+        measured += s_b.T @ s_b * (len(s_b) - 1) / len(s_b)
+    enlarged = _enlarged(variance, uncertainty)
     lost = alone | (np.sum(v_t[~kept] ** 2, axis=0) > UNDETERMINED)
     found = []
     for covariance in (measured * enlarged * enlarged[:, None], axes @ axes.T):
@@ -81,7 +84,7 @@ def current_covariance(equations: CurrentEquations, known: tuple[Array, Array], 
 def _enlarged(variance: Array, uncertainty: Array) -> Array:
     """Factors of standard deviations (size,): Student's quantile over the normal one.
 
-    uncertainty: half the variances of the variances (size,)
+    variance: expected; uncertainty: sum of the squares of its contributions   (size,)
     """
     from scipy.stats import t  # imported where first used: import graphdyn stays light
 

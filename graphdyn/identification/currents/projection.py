@@ -144,22 +144,26 @@ class GainFit:
         yield self._scaled(self._gains_as_unknowns(model))
 
     def _scaled(self, gains: Array) -> Point:
-        """These gains (n,), with a factor for all that agrees best with what is known."""
+        """These gains (n,), with a factor for all that agrees with gains that are known, else with loads that are."""
         signs, logarithms = np.where(gains < 0, -1.0, 1.0), np.log(np.abs(gains))
         rows, right = self._known_gains
         common = rows @ np.ones(len(gains))
         if common @ common > 0:
-            logarithms = logarithms - float(common @ (rows @ logarithms - right) / (common @ common))
-        else:
-            torques, currents = self._stacked
-            free = least_squares_solution((1 / gains)[self._joints][:, None] * torques, currents)
-            known, values = self._known_torques
-            along = known @ free
-            factor = float(along @ values) / max(float(along @ along), float(np.finfo(float).tiny))
-            signs = signs if factor >= 0 else -signs
-            logarithms = logarithms + (np.log(np.abs(factor)) if factor else 0.0)
+            return self._point(signs, logarithms - common @ (rows @ logarithms - right) / (common @ common))
+        torques, currents = self._stacked
         known, values = self._known_torques
-        residual, _ = self._projected(signs * np.exp(-logarithms), known, values)
+        r = len(self.equations.links)
+        free = least_squares_solution((1 / gains)[self._joints][:, None] * torques, currents)
+        along = known[:, r:] @ free[r:]
+        size = float(along @ values)
+        if size:
+            signs, logarithms = np.sign(size) * signs, logarithms + np.log(np.abs(size) / (along @ along))
+        return self._point(signs, logarithms)
+
+    def _point(self, signs: Array, logarithms: Array) -> Point:
+        """These gains, and the squares that they leave."""
+        rows, right = self._known_gains
+        residual, _ = self._projected(signs * np.exp(-logarithms), *self._known_torques)
         return Point(signs, logarithms, float(residual @ residual + np.sum((rows @ logarithms - right) ** 2)))
 
     def _gains_of_model(self) -> Array:

@@ -1,11 +1,10 @@
 """`graphdyn payload`: the terminal, the JSON file, the page, the file of gains, and bad input."""
 
-import csv
 import json
 
 import numpy as np
 import pytest
-from identified.loaded_arm import RATE, WANTED, WEIGHED, LoadedArm, currents, random_gains, robot
+from identified.loaded_arm import WANTED, WEIGHED, LoadedArm, currents, random_gains, robot, write_log
 from jsonschema import Draft202012Validator
 from shared_data import REPOSITORY
 
@@ -21,12 +20,7 @@ def folder(tmp_path_factory):
     arm, gains = LoadedArm.of(robot(), rng), random_gains(rng, 6)
     joints = robot().independent_joints
     for name, load in (("empty", None), ("weight", WEIGHED), ("load", WANTED)):
-        samples = currents(arm.motion(rng, 20.0, load), gains, rng)
-        with (place / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow(["t [s]", *(f"q_{j} [rad]" for j in joints), *(f"tau_{j} [N m]" for j in joints)])
-            for k, (q, tau) in enumerate(zip(samples.q.tolist(), samples.tau.tolist(), strict=True)):
-                rows.writerow([k / RATE, *q, *tau])
+        write_log(place / f"{name}.csv", currents(arm.motion(rng, 20.0, load), gains, rng), joints)
     return place
 
 
@@ -41,7 +35,7 @@ def test_gains_and_then_a_load(run, folder):
     assert first.code == AGREED, first.err
     assert "Payload of ur5: 6 of 6 gains" in first.out
     done = run("empty.csv", "load.csv", "--gains", "gains.toml", "--json", "p.json", "--html", "p.html")
-    assert done.code == AGREED, done.err
+    assert done.code == AGREED, f"{done.err}{done.out}"
     record = json.loads((folder / "p.json").read_text(encoding="utf-8"))
     Draft202012Validator(SCHEMA).validate(record)
     mass, sigma = record["load"]["mass"], record["load"]["mass_deviation"]
@@ -59,7 +53,7 @@ def test_currents_without_gains(run):
 
 def test_trusted_links(run):
     done = run("empty.csv", "load.csv", "--trust", 0.05)
-    assert done.code == AGREED, done.err
+    assert done.code == AGREED, f"{done.err}{done.out}"
     assert "gravity of the links of the file, within 5 %" in " ".join(done.out.split())
 
 

@@ -1,5 +1,6 @@
 """A simulated arm whose currents are recorded with and without loads, its gains planted."""
 
+import csv
 import functools
 from dataclasses import dataclass
 
@@ -86,6 +87,15 @@ def recording(samples, joints, name):
 
     t = np.arange(len(samples.q)) / RATE
     return Recording(joints, t, samples.q, samples.v, samples.a, samples.tau, provenance=Provenance((name,)))
+
+
+def write_log(path, samples, joints, torque="tau_{} [N m]"):
+    """The samples as a CSV file, without velocities. torque: name of a column, with {} for the joint"""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow(["t [s]", *(f"q_{joint} [rad]" for joint in joints), *map(torque.format, joints)])
+        for k, (q, tau) in enumerate(zip(samples.q.tolist(), samples.tau.tolist(), strict=True)):
+            rows.writerow([k / RATE, *q, *tau])
 
 
 @functools.cache
