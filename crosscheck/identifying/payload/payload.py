@@ -58,14 +58,14 @@ class IdentifiedPayload(FittedCurrents):
         mass, deviation = self.load.mass, self.load.mass_deviation
         if not np.isfinite(deviation):
             return ("nothing determines the mass: record a motion in which gravity and load change",)
-        if mass < -2 * deviation:
+        if self.load.below_zero:
             return (
                 f"the mass is {mass:.3g} ± {deviation:.2g} kg, below zero: the recordings with and without the load "
                 "may be exchanged",
             )
         if self.load.determined:
             return ()
-        return (f"the mass, {mass:.3g} ± {deviation:.2g} kg, is not above twice its deviation",)
+        return (f"the mass, {mass:.3g} ± {deviation:.2g} kg, is not above three times its deviation",)
 
 
 def identify_payload(

@@ -16,6 +16,10 @@ WEIGHED = 1e-3
 MEASURED_CENTER = 1e-3
 """Standard deviation of each coordinate of a center of mass that is known [m]: the error of a clamped part."""
 
+MIN_DEVIATIONS = 3.0
+"""Standard deviations of a mass above which there is a load: without one, the mass is beyond two in one of twenty
+recordings, and beyond three in one of four hundred."""
+
 
 @dataclass(frozen=True)
 class KnownLoad:
@@ -99,8 +103,13 @@ class IdentifiedLoad:
 
     @property
     def determined(self) -> bool:
-        """Whether the mass is above twice its standard deviation."""
-        return self.mass > 2 * self.mass_deviation
+        """Whether the mass is above three times its standard deviation."""
+        return self.mass > MIN_DEVIATIONS * self.mass_deviation
+
+    @property
+    def below_zero(self) -> bool:
+        """Whether the mass is below zero by more than three times its standard deviation."""
+        return self.mass < -MIN_DEVIATIONS * self.mass_deviation
 
     @property
     def consistent(self) -> bool:

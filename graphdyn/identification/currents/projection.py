@@ -22,7 +22,7 @@ from graphdyn.identification.currents.equations import CurrentEquations
 from graphdyn.identification.problem.torque_model import structure
 from graphdyn.layout import Array
 
-MAX_EVALUATIONS = 200
+MAX_GAIN_EVALUATIONS = 200
 """Largest number of evaluations of the fit of the gains; from poor starting values it takes some twenty."""
 
 CONVERGED = 1e-13
@@ -74,7 +74,7 @@ class GainFit:
             found = self._with_reversals(found)
         if not found.settled:
             raise EstimationFailed(
-                f"gains and loads have not settled after {MAX_EVALUATIONS} steps; a current may belong to another "
+                f"gains and loads have not settled after {MAX_GAIN_EVALUATIONS} steps; a current may belong to another "
                 "joint, or hardly change with the motion"
             )
         return found
@@ -272,7 +272,7 @@ def _least(equations: Callable[[Array], tuple[Array, Array]], start: Array) -> t
         lambda x: computed(x)[1],
         bounds=(start - MAX_CHANGE, start + MAX_CHANGE),
         x_scale="jac",
-        max_nfev=MAX_EVALUATIONS,
+        max_nfev=MAX_GAIN_EVALUATIONS,
         **ends,
     )
     return found.x, float(2 * found.cost), found.status > 0
