@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
+from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
@@ -34,6 +36,9 @@ STATED_ERROR = 0.05
 CONTRADICTION = 3.0
 """Stated standard deviations by which a found gain may differ from the stated one."""
 
+OF_GAINS = ("scaled-torque", "torque-unit", "reversed-torque", "all-torques-reversed")
+"""Findings of data quality that the gains say themselves."""
+
 MIN_UNRELATED_RESIDUAL = 0.9
 """Residual of a current, relative to its deviation from its mean, from which the motion explains nothing of it."""
 
@@ -47,6 +52,7 @@ class FittedCurrents:
     fit: gains, links, load
     recordings: as read; problems: their equations
     stated: gains that were known beforehand, None if none were
+    preparation: of the recordings
     """
 
     subject: Subject
@@ -55,6 +61,7 @@ class FittedCurrents:
     recordings: tuple[Recording, ...]
     problems: tuple[Problem, ...]
     stated: JointGains | None
+    preparation: Preparation
 
     @property
     def joints(self) -> tuple[str, ...]:
@@ -107,20 +114,23 @@ class FittedCurrents:
     @cached_property
     def faults(self) -> tuple[str, ...]:
         """What makes the gains useless, each with its remedy; empty if nothing does."""
-        return (*self._reversed(), *self._contradicted(), *self._unrelated())
+        if still := [name for name, joints in zip(self.names, self._still, strict=True) if joints.all()]:
+            return (f"no joint moves in {', '.join(still)}: record a motion of all joints",)
+        against, others = self._reversed(), (*self._contradicted(), *self._unrelated())
+        causes = tuple(self._causes()) if others else ()
+        return (*against, *(causes or others))
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Currents that say nothing, and joints that do not move."""
         found = []
-        for name, recording, problem in zip(self.names, self.recordings, self.problems, strict=True):
+        for name, recording, at_rest in zip(self.names, self.recordings, self._still, strict=True):
             tau = recording.channel("tau")
             dead = np.ptp(tau, axis=0) == 0
             for j, joint in enumerate(self.joints):
                 if dead[j]:
                     found.append(f"the current of {joint} does not change in {name}: the joint is left out there")
-            fastest = np.max([np.abs(piece.v).max(axis=0) for piece in cast(list[Samples], problem.data)], axis=0)
-            still = [joint for joint, speed in zip(self.joints, fastest, strict=True) if speed <= MIN_MOVING_SPEED]
+            still = [joint for joint, one in zip(self.joints, at_rest, strict=True) if one]
             if still:
                 found.append(
                     f"{', '.join(still)} does not move in {name}: what it carries there cannot be told from its "
@@ -130,11 +140,12 @@ class FittedCurrents:
 
     def _reversed(self) -> tuple[str, ...]:
         """Currents that run against their torques."""
-        against = self.fit.reversed & self.gains.determined
+        seen = self.gains.determined & np.any(np.isfinite(self.fit.noise) & ~self._still, axis=0)
+        against = self.fit.reversed & seen
         names = [name for name, one in zip(self.joints, against, strict=True) if one]
         if not names:
             return ()
-        if np.array_equal(against, self.gains.determined):
+        if np.array_equal(against, seen):
             return (
                 "every current runs against its torque: the recordings with and without the load are exchanged, or all "
                 "columns have the other sign",
@@ -161,8 +172,8 @@ class FittedCurrents:
     def _unrelated(self) -> tuple[str, ...]:
         """Currents that no motion explains."""
         found = []
-        for name, recording, residual in zip(self.names, self.recordings, self._residual_sizes, strict=True):
-            size = recording.channel("tau").std(axis=0)
+        for name, problem, residual in zip(self.names, self.problems, self._residual_sizes, strict=True):
+            size = np.concatenate([_filtered(piece) for piece in _pieces(problem)]).std(axis=0)
             for j, joint in enumerate(self.joints):
                 if residual[j] > MIN_UNRELATED_RESIDUAL * size[j] > 0:
                     found.append(
@@ -171,18 +182,46 @@ class FittedCurrents:
                     )
         return tuple(found)
 
+    def _causes(self) -> Iterator[str]:
+        """Faults of the columns that the equations of motion show, in torques by the gains that were stated."""
+        if self.stated is None or not self.stated.determined.all():
+            return
+        for name, recording, problem in zip(self.names, self.recordings, self.problems, strict=True):
+            torques = recording.take(slice(None), tau=recording.channel("tau") * self.stated.values)
+            found = data_quality(problem.torque_model, [torques], self.preparation)
+            for finding in found.faults if found is not None else ():
+                if finding.code not in OF_GAINS:
+                    yield f"{name}: {finding.message}"
+
+    @cached_property
+    def _still(self) -> NDArray[np.bool_]:
+        """Whether a joint stands still in a recording (k, n)."""
+        speeds = [
+            np.max([np.abs(piece.v).max(axis=0) for piece in _pieces(problem)], axis=0) for problem in self.problems
+        ]
+        return np.array(speeds) <= MIN_MOVING_SPEED
+
     @cached_property
     def _residual_sizes(self) -> Array:
         """Root mean squares of the residuals of every recording and joint (k, n)."""
         return np.array([[one.everything.rms[j] for j, one in enumerate(of)] for of in self._statistics])
 
 
+def _pieces(problem: Problem) -> list[Samples]:
+    """The samples of a problem of Preparation."""
+    return cast(list[Samples], problem.data)
+
+
+def _filtered(samples: Samples) -> Array:
+    """The currents as they are fitted."""
+    return np.asarray(samples.tau if samples.row_filter is None else samples.row_filter(samples.tau))
+
+
 def problems_of(
-    compared: Subject, recordings: Sequence[Recording], terms: Sequence[Term] | None, preparation: Preparation | None
+    compared: Subject, recordings: Sequence[Recording], terms: Sequence[Term] | None, preparation: Preparation
 ) -> tuple[Problem, ...]:
     """The equations of every recording, with one torque model. Raises InvalidInput for recordings of other joints."""
     refuse_chords(compared.model, IDENTIFY_CLOSED)
-    preparation = preparation or Preparation()
     for recording in recordings:
         if recording.joint_names != compared.model.independent_joints:
             raise InvalidInput(

@@ -43,6 +43,7 @@ def identify_gains(
     if (known_load is None) != (loaded is None):
         raise InvalidInput("a known load and a recording with it belong together; give both")
     every = [*recordings, *([loaded] if loaded is not None else [])]
+    preparation = preparation or Preparation()
     problems = problems_of(compared, every, terms, preparation)
     carried = [*[None] * len(recordings), KNOWN_LOAD]
     fit = fit_currents(
@@ -53,7 +54,9 @@ def identify_gains(
         known_loads={KNOWN_LOAD: known_load} if known_load is not None else None,
         gravity=trusted,
     )
-    return FittedCurrents(compared, in_words(known_load, gains, trusted), fit, tuple(every), problems, gains)
+    return FittedCurrents(
+        compared, in_words(known_load, gains, trusted), fit, tuple(every), problems, gains, preparation
+    )
 
 
 def as_torques(recording: Recording, found: FittedCurrents) -> Recording:

@@ -104,6 +104,7 @@ def identify_payload(
     if calibration is not None and known_load is None:
         raise InvalidInput("a recording with a known load is given, but not the mass of this load; give both")
     recordings = (empty, loaded) if calibration is None else (empty, loaded, calibration)
+    preparation = preparation or Preparation()
     problems = problems_of(compared, recordings, terms, preparation)
     weighed = LOAD if calibration is None else CALIBRATION
     fit = fit_currents(
@@ -119,4 +120,4 @@ def identify_payload(
     )
     carrying = compared.model.body_names[-1] if link is None else link
     given = known_load is not None and calibration is None
-    return IdentifiedPayload(compared, known, fit, recordings, problems, gains, carrying, given)
+    return IdentifiedPayload(compared, known, fit, recordings, problems, gains, preparation, carrying, given)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from identified.loaded_arm import WANTED, WEIGHED, LoadedArm, currents, random_gains, recording, robot
 
-from crosscheck.identifying import gains_document, identify_gains, identify_payload, load_gains
+from crosscheck.identifying import Preparation, gains_document, identify_gains, identify_payload, load_gains
 from graphdyn import InvalidInput
 from graphdyn.identification.currents import JointGains, KnownLoad, TrustedGravity
 
@@ -81,7 +81,7 @@ def test_exchanged_recordings_are_told(logs, gains):
 
 
 def test_currents_that_say_nothing_are_told(logs, gains):
-    """A reversed one, a dead one, and one that is noise; and a joint that stands still."""
+    """A reversed one and a dead one; a joint that stands still, and all of them."""
     empty, _, load = logs
     signs = np.where(np.arange(6) == 2, -1.0, 1.0)
     reversed_logs = [one.take(slice(None), tau=signs * one.tau) for one in (empty, load)]
@@ -100,9 +100,26 @@ def test_currents_that_say_nothing_are_told(logs, gains):
         "record a motion of all joints",
     )
 
+    at_rest = load.take(slice(None), q=0 * load.q, v=0 * load.v, a=0 * load.a)
+    filtered = Preparation(cutoff=8.0)
+    (reason,) = identify_payload("ur5", empty, at_rest, gains=stated, preparation=filtered).rejection_reasons
+    assert reason == "no joint moves in load.csv: record a motion of all joints"
+
+
+@pytest.mark.long
+def test_columns_that_are_not_those_of_their_joints_are_told(logs, gains):
+    """Two that are exchanged, and one that is noise."""
+    empty, _, load = logs
+    stated = JointGains.stated(gains, 0.03)
+    swapped = [one.take(slice(None), tau=one.tau[:, [0, 1, 3, 2, 4, 5]]) for one in (empty, load)]
+    first, *_ = identify_payload("ur5", *swapped, gains=stated).rejection_reasons
+    assert first.startswith("empty.csv: the torques of elbow_joint and wrist_1_joint are exchanged: undone, the ")
+
     noise = np.random.default_rng(0).normal(size=len(load.tau))
     unrelated = load.take(slice(None), tau=np.where(np.arange(6) == 0, noise[:, None], load.tau))
-    reasons = identify_payload("ur5", empty, unrelated, gains=stated).rejection_reasons
+    (reason,) = identify_payload("ur5", empty, unrelated, gains=stated).rejection_reasons
+    assert reason.startswith("load.csv: the torque of shoulder_pan_joint has nothing to do with the motion")
+    reasons = identify_payload("ur5", empty, unrelated, known_load=KnownLoad(WANTED[0])).rejection_reasons
     message = "the motion explains less than 10 % of the current of shoulder_pan_joint in load.csv: check its column"
     assert any(reason.startswith(message) for reason in reasons)
 
