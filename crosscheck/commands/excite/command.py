@@ -131,7 +131,7 @@ def _recordings(options: ExciteOptions, option: str, logs: list[Path] | None, mo
         return []
     with progress("read", len(logs)) as advance:
         named = ("--robot", options.robot, *reading_arguments(options))
-        found = options.recordings(option, logs, model.independent_joints, advance, named)
+        found = options.recordings(option, logs, model.independent_joints, advance, named, torques=False)
     show_findings(finding for recording in found for finding in recording.findings)
     return [differentiated(recording, options.low_pass) for recording in found]
 

@@ -68,12 +68,13 @@ class ColumnOptions:
         robot: Sequence[str],
         rate: float | None = None,
         *,
+        torques: bool = True,
         currents: bool = False,
     ) -> list[Recording]:
         """The recordings of the files, as many files for each as the mapping names. Raises as load_recording.
 
         robot: arguments that name it and say how it is read, for the command that a refusal names
-        currents: as for load_recording
+        torques: whether they are needed; currents: as for load_recording
         """
         from crosscheck.recordings import DROPPABLE, load_mapping, load_recording
 
@@ -98,6 +99,8 @@ class ColumnOptions:
             advance(group[0].name, 0)
             with naming_recording_command(logs, robot, self.mapping):
                 recording = load_recording(group, columns, joints=joints, rate=rate, drop=codes, currents=currents)
+                if torques and not currents:
+                    _refuse_without_torques(recording)
                 recordings.append(recording)
             advance(group[0].name, len(group))
         return recordings
@@ -130,6 +133,16 @@ def naming_recording_command(logs: Sequence[Path], robot: Sequence[str], mapping
         together = logs if len(logs) <= MOST_FILES_OF_A_LOG else logs[:1]
         command = ["graphdyn", "recording", *map(str, together), *robot, "--write-mapping", "columns.toml"]
         raise BadMapping(f"{error}; `{join(command)}` shows what is recognized, and writes one") from error
+
+
+def _refuse_without_torques(recording: Recording) -> None:
+    """Raise BadMapping for a recording without torques, saying where it has currents."""
+    from crosscheck.recordings import BadMapping
+
+    if recording.tau is None:
+        found = (finding.message for finding in recording.findings if finding.code == "current-without-gain")
+        reason = next(found, "no columns are recognized as torques")
+        raise BadMapping(f"{', '.join(recording.provenance.files)}: {reason}")
 
 
 MOST_FILES_OF_A_LOG = 4

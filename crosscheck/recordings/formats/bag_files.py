@@ -63,7 +63,8 @@ def _topic(path: Path, topics: list[str], wanted: str | None) -> str:
         raise BadRecordingFile(f"{path}: no {JOINT_STATE} on the topic {wanted!r}; there are: {listed}")
     if wanted is None and len(topics) > 1:
         raise AmbiguousColumns(
-            f"{path}: joint states on {len(topics)} topics: {listed}; name one in a mapping: topic = …"
+            f"{path}: joint states on {len(topics)} topics: {listed}; name one: topic = … in a mapping, "
+            "or --topic of graphdyn recording"
         )
     return wanted or topics[0]
 

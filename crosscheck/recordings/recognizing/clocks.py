@@ -10,21 +10,31 @@ import numpy as np
 
 from crosscheck.recordings.mapping.column_names import NANOSECONDS_PART, SECONDS_PART, meaning
 from crosscheck.recordings.mapping.units import TIME_UNITS
-from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedClock
-from crosscheck.recordings.recognizing.together import alike, likely_units, steps_evenly
+from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock, RecognizedClock
+from crosscheck.recordings.recognizing.together import alike, counts_rows, likely_units, rate_factor, steps_evenly
 from crosscheck.recordings.recognizing.work import LogWork, column_of
 from crosscheck.recordings.table import RecordedTable, in_words
 from graphdyn import InvalidInput
 from graphdyn.layout import Array
 
+COUNTS_ROWS = "counts the rows"
+"""Reason against a column that increases by one in every row."""
+
 
 def clocks_of(work: LogWork) -> list[RecognizedClock]:
-    """The columns of time; those that agree with the one that is taken are no choice."""
+    """The columns of time; those that agree with the one that is taken are no choice.
+
+    A column without a name that counts the rows may be a clock whose period is its unit; it is taken only if asked for.
+    """
     found = [clock for table in work.tables for clock in _named_clocks(work, table)]
     if not found:
         found = [clock for table in work.tables for clock in _unnamed_clocks(work, table)]
+        found = [replace(clock, why=COUNTS_ROWS) if counts_rows(clock.values) else clock for clock in found]
     wanted = work.untold.take.get("time")
-    chosen = [clock for clock in found if wanted in (None, *map(str, clock.columns))]
+    chosen = [
+        clock for clock in found
+        if (clock.why != COUNTS_ROWS if wanted is None else wanted in map(str, clock.columns))
+    ]  # fmt: skip
     if wanted is not None and not chosen:
         raise InvalidInput(f"no clock has the column {wanted!r}; there are {in_words(_names(found))}")
     if not chosen:
@@ -40,6 +50,22 @@ def clocks_of(work: LogWork) -> list[RecognizedClock]:
     if others:
         first = replace(first, why=f"{first.why}; {in_words(_names(others))} agrees with it in every row")
     return [replace(first, taken=True), *(clock for clock in found if clock.columns != first.columns)]
+
+
+def rate_choice(
+    clocks: Sequence[RecognizedClock], q: RecognizedBlock | None, velocities: Sequence[RecognizedBlock]
+) -> OpenChoice:
+    """The choice where no column is a clock: of a counter that may be one, or of the rate that velocities suggest."""
+    question, options, lines = "no column is a clock, and nothing tells the rate", ["--rate HZ"], list[str]()
+    for clock in clocks:
+        question = f"column {clock.columns[0]} counts the rows; it is no clock, or one in {clock.unit}"
+        options.append(f"--take {quote(f'time={clock.columns[0]}')}")
+        lines.append(f'[time] column = {clock.columns[0]}, unit = "{clock.unit}"')
+    for block in velocities:
+        factor = None if q is None else rate_factor(q.values, block.values)
+        if factor is not None and factor > 0:
+            lines.append(f"rate = {factor:.4g}  # if {block.label} are the rates of the positions per second")
+    return OpenChoice("time", question, tuple(options), tuple(lines) or ("rate = 1000  # samples per second",))
 
 
 def _named_clocks(work: LogWork, table: RecordedTable) -> Iterator[RecognizedClock]:

@@ -11,7 +11,7 @@ from crosscheck.recordings.mapping.units import TURNING_UNITS
 from crosscheck.recordings.recognizing.blocks import ColumnBlock
 from crosscheck.recordings.recognizing.limits import beyond, reaches, units_within
 from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock
-from crosscheck.recordings.recognizing.together import CLEAR_FACTOR, rates, unit_of_rate
+from crosscheck.recordings.recognizing.together import CLEAR_FACTOR, rate_factor, unit_of_rate
 from crosscheck.recordings.recognizing.torques import fit_of, is_likely
 from crosscheck.recordings.recognizing.work import LogWork, how_told
 from graphdyn.layout import Array
@@ -19,9 +19,6 @@ from graphdyn.layout import Array
 EXPLAINED = 0.3
 """Unexplained part of the torque up to which the positions that explain it are taken to be right: gears and zeros that
 are wrong leave more."""
-
-LEAST_MOTION = 0.02
-"""Range of a joint, as a part of the largest, from which its velocity must be the rate of its position."""
 
 
 def positions(
@@ -125,7 +122,7 @@ def velocities(
         return [work.block(block, "v", block.unit, "", "", False) for block in found], rate
     blocks: list[RecognizedBlock] = []
     for block in found:
-        factor = _factor(work, q, block)
+        factor = rate_factor(q.values, work.values(block))
         taken = not block.computed and factor is not None and not any(one.taken for one in blocks)
         unit = "rad/s" if block.unit == "SI" else work.untold.units.get("v", "") or block.unit
         why = "its sum is not the change of the positions"
@@ -149,13 +146,3 @@ def velocities(
         else:
             blocks.append(work.block(block, "v", block.unit, "", why, False))
     return blocks, rate
-
-
-def _factor(work: LogWork, q: RecognizedBlock, block: ColumnBlock) -> float | None:
-    """v as a multiple of the change of q per row, both as recorded; None if it is not its rate."""
-    v, n = np.nan_to_num(work.values(block)), len(q.columns)
-    links = rates(np.column_stack([np.nan_to_num(q.values), v]))[np.arange(n), n + np.arange(n)]
-    moving = np.ptp(q.values, axis=0) > LEAST_MOTION * np.nanmax(np.ptp(q.values, axis=0))
-    if not np.any(moving) or np.any(links[moving] <= 0) or np.ptp(links[moving]) > 0.1 * np.max(links[moving]):
-        return None
-    return float(1 / np.median(links[moving]))

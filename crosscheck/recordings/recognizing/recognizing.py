@@ -15,10 +15,9 @@ from crosscheck.recordings.formats.format import read_table
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.mapping.units import known_unit
 from crosscheck.recordings.recognizing.blocks import ColumnBlock, block_sizes, named_blocks, quantity_of
-from crosscheck.recordings.recognizing.clocks import clocks_of
+from crosscheck.recordings.recognizing.clocks import clocks_of, rate_choice
 from crosscheck.recordings.recognizing.positions import positions, velocities
 from crosscheck.recordings.recognizing.recognized import (
-    OpenChoice,
     RecognizedBlock,
     RecognizedClock,
     RecognizedLog,
@@ -62,7 +61,7 @@ def recognize(
     if len({len(table.values) for table in tables}) > 1:
         listed = in_words(f"{table.path} {len(table.values)}" for table in tables)
         raise BadRecordingFile(f"files with different numbers of rows ({listed}); give those of one log")
-    return _recognized(LogWork(tables, model, untold))
+    return _recognized(LogWork(tables, model, untold), topic)
 
 
 def _table(path: Path, joints: tuple[str, ...], topic: str | None) -> RecordedTable:
@@ -72,7 +71,7 @@ def _table(path: Path, joints: tuple[str, ...], topic: str | None) -> RecordedTa
         return read_table(path, ColumnMapping("", (), {}, topic=topic) if topic else None, None)
 
 
-def _recognized(work: LogWork) -> RecognizedLog:
+def _recognized(work: LogWork, topic: str | None) -> RecognizedLog:
     """Clocks, then positions, then what depends on them: rates, velocities, torques."""
     joints = work.model.independent_joints
     clocks = clocks_of(work)
@@ -82,17 +81,17 @@ def _recognized(work: LogWork) -> RecognizedLog:
         found = unnamed_blocks(work, found, clocks) or found
     rate = clock.rate if clock else work.untold.rate
     loads = [block for block in found if block.quantity in ("tau", "current", "unnamed")]
+    loads.sort(key=lambda block: bool(block.computed))  # the measured ones judge the positions
     q = positions(work, [block for block in found if block.quantity == "q"], loads, rate)
     taken_q = next((block for block in q if block.taken), None)
     v, rate = velocities(work, [block for block in found if block.quantity == "v"], taken_q, rate)
     if clock is None and rate is None and not any(choice.quantity == "time" for choice in work.open):
-        question = "no column is a clock, and nothing tells the rate"
-        work.open.append(OpenChoice("time", question, ("--rate HZ",), ("rate = 1000  # samples per second",)))
+        work.open.append(rate_choice(clocks, taken_q, v))
     tau = torques(work, loads, taken_q, rate)
     rest = [block for block in found if block.quantity in ("a", "temperature", "")]
     blocks = [*q, *v, *tau, *map(partial(_rest, work), rest)]
     used = [block for block in blocks if block.taken]
-    text = skeleton(joints, clock, rate, used, len(work.tables) > 1, work.untold, work.open)
+    text = skeleton(joints, clock, rate, used, len(work.tables) > 1, work.untold, work.open, topic)
     return RecognizedLog(
         tuple(str(table.path) for table in work.tables),
         joints,

@@ -18,10 +18,13 @@ def skeleton(
     several_files: bool,
     untold: Untold,
     choices: Sequence[OpenChoice],
+    topic: str | None = None,
 ) -> str:
-    """The text. blocks: those that are taken"""
+    """The text. blocks: those that are taken; topic: of a bag, if one was named"""
     taken = {block.quantity: block for block in blocks}
     lines = ["joints = [", *(f"    {_quoted(joint)}," for joint in joints), "]"]
+    if topic is not None:
+        lines.append(f"topic = {_quoted(topic)}")
     if clock is None and rate is not None:
         lines.append(f"rate = {rate:.12g}")
     open_of = {quantity: [c for c in choices if c.quantity == quantity] for quantity in ("time", "q", "v", "tau")}

@@ -39,6 +39,11 @@ def steps_evenly(values: Array) -> bool:
     return period > 0 and float(np.mean(np.abs(steps - period) > MIN_JITTER * period)) <= UNEVEN_SHARE
 
 
+def counts_rows(values: Array) -> bool:
+    """Whether a column (N,) increases by one in every row, as a counter of rows does, or a clock in its own period."""
+    return bool(np.all(np.diff(values) == 1))
+
+
 def alike(one: Array, other: Array) -> bool:
     """Whether two clocks (N,) agree in all rows to a part of their period that counts as no jitter."""
     period = float(np.median(np.diff(one)))
@@ -67,6 +72,20 @@ def rates(values: Array) -> Array:
         correlation = product / np.outer(size, total)
         gain = product / total**2
     return np.where(np.nan_to_num(np.abs(correlation)) >= LEAST_CORRELATION, gain, 0.0)
+
+
+LEAST_MOTION = 0.02
+"""Range of a joint, as a part of the largest, from which its velocity must be the rate of its position."""
+
+
+def rate_factor(q: Array, v: Array) -> float | None:
+    """Velocities (N, n) as a multiple of the change of positions (N, n) per row; None if they are not their rates."""
+    n = q.shape[1]
+    links = rates(np.column_stack([np.nan_to_num(q), np.nan_to_num(v)]))[np.arange(n), n + np.arange(n)]
+    moving = np.ptp(q, axis=0) > LEAST_MOTION * np.nanmax(np.ptp(q, axis=0))
+    if not np.any(moving) or np.any(links[moving] <= 0) or np.ptp(links[moving]) > 0.1 * np.max(links[moving]):
+        return None
+    return float(1 / np.median(links[moving]))
 
 
 def unit_of_rate(factor: float, unit_of_position: str) -> str:

@@ -159,6 +159,7 @@ def _ask_for_gain(work: LogWork, block: ColumnBlock, fit: TorqueFit | None, foun
     if fit is not None and np.all(np.isfinite(fit.gains)) and np.all(fit.gains != 0):
         shares = ", ".join(f"{100 * share:.0f}" for share in fit.shares)
         lines.append(f"gain = {_as_list(1 / fit.gains)}  # by the masses of the file, {shares} % of the torque")
+    lines.append("gain = 1  # keeps the currents, for graphdyn payload, which finds gains")
     question = "these are currents: their gains [N m/A at the joints] are not known"
     option = f"--gain {','.join('G' * len(block.numbers))}"
     work.open.append(OpenChoice("tau", question, (option, "--unit 'tau=N m'"), tuple(lines)))

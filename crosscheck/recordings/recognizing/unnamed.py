@@ -31,7 +31,7 @@ def unnamed_blocks(work: LogWork, named: Sequence[ColumnBlock], clocks: Sequence
             if 2 * np.count_nonzero(links[list(pair[0]), list(pair[1])]) >= n
         ]  # fmt: skip
         slopes = {slope for _, slope in chains}
-        roots = [pair for pair in chains if pair[0] not in slopes]
+        roots = _of_no_rates([pair for pair in chains if pair[0] not in slopes], links)
         taken: set[int] = set()
         for columns, slope in roots:
             found += [_unnamed(work, index, columns, free, "q"), _unnamed(work, index, slope, free, "v")]
@@ -49,6 +49,20 @@ def unnamed_blocks(work: LogWork, named: Sequence[ColumnBlock], clocks: Sequence
         else:
             found += [_unnamed(work, index, group, free, "unnamed") for group in groups]
     return found
+
+
+Chain = tuple[tuple[int, ...], tuple[int, ...]]
+"""Columns, and those that are their rates."""
+
+
+def _of_no_rates(roots: list[Chain], links: Array) -> list[Chain]:
+    """Those of the chains whose first columns are rates of no column, if there are any.
+
+    Where a file has accelerations too, positions 2 … 6 with the first velocity are such a sequence as well.
+    """
+    rates_of_some = set(np.nonzero(links > 0)[1].tolist())
+    kept = [pair for pair in roots if not rates_of_some & set(pair[0])]
+    return kept or roots
 
 
 def _without_rates(

@@ -12,6 +12,7 @@ from crosscheck.recordings.recognizing.blocks import ColumnBlock
 from crosscheck.recordings.recognizing.recognized import OpenChoice, RecognizedBlock, Untold
 from crosscheck.recordings.table import RecordedTable, in_words
 from graphdyn import InvalidInput, RobotModel
+from graphdyn.errors import counted
 from graphdyn.layout import Array
 
 
@@ -57,7 +58,7 @@ class LogWork:
         for block in found:
             zero = [self.model.independent_joints[j] for j in np.flatnonzero(~self.values(block).any(axis=0))]
             reason = f"{block.computed!r} in its name: computed, not measured" if block.computed else ""
-            if zero and not reason and len(found) > 1:
+            if zero and not reason and (len(found) > 1 or len(zero) == len(block.numbers)):
                 reason = f"zero in all rows: {in_words(zero)}"
             if reason:
                 blocks.append(self.block(block, quantity, block.unit, block.side, reason, False))
@@ -66,7 +67,9 @@ class LogWork:
         if len(possible) == 1:
             return possible[0], blocks
         candidates = possible or list(found)
-        question = f"{len(candidates)} candidates: {in_words(block.label for block in candidates)}"
+        question = f"{counted(len(candidates), 'candidate')}: {in_words(block.label for block in candidates)}"
+        if not possible:
+            question = f"none is measured: {'; '.join(f'{block.label}, {block.why}' for block in blocks)}"
         options = tuple(f"--take {quote(f'{quantity}={block.label}')}" for block in candidates)
         lines = tuple(f"columns = {self.columns_as_text(block)}" for block in candidates)
         self.open.append(OpenChoice(quantity, question, options, lines))

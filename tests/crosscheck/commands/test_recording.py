@@ -49,6 +49,18 @@ def test_identify_prints_the_command_that_helps(program, folder):
     assert "mapping" not in used.err
 
 
+def test_identify_prints_the_command_where_no_torque_is_recognized(program, folder):
+    table = np.loadtxt("log.csv", delimiter=",", skiprows=1)[:, [0, 2, 3, 4, 5]]
+    for name, columns in (("motion.csv", ""), ("currents.csv", ",current_1,current_2")):
+        head = f"stamp_s,q_1_rad,q_2_rad{columns}"
+        np.savetxt(name, table[:, : head.count(",") + 1], header=head, comments="", delimiter=",")
+    stopped = program("identify", "currents.csv", "--robot", "small.urdf")
+    assert stopped.code == BAD_INPUT
+    assert "currents.csv: currents instead of torques (current_1, current_2); `graphdyn recording" in stopped.err
+    stopped = program("identify", "motion.csv", "--robot", "small.urdf")
+    assert "motion.csv: no columns are recognized as torques; `graphdyn recording motion.csv" in stopped.err
+
+
 def test_what_is_left_to_be_said(program, folder):
     done = program("recording", "currents.csv", "--robot", "small.urdf", "--write-mapping", "m.toml",
                    "--json", "r.json", "--html", "r.html")  # fmt: skip

@@ -296,7 +296,7 @@ def test_messages_of_other_joints_on_the_same_topic(tmp_path):
 
 def test_several_topics_need_a_choice(tmp_path):
     folder = write_bag(tmp_path / "bag", {"/arm": ARM, "/hand": GRIPPER})
-    with pytest.raises(AmbiguousColumns, match=r"joint states on 2 topics: /arm, /hand; name one in a mapping: topic"):
+    with pytest.raises(AmbiguousColumns, match=r"joint states on 2 topics: /arm, /hand; name one: topic"):
         load_recording(folder)
     mapping = {"joints": ["joint_1", "joint_2"], "topic": "/arm", "time": {"column": "receive_time"}}
     mapping |= {"q": {"columns": "position.{joint}"}}

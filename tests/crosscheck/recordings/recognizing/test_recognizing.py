@@ -105,7 +105,8 @@ class TestUniversalRobots:
     def test_gains_are_left_to_be_said(self, arm, path):
         found = recognize(path, arm)
         assert [choice.quantity for choice in found.open] == ["tau"]
-        by_targets, by_masses = found.open[0].lines
+        by_targets, by_masses, as_they_are = found.open[0].lines
+        assert as_they_are.startswith("gain = 1  # keeps the currents")
         assert "by target_moment_*, which is computed" in by_targets
         for line, tolerance in ((by_targets, 0.02), (by_masses, 0.1)):
             gains = [float(x) for x in line.partition("[")[2].partition("]")[0].split(",")]
@@ -121,6 +122,54 @@ class TestUniversalRobots:
         assert unused["target_q_*"] == "'target' in its name: computed, not measured"
         assert unused["actual_TCP_pose_*"] == "no quantity by its name"
 
+    def test_torques_of_a_model_are_not_taken_where_nothing_is_measured(self, arm, log, tmp_path):
+        t, q, _, tau = log
+        names = [["timestamp"], numbered("actual_q_", 0), numbered("target_moment_", 0)]
+        found = recognize(csv(tmp_path / "log.csv", names, t, q, tau), arm)
+        assert found.of("tau") is None
+        (choice,) = found.open
+        assert choice.question == "none is measured: target_moment_*, 'target' in its name: computed, not measured"
+        assert choice.options == ("--take 'tau=target_moment_*'",)
+
+
+def test_accelerations_among_columns_without_names(arm, log, tmp_path):
+    """Velocities are rates, and have rates."""
+    t, q, v, tau = log
+    found = recognize(csv(tmp_path / "log.csv", [], t, q, v, np.gradient(v, t, axis=0), tau), arm)
+    assert found.complete
+    assert [found.of(quantity).columns[0] for quantity in ("q", "v", "tau")] == [2, 8, 20]
+
+
+class TestCounterOfRows:
+    """A column 0, 1, 2, … may be a clock in milliseconds, or number the rows."""
+
+    def test_beside_a_clock(self, arm, log, tmp_path):
+        t, q, v, tau = log
+        path = csv(tmp_path / "log.csv", [], np.arange(len(t)), np.round(1e3 * t), q, v, tau)
+        found = recognize(path, arm)
+        assert found.complete
+        assert [(clock.columns, clock.taken) for clock in found.clocks] == [((2,), True), ((1,), False)]
+        assert_is(read_back(path, found, arm), log)
+
+    def test_alone(self, arm, log, tmp_path):
+        t, q, v, tau = log
+        path = csv(tmp_path / "log.csv", [], np.arange(len(t)), q, v, tau)
+        choice = next(choice for choice in recognize(path, arm).open if choice.quantity == "time")
+        assert choice.question == "column 1 counts the rows; it is no clock, or one in ms"
+        assert choice.options == ("--rate HZ", "--take time=1")
+        assert choice.lines[1].startswith("rate = 100  # if 8 … 13 are the rates of the positions")
+        found = recognize(path, arm, Untold(rate=RATE))
+        assert found.complete
+        assert_is(read_back(path, found, arm), log)
+
+
+def test_torques_that_are_zero_are_none(arm, log, tmp_path):
+    t, q, v, tau = log
+    names = [["time_s"], numbered("q_rad_"), numbered("qd_rad_s_"), numbered("effort_Nm_")]
+    found = recognize(csv(tmp_path / "log.csv", names, t, q, v, 0 * tau), arm)
+    assert found.of("tau") is None
+    assert found.open[0].question.startswith("none is measured: effort_Nm_*, zero in all rows: shoulder_pan_joint")
+
 
 def test_a_bag_with_other_names_of_joints(arm, log, tmp_path):
     """Messages of a left arm, whose joints a driver has sorted by name."""
@@ -134,6 +183,17 @@ def test_a_bag_with_other_names_of_joints(arm, log, tmp_path):
     found = recognize(path, arm)
     assert found.complete
     assert found.of("tau").columns[0] == "effort.left_shoulder_pan_joint"
+    assert_is(read_back(path, found, arm), log)
+
+
+def test_the_topic_that_was_named_is_in_the_mapping(arm, log, tmp_path):
+    pytest.importorskip("rosbags")
+    t, q, v, tau = log
+    path = tmp_path / "log.mcap"
+    motion = SimpleNamespace(joint_names=arm.independent_joints, time=t, q=q, v=v, tau=tau)
+    path.write_bytes(write_mcap(motion, path, {}))
+    found = recognize(path, arm, topic="/joint_states")
+    assert 'topic = "/joint_states"' in found.mapping.splitlines()
     assert_is(read_back(path, found, arm), log)
 
 
