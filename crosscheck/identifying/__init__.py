@@ -19,6 +19,7 @@ from crosscheck.identifying.payload.gains_file import gains_document, load_gains
 from crosscheck.identifying.payload.payload import IdentifiedPayload, identify_payload
 from crosscheck.identifying.preparing.holding_out import ByRows, ByTime, Folds, HeldOut, LastPart, OtherRecordings
 from crosscheck.identifying.preparing.preparation import Preparation
+from crosscheck.identifying.rehearsal import REHEARSED_METHODS, Conditions, Outcome, Rehearsal, rehearse
 from crosscheck.identifying.results.identified_model import Candidate, IdentifiedModel, TorqueCurve
 from crosscheck.identifying.results.recommending import Recommendation, recommendation
 from crosscheck.identifying.results.result import Identified
@@ -27,6 +28,7 @@ from crosscheck.identifying.virtual import VirtualRobot, virtual_robot
 __all__ = [
     "ESTIMATORS",
     "METHODS_OF_SUMS",
+    "REHEARSED_METHODS",
     "STANDARD_METHODS",
     "STANDARD_METHODS_OF_SUMS",
     "STATED_ERROR",
@@ -35,6 +37,7 @@ __all__ = [
     "ByTime",
     "Candidate",
     "CandidateModel",
+    "Conditions",
     "FittedCurrents",
     "Folds",
     "FromWrenches",
@@ -44,8 +47,10 @@ __all__ = [
     "IdentifiedPayload",
     "LastPart",
     "OtherRecordings",
+    "Outcome",
     "Preparation",
     "Recommendation",
+    "Rehearsal",
     "TorqueCurve",
     "VirtualRobot",
     "WithPinocchio",
@@ -59,6 +64,7 @@ __all__ = [
     "method_named",
     "method_with",
     "recommendation",
+    "rehearse",
     "term_with",
     "virtual_robot",
     "without_wrenches",

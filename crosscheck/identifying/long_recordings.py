@@ -39,7 +39,7 @@ from graphdyn.identification import (
 Progress = Callable[[str, int], None]
 """Called with the name of a step, and the number of its steps or rows."""
 
-EXCERPT_ROWS = 100_000
+EXCERPT_ROWS = 25_000
 """Rows from the beginnings of the logs that are in memory, for the data quality and the curves of a page."""
 
 HELD_OUT_SHARE = 0.25
@@ -212,8 +212,8 @@ def _refuse_terms_of_samples(torque_model: TorqueModel) -> None:
 
 
 def _refuse_shared(fitted: PartitionedRecording, predicted: PartitionedRecording) -> None:
-    files = {file.resolve() for source in fitted.logs for file in source.log.files}
-    for file in (file for source in predicted.logs for file in source.log.files):
+    files = {source.log.told(file).resolve() for source in fitted.logs for file in source.log.files}
+    for file in (source.log.told(file) for source in predicted.logs for file in source.log.files):
         if file.resolve() in files:
             raise InvalidInput(f"{file}: its rows are fitted and predicted; predict another log")
 

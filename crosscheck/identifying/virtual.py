@@ -15,7 +15,7 @@ from crosscheck.recordings import Provenance, Recording, recording_of, samples_o
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn import simulate_recording as virtual_experiment
-from graphdyn.identification import TorqueModel
+from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.motion_laws import FourierSeries
@@ -93,7 +93,8 @@ def virtual_robot(
     for number, time in enumerate((seconds, seconds / 2), start=1):
         say(f"motion {number}")
         motions.append(_motion(given.model, rng, time))
-    truth = _truth(true_model, motions[0], rng)
+    (samples,) = samples_of(motions[0])
+    truth = true_parameters(true_model, samples, rng)
     recordings = [
         _measured(true_model, truth, motion, rng, f"simulated motion {number} of {given.model.name}")
         for number, motion in enumerate(motions, start=1)
@@ -119,15 +120,18 @@ def _motion(model: RobotModel, rng: np.random.Generator, seconds: float) -> Reco
     return recording_of(virtual_experiment(model, times, laws))
 
 
-def _truth(torque_model: TorqueModel, motion: Recording, rng: np.random.Generator) -> Array:
-    """The bodies of the model, and drive parameters whose torques have the size DRIVE_TORQUE_SHARE, randomly ±50 %."""
-    (samples,) = samples_of(motion.take(slice(None, None, -(-len(motion.t) // SCALE_ROWS))))
+def true_parameters(
+    torque_model: TorqueModel, motion: Samples, rng: np.random.Generator, share: float = DRIVE_TORQUE_SHARE
+) -> Array:
+    """The bodies of the model, and drive parameters whose torques are this share of their joint's, randomly ±50 %."""
+    samples = motion[:: -(-len(motion) // SCALE_ROWS)]
     size = np.sqrt(np.mean(samples.tau**2, axis=0))
     columns = np.sqrt(np.mean(torque_model.rows(samples) ** 2, axis=0))
     x = torque_model.prior()
     for k in range(BODY_PARAMETERS * torque_model.model.n_bodies, len(x)):
-        joint = int(np.argmax(columns[:, k] / size))
-        x[k] = DRIVE_TORQUE_SHARE * rng.uniform(0.5, 1.5) * size[joint] / columns[joint, k]
+        joint = int(np.argmax(columns[:, k] / np.where(size > 0, size, np.inf)))
+        if columns[joint, k] > 0:  # else its joint does not move, or carries nothing
+            x[k] = share * rng.uniform(0.5, 1.5) * size[joint] / columns[joint, k]
     return x
 
 

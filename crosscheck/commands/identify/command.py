@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -11,8 +12,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import typer
 from rich.text import Text
 
+from crosscheck.commands.identify.long_logs import are_long
 from crosscheck.commands.identify.models import method_shown, methods_of, scaled_torques
 from crosscheck.commands.identify.options import IdentifyOptions
+from crosscheck.commands.identify.rehearsal.command import rehearsed
 from crosscheck.commands.program.console import out, progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver, recorded
 from crosscheck.commands.program.exits import AGREED, DISAGREED
@@ -23,6 +26,7 @@ from crosscheck.report.plain_text import printable
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
+    from crosscheck.distributing import Workers
     from crosscheck.identifying import CandidateModel, Identified, Preparation
     from graphdyn.identification import ClosedLoop, MethodResult
 
@@ -30,6 +34,7 @@ DEFAULT_ROBOT = "ur5"
 """The robot that `graphdyn identify` without arguments simulates."""
 
 EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,graph
+  graphdyn identify --rehearse motion.csv --robot arm.urdf --torque-noise 0.03 --html rehearsal.html
   graphdyn identify log.csv --robot arm.urdf --cutoff 8 --html found.html --urdf better.urdf
   graphdyn identify a.csv b.csv --validate c.csv --robot arm.urdf --mapping columns.toml --methods all
   graphdyn identify a.csv --robot arm.urdf --models drives.toml --folds 10 --validate b.csv --json rows.json
@@ -61,15 +66,23 @@ def run(options: IdentifyOptions) -> None:
     a log of its own, or a folder, which is one log in Parquet files that follow each other without a gap, in the order
     of the numbers in their names. Filters run across the parts of a log, never from one log into another.
 
-    Exit code 0: a usable model was found; 1: none was, and why; 2: bad input.
+    With --rehearse a planned motion is simulated for robots that differ from the file, with friction and noise of
+    stated sizes, and each recording is identified. The report says within which σ links and base parameters will be
+    found, before the robot moves.
+
+    Exit code 0: a usable model was found, or the rehearsed motion determines all that any motion could; 1: not so, and
+    why; 2: bad input.
     """
     robot = options.robot or DEFAULT_ROBOT
-    models = options.candidates(methods_of(options.methods, of_sums=options.in_parts, wrenches=not options.logs))
+    if options.rehearse is not None:
+        rehearsed(options, robot)
+    in_parts = options.in_parts or are_long(options)
+    models = options.candidates(methods_of(options.methods, of_sums=in_parts, wrenches=not options.logs))
     preparation, loop = options.preparation, options.loop
     from crosscheck.commands.identify.report import identify_report
 
     with warnings_shown():
-        way = simulated if not options.logs else from_parts if options.in_parts else from_recordings
+        way = simulated if not options.logs else from_parts if in_parts else from_recordings
         found = way(options, robot, Asked(models, preparation, options.poses, loop))
     shown = found.shown(None if options.choose is None else method_shown(options.choose))
     deliver(identify_report(found, shown), options, lambda: [recorded(found)])
@@ -121,20 +134,22 @@ def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified
     from crosscheck.identifying import identify
     from crosscheck.recordings import PartitionedRecording
 
-    cutoff = asked.preparation.cutoff
-    assert isinstance(cutoff, float | Mapping | None)
-    with options.workers.kept() as workers, progress("rows") as advance:
+    with kept_workers(options) as workers, progress("rows") as advance:
 
-        def recording(paths: Sequence[Path]) -> PartitionedRecording:
+        def recording(paths: Sequence[Path], cutoff: float | Mapping[str, float] | None) -> PartitionedRecording:
             names = _expanded(paths)
             return PartitionedRecording(names, options.mapping, None, options.rate, cutoff, workers=workers)
 
         named = ("--robot", robot, *reading_arguments(options))
         with naming_recording_command(options.logs or [], named, options.mapping):
+            cutoff = asked.preparation.cutoff
+            if isinstance(cutoff, str):
+                cutoff = recording(options.logs or [], None).residual_cutoff()
+                asked = asked._replace(preparation=replace(asked.preparation, cutoff=cutoff))
             found = identify(
                 robot,
-                recording(options.logs or []),
-                held_out=recording(options.validate) if options.validate else None,
+                recording(options.logs or [], cutoff),
+                held_out=recording(options.validate, cutoff) if options.validate else None,
                 progress=advance,
                 reading=options.reading,
                 **asked._asdict(),
@@ -144,6 +159,11 @@ def from_parts(options: IdentifyOptions, robot: str, asked: Asked) -> Identified
     once = {(finding.code, finding.message): finding for finding in reversed(every)}  # the same is said of many logs
     show_findings(reversed(once.values()))
     return found
+
+
+def kept_workers(options: IdentifyOptions) -> AbstractContextManager[Workers | None]:
+    """The processes or the scheduler that were asked for; nothing where the LOGs are only long."""
+    return options.workers.kept() if options.in_parts else nullcontext()
 
 
 def _expanded(paths: Sequence[Path]) -> list[str]:

@@ -21,6 +21,7 @@ from crosscheck.commands.identify.models import (
     payload_of,
     scaled_torques,
 )
+from crosscheck.commands.identify.rehearsal_options import CONDITION_OPTIONS, OF_RECORDINGS, RehearsalOptions
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.options import CodeOptions, PageOptions, WorkerOptions, robot_names
 from crosscheck.commands.program.output_files import OutputFile
@@ -282,6 +283,13 @@ class SimulationOptions:
     ] = None
 
 
+OF_MEMORY = (
+    *("drop", "derive_velocity", "decimate", "split", "split_rows", "folds", "controller", "control_rate"),
+    *("torque_hold", "currents"),
+)
+"""Options that need every sample of a recording in memory."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class IdentifyOptions(
     HeldOutOptions,
@@ -289,6 +297,7 @@ class IdentifyOptions(
     PreparationOptions,
     CurrentsOptions,
     LoopOptions,
+    RehearsalOptions,
     SimulationOptions,
     ReadingOptions,
     PageOptions,
@@ -360,6 +369,10 @@ class IdentifyOptions(
             raise typer.BadParameter("--robot is missing; give a name (`graphdyn robots`) or a URDF file")
         if self.urdf_file is not None and self.urdf_file.is_standard_output:
             raise typer.BadParameter("--urdf: name a file; only --json and --html can go to standard output")
+        if self.rehearse is not None:
+            self._refuse_in_rehearsal()
+            return
+        refuse(self, CONDITION_OPTIONS, "is for the rehearsal of a motion; give --rehearse FILE too")
         if not self.logs:
             of_logs = (
                 *("validate", "split", "split_rows", "folds", "mapping", "rate", "drop", "known_torque"),
@@ -378,19 +391,19 @@ class IdentifyOptions(
         if self.logs:
             refuse(self, ("seconds", "seed"), "is for the simulated robot; leave it out with a LOG")
 
+    def _refuse_in_rehearsal(self) -> None:
+        if self.logs:
+            raise typer.BadParameter("--rehearse and LOG exclude each other; a rehearsal comes before the recording")
+        if self.robot is None:
+            raise typer.BadParameter("--robot is missing; --rehearse needs the robot that will move")
+        if len(self.terms or []) > 1:
+            raise typer.BadParameter("--terms is given several times; --rehearse takes one torque model")
+        refuse(self, OF_RECORDINGS, "is for recordings; leave it out with --rehearse")
+
     def _refuse_in_parts(self) -> None:
         if not self.logs:
             raise typer.BadParameter("--jobs and --scheduler need LOGs; a simulated robot is identified without them")
-        of_memory = (
-            *("drop", "derive_velocity", "decimate", "split", "split_rows", "folds", "controller", "control_rate"),
-            *("torque_hold", "currents"),
-        )
-        refuse(self, of_memory, "needs the recording in memory; leave it out with --jobs and --scheduler")
-        if self.cutoff == "residual":
-            raise typer.BadParameter(
-                "--cutoff residual, which is the default, needs the recording in memory; give Hz or none with --jobs "
-                "and --scheduler"
-            )
+        refuse(self, OF_MEMORY, "needs the recording in memory; leave it out with --jobs and --scheduler")
 
 
 def _interval(option: str, text: str) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from typing import Any, TypeVar, cast
 from crosscheck.distributing import Lost, NoWorkers, Workers
 from crosscheck.recordings.mapping.mapping import ColumnMapping, given_mapping
 from crosscheck.recordings.parts.partitions import Partition, ReadableLog, log_of, partitions
+from crosscheck.recordings.preparation.derivatives import chosen_cutoff
 from graphdyn import GraphDynError, InvalidInput
 from graphdyn.identification import Problem, Samples, TorqueModel
 
@@ -21,15 +22,20 @@ T = TypeVar("T")
 PROBLEM_SETTINGS = ("min_speed", "compression", "rank_tolerance")
 """Fields of a problem that its parts share."""
 
+CHECKED_ROWS = 65_536
+"""Number of rows that are checked at once, and from which a cutoff is chosen: two to ten minutes of a log, at rates at
+which long logs are recorded."""
+
 ROWS_PER_PART = 250_000
 """Default number of rows of a part: a second of work, some 50 MB of memory for a six-axis arm."""
 
 
 @dataclass(frozen=True)
 class PartitionedRecording:
-    """Long logs in Parquet files for graphdyn.identification.Problem(data=…), processed part by part.
+    """Long logs in Parquet or CSV files for graphdyn.identification.Problem(data=…), processed part by part.
 
-    paths: files, each a log of its own, or folders, each one log in consecutive parts, in the order of the
+    paths: files, each a log of its own; CSV is converted to temporary Parquet files, which workers on other machines do
+        not see; or folders, each one log in consecutive parts, in the order of the
         numbers in their names. Parts of one log overlap by the borders of the filter; different logs do not
     mapping, joints, rate: as in load_recording, for all logs; joints in the order of the robot
     cutoff: as in differentiated, [Hz] of all channels or per channel; None: no filter
@@ -56,8 +62,8 @@ class PartitionedRecording:
     def logs(self) -> list[ReadableLog]:
         """The logs in the order given. Raises InvalidInput if there is none, or if one is given twice."""
         mapping = given_mapping(self.mapping, self.rate)
-        logs = [log_of(path) for path in self.paths]
-        files = [file.resolve() for log in logs for file in log.files]
+        logs = [log_of(path, mapping) for path in self.paths]
+        files = [log.told(file).resolve() for log in logs for file in log.files]
         twice = next((file for file, count in Counter(files).items() if count > 1), None)
         if not logs or twice:
             what = f"{twice} is given twice; rows that count twice look more certain than they are"
@@ -73,6 +79,19 @@ class PartitionedRecording:
     def n_rows(self) -> int:
         """Number of rows of all logs, as recorded."""
         return sum(source.n_rows for source in self.logs)
+
+    def check(self) -> None:
+        """Read all rows. Raises InvalidInput and BadRecordingFile for logs that cannot be read in parts."""
+        for source in self.logs:
+            for first in range(source.begin, source.end, CHECKED_ROWS):
+                source.read(max(first - 1, source.begin), min(first + CHECKED_ROWS, source.end))
+
+    def residual_cutoff(self) -> float:
+        """The largest cutoff [Hz] that residual analysis chooses at the beginning of a log, as in chosen_cutoff."""
+        return max(
+            chosen_cutoff(source.read(source.begin, min(source.begin + CHECKED_ROWS, source.end)))
+            for source in self.logs
+        )
 
     def parts(self, blocks: int) -> list[Partition]:
         """The parts for this number of time blocks."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from errno import ENOENT
 from functools import cached_property
 from itertools import pairwise
@@ -25,6 +25,7 @@ from crosscheck.recordings.loading import reordered
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.mapping.mapping_by_name import mapping_by_name
 from crosscheck.recordings.parts.streaming import RowPosition, appended, refuse_uneven, window_of
+from crosscheck.recordings.parts.text_logs import as_parquet, is_text_log
 from crosscheck.recordings.preparation.derivatives import STENCIL_ROWS, differentiated
 from crosscheck.recordings.preparation.filtering import (
     FORGETTING_BORDERS,
@@ -36,6 +37,7 @@ from crosscheck.recordings.preparation.filtering import (
 from crosscheck.recordings.preparation.resampling import refuse_delays, sampling_rate
 from crosscheck.recordings.preparation.splits import GUARD_TIME
 from crosscheck.recordings.recording import Recording
+from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
 from graphdyn.identification import Samples
@@ -69,14 +71,25 @@ class Log:
     def n_rows(self) -> int:
         return sum(self.rows)
 
+    def told(self, file: Path) -> Path:
+        """What messages call one of the files: text logs by their own name."""
+        return self.path if is_text_log(self.path) else file
 
-def log_of(path: str | PathLike[str]) -> Log:
-    """The log of a file, or of a folder. Raises BadRecordingFile for one without Parquet files, FileNotFoundError."""
+    def table(self, file: Path, first: int, last: int) -> RecordedTable:
+        """The rows first … last - 1 of one of the files. Raises BadRecordingFile."""
+        return replace(parquet_rows(file, first, last), path=self.told(file))
+
+
+def log_of(path: str | PathLike[str], mapping: ColumnMapping | None = None) -> Log:
+    """The log of a file, or of a folder; that of a text file is converted. mapping: says how text is read
+
+    Raises BadRecordingFile for a folder without Parquet files, and for text that is no even table; FileNotFoundError.
+    """
     place = Path(path)
     if not place.exists():
         raise FileNotFoundError(ENOENT, "no such file or folder", str(place))
     if not place.is_dir():
-        return Log(place, (place,))
+        return Log(place, (as_parquet(place, mapping) if is_text_log(place) else place,))
     files = [file for file in place.iterdir() if file.suffix.lower() in PARQUET_SUFFIXES]
     if not files:
         raise BadRecordingFile(f"{place}: no Parquet file in this folder; a folder is one log in parts")
@@ -92,7 +105,7 @@ def _told(file: Path) -> tuple[int, list[str]]:
     from pyarrow import parquet
 
     if file.suffix.lower() not in PARQUET_SUFFIXES:
-        raise BadRecordingFile(f"{file}: only Parquet files are read in parts; convert it to one")
+        raise BadRecordingFile(f"{file}: only Parquet and CSV files are read in parts; convert it to one")
     with refusing_damage(file, "Parquet file", "repair the file"):
         metadata = parquet.ParquetFile(file)
         return metadata.metadata.num_rows, metadata.schema_arrow.names
@@ -136,7 +149,7 @@ class ReadableLog:
         if not log.n_rows:
             raise InvalidInput(f"{log.path}: no rows; leave it out")
         file, count = next(found for found in zip(log.files, log.rows, strict=True) if found[1])
-        head = parquet_rows(file, 0, min(HEAD_ROWS, count))
+        head = log.table(file, 0, min(HEAD_ROWS, count))
         mapping, findings = (mapping, []) if mapping else mapping_by_name(head, joints, rate)
         refuse_delays(mapping)
         window, origin = window_of(head, mapping, RowPosition(0, 0), None)
@@ -173,7 +186,7 @@ class ReadableLog:
         for file, count in zip(self.log.files, self.log.rows, strict=True):
             begin, end = max(first - start, 0), min(last - start, count)
             if begin < end:
-                table = parquet_rows(file, begin, end)
+                table = self.log.table(file, begin, end)
                 window, _ = window_of(table, self.mapping, RowPosition(start + begin, begin), self.origin)
                 whole = window if whole is None else appended(whole, window)
             start += count

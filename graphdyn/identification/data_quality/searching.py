@@ -202,7 +202,13 @@ def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Sa
 
     varies = variation(samples.tau)
     unexplained = float(np.exp(np.mean(np.log(errors / np.where(varies > 0, varies, 1.0)))))
-    return ChangeTrial(change, float(np.sum(np.log(before / errors))), errors, unexplained, cad_misfit)
+    trial = ChangeTrial(change, float(np.sum(np.log(before / errors))), errors, unexplained, cad_misfit)
+    return trial if trial.convincing else replace(trial, cad_misfit=_not_compared)
+
+
+def _not_compared() -> float:
+    """In place of the misfit of a change that nobody asks for, which would keep the equations of its motion: 2 MB."""
+    return np.inf
 
 
 def _late(torque_model: TorqueModel, now: Examined) -> list[ChangeTrial]:

@@ -11,7 +11,7 @@ from planting import mixed_tree
 import urdf
 from crosscheck.identifying import friction_terms, virtual_robot
 from crosscheck.identifying.results.parameters import base_rows
-from crosscheck.identifying.virtual import DRIVE_TORQUE_SHARE, _motion, _truth
+from crosscheck.identifying.virtual import DRIVE_TORQUE_SHARE, _motion, true_parameters
 from crosscheck.recordings import samples_of
 from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel
@@ -60,7 +60,7 @@ class TestVirtualRobot:
         drives = slice(10 * model.model.n_bodies, None)
         shares = []
         for _ in range(60):
-            x = _truth(model, motion, rng)
+            x = true_parameters(model, samples, rng)
             assert np.array_equal(x[: drives.start], model.prior()[: drives.start])
             sizes = np.sqrt(np.mean((columns * x)[..., drives] ** 2, axis=0))
             shares += list((sizes / tau[:, None]).max(axis=0) / DRIVE_TORQUE_SHARE)

@@ -1,0 +1,1 @@
+"""`graphdyn identify --rehearse`: what a planned motion will tell, before the robot moves."""
