@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from crosscheck.identifying.data_quality.data_quality import data_quality
+from crosscheck.identifying.data_quality.data_quality import DataQuality, data_quality
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
 from crosscheck.identifying.methods.methods import WithPinocchio
@@ -19,6 +19,7 @@ from crosscheck.identifying.preparing.trials import constant_model, fitted_const
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel, PredictedParts
 from crosscheck.identifying.results.result import Identified, identified
 from crosscheck.recordings import PartitionedRecording, Provenance, Recording, concatenated
+from crosscheck.recordings.parts.free_memory import give_back_free_memory
 from crosscheck.reference.subject import Subject
 from graphdyn import InvalidInput
 from graphdyn.errors import first_of
@@ -120,6 +121,7 @@ class LongRecordings:
     def identified(self, poses: int, progress: Progress | None) -> Identified:
         """The results of all torque models."""
         first, mean = self.candidates[0].of(self.compared.model), constant_model(self.compared.model)
+        quality, quality_ahead = self._data_quality(first)
         with one_thread():
             models = [self._model(candidate, poses, progress) for candidate in self.candidates]
             constant = fitted_constant(*self._problems(mean, 0.0, ("constant torque", "constant torque"), progress))
@@ -129,11 +131,18 @@ class LongRecordings:
             division=self.division,
             preparation=self.preparation,
             constant=constant,
-            data_quality=data_quality(first, self.begun, self.preparation),
-            validation_data_quality=(data_quality(first, self.begun_ahead, self.preparation),)
-            if self.division.trials[0].own_recording
-            else (),
+            data_quality=quality,
+            validation_data_quality=quality_ahead,
         )
+
+    def _data_quality(self, torque_model: TorqueModel) -> tuple[DataQuality | None, tuple[DataQuality | None, ...]]:
+        """Data quality of the fitted recordings, and of the predicted ones if they are others."""
+        fitted = data_quality(torque_model, self.begun, self.preparation)
+        ahead: tuple[DataQuality | None, ...] = ()
+        if self.division.trials[0].own_recording:
+            ahead = (data_quality(torque_model, self.begun_ahead, self.preparation),)
+        give_back_free_memory()
+        return fitted, ahead
 
     def _problems(
         self, model: TorqueModel, min_speed: ArrayLike, steps: tuple[str, str], progress: Progress | None

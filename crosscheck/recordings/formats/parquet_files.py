@@ -42,7 +42,7 @@ def batches_of_parquet(path: Path, _mapping: ColumnMapping | None, rows: int) ->
     """The names of the columns, and batches of at most this number of rows."""
     from pyarrow import parquet
 
-    file = parquet.ParquetFile(path, page_checksum_verification=True)
+    file = parquet.ParquetFile(path, page_checksum_verification=True, buffer_size=BUFFER_BYTES)
     return file.schema_arrow.names, file.iter_batches(rows)
 
 
@@ -56,7 +56,10 @@ FORMATS = (
 )
 
 
-BATCH_ROWS = 65_536
+BUFFER_BYTES = 1 << 18
+"""Bytes of a column that are read at once: without it, those of a whole row group, which may be the whole file."""
+
+BATCH_ROWS = 16_384
 """Number of rows of a Parquet file that are decoded at once."""
 
 
@@ -69,7 +72,7 @@ def parquet_rows(path: Path, first: int, last: int) -> RecordedTable:
     from pyarrow import parquet
 
     with refusing_damage(path, "Parquet file", "repair the file"):
-        with parquet.ParquetFile(path, page_checksum_verification=True) as file:
+        with parquet.ParquetFile(path, page_checksum_verification=True, buffer_size=BUFFER_BYTES) as file:
             names, metadata = file.schema_arrow.names, file.metadata
             starts = [0, *accumulate(metadata.row_group(k).num_rows for k in range(metadata.num_row_groups))]
             groups = [k for k in range(len(starts) - 1) if starts[k] < last and starts[k + 1] > first]

@@ -12,6 +12,7 @@ from typing import Any, TypeVar, cast
 
 from crosscheck.distributing import Lost, NoWorkers, Workers
 from crosscheck.recordings.mapping.mapping import ColumnMapping, given_mapping
+from crosscheck.recordings.parts.free_memory import give_back_free_memory
 from crosscheck.recordings.parts.partitions import Partition, ReadableLog, log_of, partitions
 from crosscheck.recordings.preparation.derivatives import chosen_cutoff
 from graphdyn import GraphDynError, InvalidInput
@@ -85,6 +86,7 @@ class PartitionedRecording:
         for source in self.logs:
             for first in range(source.begin, source.end, CHECKED_ROWS):
                 source.read(max(first - 1, source.begin), min(first + CHECKED_ROWS, source.end))
+                give_back_free_memory()
 
     def residual_cutoff(self) -> float:
         """The largest cutoff [Hz] that residual analysis chooses at the beginning of a log, as in chosen_cutoff."""
@@ -157,3 +159,5 @@ def _work(torque_model: bytes, base: bytes, settings: Mapping[str, Any], functio
         return NoWorkers(f"a worker cannot import a part of the torque model ({error}); install it there")
     except (GraphDynError, OSError) as error:
         return error
+    finally:
+        give_back_free_memory()

@@ -11,6 +11,7 @@ from crosscheck.recordings.errors import BadRecordingFile, reason
 from crosscheck.recordings.formats.csv_files import batches_of_csv
 from crosscheck.recordings.formats.format import suffix_of
 from crosscheck.recordings.mapping.mapping import ColumnMapping
+from crosscheck.recordings.parts.free_memory import give_back_free_memory
 
 TEXT_SUFFIXES = (".csv", ".csv.gz")
 """Endings of text files that are read as a stream."""
@@ -60,7 +61,7 @@ def _converted(path: Path, mapping: ColumnMapping | None) -> TemporaryDirectory[
     except (pa.ArrowException, EOFError, UnicodeDecodeError) as error:
         raise BadRecordingFile(f"{path}: {reason(error)}; load_recording gives details, or repair the file") from error
     finally:
-        pa.default_memory_pool().release_unused()
+        give_back_free_memory()
     return folder
 
 

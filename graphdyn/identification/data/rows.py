@@ -134,16 +134,18 @@ def filtered(
     def rows_of(columns: Array) -> Rows:
         matrix = np.zeros((len(columns), n, b))
         matrix[:, support] = columns[:, :width]
-        right, measured, velocity = np.split(columns[:, width:], 3, axis=1)
+        right, measured, velocity = np.split(columns[:, width:].copy(), 3, axis=1)  # so that the others can be freed
         return Rows(matrix, right, measured, velocity, np.abs(velocity) >= min_speed, first=first)
 
     for chunk in chunks:
         parts.append(np.hstack([chunk.matrix[:, support], chunk.right, chunk.measured, chunk.velocity]))
         if len(waiting) + sum(map(len, parts)) >= before + window + margin:
             waiting = np.concatenate([waiting, *parts])
+            parts = []
             done = (len(waiting) - margin) // factor * factor
-            yield rows_of(_applied(row_filter, waiting)[before // factor : done // factor])
-            waiting, before, first, parts = waiting[done - margin :], margin, False, []
+            rows = rows_of(_applied(row_filter, waiting)[before // factor : done // factor])
+            waiting, before, first = waiting[done - margin :].copy(), margin, False
+            yield rows
     waiting = np.concatenate([waiting, *parts])
     if len(waiting):
         yield rows_of(_applied(row_filter, waiting)[before // factor :])
