@@ -17,7 +17,6 @@ from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.identifying.preparing.trials import pooled, problems_of
 from crosscheck.identifying.results.identified_model import HeldOutPrediction, IdentifiedModel
 from crosscheck.recordings import Recording
-from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from crosscheck.reference.subject import Subject
 from graphdyn.identification import (
     ClosedLoop,
@@ -147,6 +146,8 @@ def _with_pinocchio(estimators: Sequence[Estimator], robot: Subject) -> list[Est
     ]
     if not wanting or robot.file is None:
         return list(estimators)
+    from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
+
     try:
         pinocchio = PinocchioModel.from_urdf(Path(robot.file), robot.model, robot.reading)
     except PinocchioRefuses:  # Pinocchio's model is then built from ours, as `graphdyn crosscheck` reports

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,6 +12,7 @@ from crosscheck.commands.program.recording_options import files_per_recording
 if TYPE_CHECKING:
     from crosscheck.commands.identify.options import IdentifyOptions
     from crosscheck.recordings import PartitionedRecording
+    from crosscheck.recordings.preparation.derivatives import Cutoff
 
 LONG_ROWS = 150_000
 """Number of rows from which LOGs are read part by part if they can: in memory they take some 2 kB a row, which
@@ -32,14 +32,14 @@ def are_long(options: IdentifyOptions) -> bool:
         return False
     if sum(map(_rows, logs)) < LONG_ROWS:
         return False
-    from crosscheck.recordings import BadRecordingFile, load_mapping
+    from crosscheck.recordings import BadRecordingFile, PartitionedRecording, load_mapping
     from graphdyn import InvalidInput
 
     mapping = None if options.mapping is None else load_mapping(options.mapping)
     if files_per_recording(mapping) > 1:
         return False
     try:
-        joined(options, logs).check()
+        _check(PartitionedRecording(logs, options.mapping, None, options.rate), options.low_pass)
     except (InvalidInput, BadRecordingFile) as error:
         say(f"note: the LOGs are long, and read into memory all the same: {error}")
         return False
@@ -50,11 +50,17 @@ def are_long(options: IdentifyOptions) -> bool:
     return True
 
 
-def joined(options: IdentifyOptions, logs: Sequence[Path]) -> PartitionedRecording:
-    """The LOGs without a filter."""
-    from crosscheck.recordings import PartitionedRecording
+def _check(data: PartitionedRecording, cutoff: Cutoff) -> None:
+    """Raise InvalidInput or BadRecordingFile for LOGs that cannot be read in parts.
 
-    return PartitionedRecording(logs, options.mapping, None, options.rate)
+    data: all LOGs, without a filter
+    """
+    from crosscheck.identifying.long_recordings import HELD_OUT_SHARE
+
+    data.check()
+    cutoff = data.residual_cutoff() if isinstance(cutoff, str) else cutoff
+    for between in ((0.0, 1 - HELD_OUT_SHARE), (1 - HELD_OUT_SHARE, 1.0)):
+        _ = replace(data, cutoff=cutoff, between=between).logs  # too short for the borders of the filter
 
 
 def _options_allow(options: IdentifyOptions) -> bool:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, is_dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crosscheck.comparing.baseline import PinocchioBodies
 from crosscheck.identifying.methods.wrench_method import FromWrenches
-from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import (
     ClosedLoopOutputError,
@@ -33,6 +31,9 @@ from graphdyn.identification import (
     WeightedLeastSquares,
 )
 from graphdyn.identification.terms import RigidBodies
+
+if TYPE_CHECKING:
+    from crosscheck.reference.pinocchio_model import PinocchioModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +81,9 @@ class WithPinocchio(OfEstimator):
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed if no body is unknown."""
+        from crosscheck.comparing.baseline import PinocchioBodies  # 50 MB of memory, which other methods do without
+        from crosscheck.reference.pinocchio_model import PinocchioModel
+
         model = problem.torque_model
         if not any(isinstance(term, RigidBodies) for term in model.terms):
             raise EstimationFailed("no body is unknown, so there is no regressor of rigid bodies to exchange")

@@ -86,7 +86,6 @@ class PartitionedRecording:
         for source in self.logs:
             for first in range(source.begin, source.end, CHECKED_ROWS):
                 source.read(max(first - 1, source.begin), min(first + CHECKED_ROWS, source.end))
-                give_back_free_memory()
 
     def residual_cutoff(self) -> float:
         """The largest cutoff [Hz] that residual analysis chooses at the beginning of a log, as in chosen_cutoff."""
@@ -151,7 +150,9 @@ def _work(torque_model: bytes, base: bytes, settings: Mapping[str, Any], functio
     """The result for one part, or the error. base: numbers of the base parameters; settings: of the problem."""
     try:
         samples, own = part.samples(part.source.memory)
-        problem = Problem(_unpickled(torque_model), samples, block_samples=len(samples) or 1, **settings)
+        problem = Problem(
+            _unpickled(torque_model), samples, block_samples=len(samples) or 1, cached_bytes=0.0, **settings
+        )
         if problem.structure.base.independent.tobytes() != base:
             raise NoWorkers("a worker finds other base parameters; use workers with processors of one type")
         return pickle.loads(function)(problem, own)

@@ -5,9 +5,9 @@ For the identification, they are applied to the torque and every column of the r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from math import ceil, log, prod
 from numbers import Integral
 from typing import Any
@@ -48,24 +48,7 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER
             f"give more than {padding(order)}"
         )
     sections = butter(order, cutoff, fs=rate, output="sos")
-    return column_by_column(lambda some: sosfiltfilt(sections, some, axis=0, padlen=padding(order)), values)
-
-
-FILTERED_AT_ONCE = 16
-"""Number of columns that are filtered at once: filters make copies of what they are given, of a regressor too many."""
-
-
-def column_by_column(function: Callable[[Array], Array], values: Array) -> Array:
-    """The answers (K, …) of a function of columns to values (N, …), found for few columns at a time."""
-    columns = np.asarray(values, dtype=float).reshape(len(values), -1)
-    parts = range(0, columns.shape[1], FILTERED_AT_ONCE)
-    found = None
-    for first in parts:
-        some = function(columns[:, first : first + FILTERED_AT_ONCE])
-        if found is None:
-            found = np.empty((len(some), columns.shape[1]))
-        found[:, first : first + FILTERED_AT_ONCE] = some
-    return function(values) if found is None else found.reshape(-1, *np.shape(values)[1:])
+    return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding(order)))
 
 
 def check_cutoff(rate: float, cutoff: float) -> None:
@@ -110,6 +93,7 @@ def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
 
     Raises InvalidInput for other factors and for too few rows.
     """
+    from scipy.signal import sosfiltfilt
 
     if not factors or not all(isinstance(f, Integral) and 2 <= f <= MAX_STAGE_FACTOR for f in factors):
         raise InvalidInput(
@@ -123,14 +107,8 @@ def decimated_columns(columns: ArrayLike, factors: Sequence[int]) -> Array:
             f"give {rows_needed(factors)} or more"
         )
     for factor in factors:
-        values = column_by_column(partial(_stage, factor), values)
+        values = sosfiltfilt(_anti_aliasing(factor), values, axis=0)[::factor]
     return values
-
-
-def _stage(factor: int, columns: Array) -> Array:
-    from scipy.signal import sosfiltfilt
-
-    return np.asarray(sosfiltfilt(_anti_aliasing(factor), columns, axis=0)[::factor])
 
 
 @cache

@@ -143,17 +143,27 @@ def filtered(
             waiting = np.concatenate([waiting, *parts])
             parts = []
             done = (len(waiting) - margin) // factor * factor
-            rows = rows_of(_applied(row_filter, waiting)[before // factor : done // factor])
+            rows = rows_of(_applied(row_filter, waiting, slice(before // factor, done // factor)))
             waiting, before, first = waiting[done - margin :].copy(), margin, False
             yield rows
     waiting = np.concatenate([waiting, *parts])
     if len(waiting):
-        yield rows_of(_applied(row_filter, waiting)[before // factor :])
+        yield rows_of(_applied(row_filter, waiting, slice(before // factor, None)))
 
 
-def _applied(row_filter: RowFilter, columns: Array) -> Array:
-    answer = np.asarray(row_filter(columns), dtype=float)
-    expected = (filtered_length(len(columns), row_filter), columns.shape[1])
-    if answer.shape != expected:
-        raise InvalidInput(f"the row filter answers shape {answer.shape} for {columns.shape}, expected {expected}")
-    return answer
+COLUMNS_AT_ONCE = 16
+"""Columns that are filtered at once: filters make several copies of them."""
+
+
+def _applied(row_filter: RowFilter, columns: Array, kept: slice) -> Array:
+    """These of the filtered rows."""
+    rows, width = filtered_length(len(columns), row_filter), columns.shape[1]
+    found = np.empty((len(range(rows)[kept]), width))
+    for first in range(0, width, COLUMNS_AT_ONCE):
+        some = columns[:, first : first + COLUMNS_AT_ONCE]
+        answer = np.asarray(row_filter(some), dtype=float)
+        expected = (rows, some.shape[1])
+        if answer.shape != expected:
+            raise InvalidInput(f"the row filter answers shape {answer.shape} for {some.shape}, expected {expected}")
+        found[:, first : first + COLUMNS_AT_ONCE] = answer[kept]
+    return found

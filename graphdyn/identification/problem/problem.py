@@ -40,7 +40,7 @@ CHUNK_SAMPLES = 1024
 """Samples whose regressor is in memory at once: 4 MB for a six-axis arm, and enough to be worth compiling for."""
 
 MAX_CACHED_BYTES = 32e6
-"""Largest size of equations [bytes] that are kept for the methods that read them many times."""
+"""Default size of equations [bytes] up to which they are kept for the methods that read them many times."""
 
 SUMMED_SAMPLES = 32768
 """Samples whose equations are summed up at once; of these only those of friction are in memory, 5 MB."""
@@ -69,6 +69,7 @@ class Problem:
     used: which rows count, of those that the filter keeps; all if left out. The filter runs over all of them, so that
         it has settled at the borders of the used rows; not for data in parts   (N,)
     progress: called with the number of samples of every chunk read
+    cached_bytes: largest size of equations that are kept for methods that read them many times [bytes]
     """
 
     torque_model: TorqueModel
@@ -80,6 +81,7 @@ class Problem:
     rank_tolerance: float = RANK_TOLERANCE
     used: NDArray[np.bool_] | None = None
     progress: Callable[[int], None] | None = None
+    cached_bytes: float = MAX_CACHED_BYTES
     _memory: list[Rows] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -209,7 +211,7 @@ class Problem:
         for part, block in self._cut(counted(self._equations(), self.used)):
             rows = replace(part, block=block)
             size += rows.matrix.nbytes
-            few = [*few, rows] if size <= MAX_CACHED_BYTES else []
+            few = [*few, rows] if size <= self.cached_bytes else []
             yield rows
         if not size:
             raise InvalidInput(NO_SAMPLES)

@@ -1,5 +1,6 @@
 """Recordings in parts: together the same as the whole, wherever the parts are worked on."""
 
+import gzip
 import os
 import shutil
 import signal
@@ -12,7 +13,7 @@ from identified import identified_arm
 from identified.identified_arm import virtual
 from long_check import LONG
 from planting import mixed_tree
-from pyarrow import parquet
+from pyarrow import csv, parquet
 from typer.testing import CliRunner
 
 import crosscheck
@@ -60,6 +61,11 @@ def written(path, columns, rows=slice(None)):
     return path
 
 
+def as_text(path, columns):
+    csv.write_csv(pa.table(columns), path)
+    return path
+
+
 @pytest.fixture(scope="module")
 def columns():
     return identified_arm.columns()
@@ -99,6 +105,15 @@ class TestWhole:
         assert np.array_equal(parts.equations.counts, whole.equations.counts)
         gram, expected = (np.einsum("gab,gac->gbc", f, f) for f in (parts.equations.factors, whole.equations.factors))
         np.testing.assert_allclose(gram, expected, rtol=0, atol=FORGOTTEN * np.abs(expected).max())
+
+    @pytest.mark.parametrize("name", ["log.csv", "log.csv.gz"])
+    def test_text_is_the_same_to_the_last_bit(self, folder, tmp_path, columns, name):
+        path = as_text(tmp_path / "log.csv", columns)
+        if name.endswith(".gz"):
+            path = tmp_path / name
+            path.write_bytes(gzip.compress((tmp_path / "log.csv").read_bytes()))
+        for one, other in zip(summed(path), summed(folder / "log.parquet"), strict=True):
+            assert np.array_equal(one.factors, other.factors)
 
     def test_residuals(self, folder):
         whole = Problem(
@@ -180,7 +195,8 @@ class TestRefusals:
 
     def test_files(self, tmp_path, columns):
         (tmp_path / "empty").mkdir()
-        (tmp_path / "log.csv").write_text("q_1,tau_1\n1,2\n", encoding="utf-8")
+        (tmp_path / "log.npz").write_bytes(b"PK")
+        (tmp_path / "words.csv").write_text("q_1,tau_1\n1,2\n1,2,3\n", encoding="utf-8")
         (tmp_path / "damaged.parquet").write_bytes(b"PAR1")
         written(tmp_path / "mixed" / "a.parquet", columns)
         written(tmp_path / "mixed" / "b.parquet", {"other": columns["q_1"]})
@@ -188,12 +204,21 @@ class TestRefusals:
             summed(tmp_path / "none")
         for name, message in {
             "empty": "no Parquet file in this folder; a folder is one log in parts",
-            "log.csv": "only Parquet files are read in parts; convert it to one",
+            "log.npz": "only Parquet and CSV files are read in parts; convert it to one",
+            "words.csv": "words.csv: CSV parse error: Row #3: Expected 2 columns, got 3",
             "damaged.parquet": "; repair the file",
             "mixed": "b.parquet: its columns are not those of .*a.parquet; the files of a folder are parts of one log",
         }.items():
             with pytest.raises(BadRecordingFile, match=message):
                 summed(tmp_path / name)
+
+    def test_rows_of_text_are_named_by_their_file(self, tmp_path, columns):
+        bad = {name: values.copy() for name, values in columns.items()}
+        bad["q_1"][1234] = np.nan
+        with pytest.raises(InvalidInput, match=r"log.csv, row 1234: not a number"):
+            summed(as_text(tmp_path / "log.csv", bad))
+        with pytest.raises(InvalidInput, match=r"log.csv is given twice"):
+            summed(tmp_path / "log.csv", tmp_path / "log.csv")
 
     def test_a_gap_between_two_files(self, tmp_path, columns):
         """Whoever names different logs like parts of one is told."""
@@ -399,10 +424,6 @@ class TestIdentified:
         ("options", "message"),
         [
             ([], "--jobs and --scheduler need LOGs; a simulated robot is identified without them"),
-            (
-                ["log.parquet"],
-                "--cutoff residual, which is the default, needs the recording in memory; give Hz or none",
-            ),
             (["log.parquet", "--folds", "3"], "--folds needs the recording in memory; leave it out with --jobs and"),
             (
                 ["log.parquet", "--cutoff", "10", "--methods", "huber"],

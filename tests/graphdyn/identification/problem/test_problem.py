@@ -93,9 +93,8 @@ class TestData:
         estimate = WeightedLeastSquares().estimate(once)
         assert estimate.parameters.shape == (87,)
 
-    def test_read_once_and_long(self, samples, monkeypatch):
-        monkeypatch.setattr("graphdyn.identification.problem.problem.MAX_CACHED_BYTES", 0)
-        once = Problem(torque_data.torque_model(), samples.pieces(100), block_samples=60)
+    def test_read_once_and_long(self, samples):
+        once = Problem(torque_data.torque_model(), samples.pieces(100), block_samples=60, cached_bytes=0)
         _ = once.equations
         with pytest.raises(InvalidInput, match="can be read only once and was: give the samples in a list"):
             list(once.rows())
