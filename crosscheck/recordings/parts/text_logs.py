@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -43,11 +44,12 @@ def _file_in(folder: TemporaryDirectory[str]) -> Path:
 
 
 def _converted(path: Path, mapping: ColumnMapping | None) -> TemporaryDirectory[str]:
-    """The folder of the converted file; it is deleted with the object."""
+    """The folder of the converted file, which is deleted when the program ends."""
     import pyarrow as pa
     from pyarrow import parquet
 
     folder = TemporaryDirectory(prefix="graphdyn-")
+    atexit.register(folder.cleanup)
     try:
         names, batches = batches_of_csv(path, mapping, GROUP_ROWS)
         groups = _groups(names, batches)
