@@ -115,12 +115,12 @@ class Outcome:
 
     @property
     def mass_deviations(self) -> Array:
-        """Those of the masses (n,) [kg]."""
+        """Root mean square errors of the masses (n,) [kg]."""
         return _size(self.masses)
 
     @property
     def center_deviations(self) -> Array:
-        """Those of the centers of mass, component by component (n, 3) [m]."""
+        """Root mean square errors of the centers of mass, component by component (n, 3) [m]."""
         return _size(self.centers)
 
 

@@ -56,7 +56,7 @@ Chain = tuple[tuple[int, ...], tuple[int, ...]]
 
 
 def _of_no_rates(roots: list[Chain], links: Array) -> list[Chain]:
-    """Those of the chains whose first columns are rates of no column, if there are any.
+    """The chains whose first columns are rates of no column; all if there are none.
 
     Where a file has accelerations too, positions 2 … 6 with the first velocity are such a sequence as well.
     """

@@ -207,7 +207,7 @@ def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Sa
 
 
 def _not_compared() -> float:
-    """In place of the misfit of a change that nobody asks for, which would keep the equations of its motion: 2 MB."""
+    """A stand-in for the misfit of a change that nobody asks for: that would keep the equations of its motion, 2 MB."""
     return np.inf
 
 

@@ -503,7 +503,8 @@ def test_findings_of_logs_that_are_read_part_by_part(monkeypatch):
     monkeypatch.setattr(command, "show_findings", lambda findings: told.extend(findings))
     workers = SimpleNamespace(kept=contextlib.nullcontext)
     reading = {**vars(ReadingOptions()), "reading": None}
-    options = SimpleNamespace(workers=workers, logs=[], validate=None, mapping=None, rate=None, **reading)
+    shared = {"logs": [], "validate": None, "mapping": None, "rate": None}
+    options = SimpleNamespace(workers=workers, in_parts=True, **shared, **reading)
     asked = SimpleNamespace(preparation=SimpleNamespace(cutoff=10.0), _asdict=dict)
     assert command.from_parts(options, "ur5", asked) is found
     assert told == [first, second]
