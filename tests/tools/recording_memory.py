@@ -1,6 +1,6 @@
 """How much memory `graphdyn identify` takes for recordings of a million rows, child processes included.
 
-    python tests/tools recording_memory [ROWS] [--format csv|parquet] [--seconds-between S] [IDENTIFY ARGUMENTS …]
+    python tests/tools recording_memory [ROWS] [--format csv|parquet] [IDENTIFY ARGUMENTS …]
 
 A simulated UR5 in a Fourier motion with friction and noise at 1 kHz: t, q and tau of six joints, ROWS of them, a
 million unless given. Prints the peak of the resident memory of the command and its children, added up every
@@ -34,7 +34,9 @@ CHUNK_ROWS = 50_000
 INTERVAL = 0.01
 """Time between two looks at the memory [s]."""
 
-IMPORTS = "import crosscheck.commands.identify.report, crosscheck.identifying, pyarrow.csv, cvxpy, clarabel"
+IMPORTS = (
+    "import crosscheck.commands.identify.report, crosscheck.identifying, pyarrow.parquet, scipy.signal, cvxpy, clarabel"
+)
 """What every identification imports."""
 
 

@@ -74,12 +74,3 @@ def test_what_is_short_or_no_table(program, folder, small_arm, monkeypatch):
     done = program("identify", "damaged.parquet", "--robot", str(small_arm), *QUICK)
     assert done.code == BAD_INPUT
     assert "damaged.parquet: not a readable Parquet file" in done.err
-
-
-def test_residual_analysis_with_jobs(program, folder, small_arm):
-    done = program("identify", "log.csv", "--robot", str(small_arm), *QUICK, "--cutoff", "residual", "--jobs", "1")
-    assert "too few for the borders of the filter" in done.err  # of a cutoff that only this log can have told
-    done = program("identify", "log.csv", "--robot", str(small_arm), *QUICK, "--jobs", "1", "--json", "found.json")
-    assert done.code != BAD_INPUT, done.err
-    steps = json.loads((folder / "found.json").read_text(encoding="utf-8"))["recording"]["steps"]
-    assert any("zero-phase Butterworth low-pass of order 4: q " in step for step in steps)

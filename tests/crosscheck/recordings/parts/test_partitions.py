@@ -26,6 +26,7 @@ from crosscheck.identifying.results.identified_model import HeldOutPrediction
 from crosscheck.recordings import (
     BadRecordingFile,
     PartitionedRecording,
+    chosen_cutoff,
     differentiated,
     load_recording,
     samples_of,
@@ -114,6 +115,12 @@ class TestWhole:
             path.write_bytes(gzip.compress((tmp_path / "log.csv").read_bytes()))
         for one, other in zip(summed(path), summed(folder / "log.parquet"), strict=True):
             assert np.array_equal(one.factors, other.factors)
+
+    def test_the_cutoff_is_that_of_the_beginnings(self, folder, monkeypatch):
+        monkeypatch.setattr("crosscheck.recordings.parts.partitioned.CHECKED_ROWS", 1500)
+        recording = load_recording(folder / "log.parquet")
+        found = problem(folder / "log", folder / "log.parquet", cutoff=None).data.residual_cutoff()
+        assert found == chosen_cutoff(recording.take(slice(0, 1500)))
 
     def test_residuals(self, folder):
         whole = Problem(
