@@ -43,7 +43,7 @@ REHEARSED_METHODS = ("wls", "consistent", "entropic")
 """Default methods: the data alone, physically consistent links, and those near the file."""
 
 CHOOSING_RUNS = 5
-"""Runs in which cross-validation chooses the strengths of priors."""
+"""Runs in which the strengths of priors are chosen. One choice for all would not do: it differs from run to run."""
 
 UNLOADED_SHARE = 1e-6
 """Torque, relative to that of the most loaded joint, below which a joint carries none; it has the noise of the least
@@ -134,6 +134,7 @@ class Rehearsal:
 
     subject: the robot of the file; torque_model: with its bodies as the prior; conditions, preparation: of the runs
     motion: name; duration: of it [s]
+    cutoffs: of the low-pass, where residual analysis chose them, run by run [Hz]
     strengths: of the priors, chosen by cross-validation in the first CHOOSING_RUNS runs, by name of the method
     top_speeds: of the joints (n,) [rad/s or m/s]
     identifiability: of the exact motion, without noise: what it determines, and what it does not
@@ -153,6 +154,7 @@ class Rehearsal:
     file: Outcome
     outcomes: Mapping[str, Outcome]
     failures: Mapping[str, str]
+    cutoffs: tuple[float, ...]
     strengths: Mapping[str, tuple[float, ...]]
 
     @property
@@ -230,8 +232,8 @@ def rehearse(
     methods: names (METHODS) or estimators
     progress: called with the name of every run and 1
 
-    The cutoff that residual analysis chooses in the first run is kept. Cross-validation chooses strengths of priors in
-    the first CHOOSING_RUNS runs, which the others take in turn: the choice costs ten times as much as the fit.
+    In the first CHOOSING_RUNS runs cross-validation chooses the strengths of priors. The others take these in turn: the
+    choice costs ten times as much as the fit.
 
     Raises InvalidInput for robots with loops or couplings, and for motions too short for the filter; urdf's errors.
     """
@@ -252,14 +254,14 @@ def rehearse(
     exact = replace(still, tau=_torque(torque_model, still, torque_model.prior()))
     rehearsed = _Rehearsed(torque_model, exact, Problem(torque_model, exact), conditions)
     estimators = [method_named(method) if isinstance(method, str) else method for method in methods]
-    runs, chosen = [], list[list[Estimator]]()
+    runs, prepared, chosen = [], list[Preparation](), list[list[Estimator]]()
     for number in range(conditions.runs):
         if progress is not None:
             progress(f"run {number + 1}", 1)
         truth, recording = rehearsed.recorded(np.random.default_rng([conditions.seed, number]))
-        if preparation.cutoff == "residual":
-            preparation = replace(preparation, cutoff=chosen_cutoff(recording))
-        problem = preparation.problem(torque_model, preparation.differentiated(recording))
+        own = _with_cutoff(preparation, recording)
+        prepared.append(own)
+        problem = own.problem(torque_model, own.differentiated(recording))
         if number < CHOOSING_RUNS:
             found = compare_methods(problem, estimators, poses=1)
             chosen.append(_with_strengths(estimators, found))
@@ -284,8 +286,14 @@ def rehearse(
             if estimator.name not in failed
         },
         failures=failed,
+        cutoffs=tuple(float(own.cutoff) for own in prepared if preparation.cutoff == "residual"),  # type: ignore[arg-type]
         strengths=_strengths(chosen),
     )
+
+
+def _with_cutoff(preparation: Preparation, recording: Recording) -> Preparation:
+    """The preparation, with the cutoff that residual analysis chooses where it is to."""
+    return replace(preparation, cutoff=chosen_cutoff(recording)) if preparation.cutoff == "residual" else preparation
 
 
 def _with_strengths(estimators: Sequence[Estimator], found: MethodComparison) -> list[Estimator]:

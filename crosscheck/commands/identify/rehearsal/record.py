@@ -80,13 +80,18 @@ class RehearsalRecord(CommandRecord, of=Rehearsal, only=("motion", "duration"), 
     undetermined: base parameters that this motion does not determine individually
     best: method with the smallest deviations of base parameters; null without one
     best_of_links: method with the smallest deviations of masses; null where none has physically consistent links
-    cutoff: of the low-pass [Hz], one or by channel; null for none
+    cutoff: of the low-pass [Hz], one or by channel; null for none, and where residual analysis chose
+    cutoffs: those that residual analysis chose, run by run [Hz]
+    conditions: what the virtual recordings are like
+    base_parameters: those that the motion determines
     file_links: errors of the file itself
+    methods: what each will find
     """
 
     robot: str = attribute("subject.name")
     conditions: ConditionsRecord
-    cutoff: float | Mapping[str, float] | None = attribute("preparation.cutoff")
+    cutoff: float | Mapping[str, float] | None
+    cutoffs: Sequence[float] = attribute()
     rank: int = attribute("identifiability.rank")
     structural_rank: int = attribute("identifiability.structural_rank")
     complete: bool = attribute()
@@ -108,6 +113,7 @@ def record(found: Rehearsal, command: Sequence[str]) -> dict[str, Any]:
         RehearsalRecord,
         found,
         command=command,
+        cutoff=None if found.cutoffs else found.preparation.cutoff,
         base_parameters=[dict(zip(keys, row, strict=True)) for row in names],
         file_links=_links(found, found.file),
         methods=[

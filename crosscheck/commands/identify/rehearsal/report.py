@@ -75,6 +75,8 @@ def _range(strengths: Sequence[float]) -> str:
 
 
 def _cutoff(found: Rehearsal) -> str:
+    if found.cutoffs:
+        return f"{min(found.cutoffs):.3g} to {max(found.cutoffs):.3g} Hz, by residual analysis"
     cutoff = found.preparation.cutoff
     return "none" if cutoff is None else f"{cutoff:.3g} Hz" if isinstance(cutoff, float) else str(cutoff)
 
