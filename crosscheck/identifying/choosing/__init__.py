@@ -1,0 +1,1 @@
+"""Choice of the terms of the drives by held-out error, and what the residuals still hold."""

@@ -1,0 +1,97 @@
+"""Models of the drives that the ladder tries: friction curves, load, memory, rotors and offsets, in all combinations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+from crosscheck.identifying.methods.torque_terms import term_with
+from graphdyn.identification.terms import Term
+
+Entry = Mapping[str, Any]
+"""A term with its settings, as in a table of torque models: {"term": "coulomb", "width": 0.05}."""
+
+VISCOUS: Entry = {"term": "viscous"}
+
+CURVES: dict[str, tuple[Entry, ...]] = {
+    "Coulomb": ({"term": "coulomb"},),
+    "Coulomb, width 0.05": ({"term": "coulomb", "width": 0.05},),
+    "Stribeck, velocity 0.05": ({"term": "coulomb"}, {"term": "stribeck", "velocity": 0.05}),
+    "Stribeck, velocity 0.15": ({"term": "coulomb"}, {"term": "stribeck", "velocity": 0.15}),
+    "Stribeck, velocity 0.5": ({"term": "coulomb"}, {"term": "stribeck", "velocity": 0.5}),
+    "smooth": ({"term": "smooth-coulomb", "widths": [0.02, 0.1, 1.0]},),
+}
+"""Friction over velocity [rad/s or m/s], from the simplest on. The smooth curve is any that saturates: stiction, a
+falling part, and viscous friction that grows more slowly than the velocity."""
+
+LOADS: dict[str, tuple[Entry, ...]] = {"": (), "load": ({"term": "load", "width": 0.1},)}
+
+MEMORIES: dict[str, tuple[Entry, ...]] = {
+    "": (),
+    **{f"slip, {d:g}": ({"term": "slip", "deflection": d},) for d in (0.003, 0.01, 0.03)},
+}
+"""Deflections of the springs before they slip [rad or m]: a sixth of a degree to two degrees."""
+
+ROTORS: dict[str, tuple[Entry, ...]] = {"": (), "rotors": ({"term": "rotor"},)}
+
+OFFSETS: dict[str, tuple[Entry, ...]] = {"": (), "offsets": ({"term": "offset"},)}
+
+CHOICES = {"curve": CURVES, "load": LOADS, "memory": MEMORIES, "rotors": ROTORS, "offsets": OFFSETS}
+"""The alternatives for each part of a model of the drives."""
+
+
+@dataclass(frozen=True)
+class DriveModel:
+    """Terms of the drives: one alternative of each part, in addition to viscous friction.
+
+    curve, load, memory, rotors, offsets: keys of the CHOICES; "" without
+    """
+
+    curve: str = "Coulomb"
+    load: str = ""
+    memory: str = ""
+    rotors: str = ""
+    offsets: str = ""
+
+    @property
+    def entries(self) -> tuple[Entry, ...]:
+        """The terms, as in a table of torque models."""
+        chosen = (CHOICES[field.name][getattr(self, field.name)] for field in fields(self))
+        return (VISCOUS, *(entry for part in chosen for entry in part))
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """A name of each term."""
+        return tuple(map(entry_text, self.entries))
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """The terms."""
+        return tuple(term_with(**entry) for entry in self.entries)
+
+    @property
+    def size(self) -> int:
+        """Number of parameters per joint."""
+        return sum(len(entry.get("widths", [0])) for entry in self.entries)
+
+    def neighbors(self, *, memory: bool) -> Iterator[tuple[str, DriveModel]]:
+        """Models that differ in one part, with this change as text. memory: whether they may have memory"""
+        for part, alternatives in CHOICES.items():
+            here = getattr(self, part)
+            for there in alternatives:
+                if there != here and (memory or part != "memory"):
+                    yield there or f"without {here}", replace(self, **{part: there})
+
+
+def entry_text(entry: Entry) -> str:
+    """A term as in a file of torque models."""
+    settings = [f"{name} = {value}" for name, value in entry.items() if name != "term"]
+    name = f'"{entry["term"]}"'
+    return f"{{term = {', '.join([name, *settings])}}}" if settings else name
+
+
+def every_term(*, memory: bool) -> dict[str, Term]:
+    """All terms of all models, by the names of DriveModel.keys."""
+    parts = [alternative for part, every in CHOICES.items() if memory or part != "memory" for alternative in every.values()]
+    return {entry_text(entry): term_with(**entry) for entries in [(VISCOUS,), *parts] for entry in entries}
