@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.identifying.methods.candidate_models import CandidateModel
 from crosscheck.identifying.methods.loop_methods import in_loop, with_exogeneity
 from crosscheck.identifying.methods.methods import WithPinocchio
@@ -44,11 +45,13 @@ def identified_model(
     loop: ClosedLoop | None,
     poses: int,
     progress: Callable[[str], None],
+    ladder: Ladder | None = None,
 ) -> IdentifiedModel:
     """The model with the results of every method on the rows of the fit, and on those of every trial.
 
     loop: as prepared, for the methods that simulate it
     progress: called with the name of every method that begins
+    ladder: how the terms of the drives were chosen
     """
     torque_model = candidate.of(subject.model)
     estimators = _with_pinocchio(in_loop(candidate.estimators, loop), subject)
@@ -78,6 +81,7 @@ def identified_model(
         cad_of=candidate.cad_of,
         settings=settings,
         exogeneity=exogeneity,
+        ladder=ladder,
     )
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Unpack
+from typing import Literal, Unpack
 
+from crosscheck.identifying.choosing.chosen import with_chosen_drives
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.fitting import identified_model
 from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, LongRecordings, Progress
@@ -29,7 +30,7 @@ def identify(
     robot: Robot,
     recordings: Recording | Sequence[Recording] | PartitionedRecording,
     *,
-    terms: Sequence[Term] | None = None,
+    terms: Sequence[Term] | Literal["standard"] | None = None,
     known: Sequence[KnownTerm] = (),
     methods: Sequence[str | Estimator] | None = None,
     preparation: Preparation | None = None,
@@ -45,7 +46,8 @@ def identify(
     robot: name, path of a URDF, or RobotModel; its inertial parameters are the prior
     recordings: with torques; several are fitted together. A PartitionedRecording may have any length: it is read
         several times, part by part, by methods that need no more than sums (METHODS_OF_SUMS)
-    terms: unknown parts of the torque; if left out, rigid bodies, viscous and Coulomb friction, and offset
+    terms: unknown parts of the torque; if left out, rigid bodies, and terms of the drives that predict best
+        (crosscheck.identifying.choosing); "standard" for rigid bodies, viscous and Coulomb friction, and offset
     known: known parts, which are subtracted
     methods: names (METHODS) or estimators; if left out, STANDARD_METHODS, or those of them that need no more than sums;
         `graph` only for recordings with wrenches
@@ -56,8 +58,8 @@ def identify(
     poses: random poses in which the mass matrix is tested
     models: torque models to compare, each with terms, known terms and methods of its own, in place of `terms`, `known`
         and `methods`; the result is that of the first one, and contains the others
-    progress: called with the name of the next step and 1: three times, and once for every method of the fit and of
-        every fold; for a PartitionedRecording with the name of a step and a number of rows
+    progress: called with the name of the next step and 1: three times, once if terms are chosen, and once for every
+        method of the fit and of every fold; for a PartitionedRecording with the name of a step and a number of rows
 
     The result of a PartitionedRecording is that of the whole data. Its `recordings`, `division`, curves and data
     quality are those of the beginnings of the logs.
@@ -70,17 +72,15 @@ def identify(
     if models and (terms is not None or known):
         raise InvalidInput("terms or known are given beside models; give them as parts of the models")
     methods = methods or _standard_methods(recordings)
-    terms = (RigidBodies(), *friction_terms(STANDARD_TERM_NAMES)) if terms is None else terms
-    candidates = with_links_of_cad(models or [CandidateModel("", terms, known, methods)])
+    asked = models or [_model(terms, known, methods)]
+    with_links_of_cad(asked)  # refuses what cannot be compared before anything is read
     if isinstance(recordings, PartitionedRecording):
-        return LongRecordings.of(compared, candidates, recordings, held_out, preparation, loop).identified(
-            poses, progress
-        )
+        return LongRecordings.of(compared, asked, recordings, held_out, preparation, loop).identified(poses, progress)
     if isinstance(held_out, PartitionedRecording):
         raise InvalidInput("a PartitionedRecording can be predicted from another one only; load it as a Recording")
     recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
     preparation = preparation or Preparation()
-    first = candidates[0].of(compared.model)
+    first = asked[0].of(compared.model)
     loop = as_prepared(loop, preparation, recordings[0])
 
     def say(what: str) -> None:
@@ -97,11 +97,23 @@ def identify(
     prepared = [preparation.differentiated(recording) for recording in recordings]
     ahead = tuple(preparation.differentiated(recording) for recording in others)
     division = _prepared(held_out, ahead).divide(prepared)
+    if any(model.choose_drives for model in asked):
+        say("terms of the drives")
+    chosen, ladders = with_chosen_drives(asked, compared.model, division.fit, preparation)
     say("read")
     return identified(
         [
-            identified_model(compared, candidate, division, preparation, loop=loop, poses=poses, progress=say)
-            for candidate in candidates
+            identified_model(
+                compared,
+                candidate,
+                division,
+                preparation,
+                loop=loop,
+                poses=poses,
+                progress=say,
+                ladder=ladders.get(candidate.name),
+            )
+            for candidate in with_links_of_cad(chosen)
         ],
         recordings=tuple(recordings),
         division=division,
@@ -110,6 +122,17 @@ def identify(
         data_quality=found_quality,
         validation_data_quality=quality_of_others,
     )
+
+
+def _model(
+    terms: Sequence[Term] | Literal["standard"] | None,
+    known: Sequence[KnownTerm],
+    methods: Sequence[str | Estimator],
+) -> CandidateModel:
+    if terms is None:
+        return CandidateModel("", (RigidBodies(),), known, methods, choose_drives=True)
+    standard = (RigidBodies(), *friction_terms(STANDARD_TERM_NAMES))
+    return CandidateModel("", standard if isinstance(terms, str) else terms, known, methods)
 
 
 def _standard_methods(recordings: Recording | Sequence[Recording] | PartitionedRecording) -> Sequence[str]:
@@ -124,7 +147,8 @@ def _standard_methods(recordings: Recording | Sequence[Recording] | PartitionedR
 def number_of_steps(models: Sequence[CandidateModel], held_out: HeldOut | None) -> int:
     """Number of calls of `progress` by identify, of recordings in memory."""
     folds = held_out.folds if isinstance(held_out, Folds) else 0
-    return 3 + (1 + folds) * sum(len(model.methods) for model in with_links_of_cad(models))
+    steps = 3 + any(model.choose_drives for model in models)
+    return steps + (1 + folds) * sum(len(model.methods) for model in with_links_of_cad(models))
 
 
 def _other_recordings(held_out: HeldOut) -> tuple[Recording, ...]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from crosscheck.identifying.choosing.chosen import with_chosen_drives
+from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.identifying.data_quality.data_quality import DataQuality, data_quality
-from crosscheck.identifying.methods.candidate_models import CandidateModel
+from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
 from crosscheck.identifying.methods.methods import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
@@ -74,12 +76,14 @@ SAMPLE_METHODS = (
 class LongRecordings:
     """Recordings of any length of a robot, to be fitted and to be predicted.
 
+    ladders: how terms of the drives were chosen, from the beginnings of the fitted logs, by the name of the model
     begun, begun_ahead: beginnings of the logs as they were read
     division: the same prepared, for curves
     """
 
     compared: Subject
     candidates: Sequence[CandidateModel]
+    ladders: Mapping[str, Ladder]
     fitted: PartitionedRecording
     predicted: PartitionedRecording
     begun: list[Recording]
@@ -116,7 +120,10 @@ class LongRecordings:
         begun, begun_ahead = (_beginnings(part) for part in (fitted, predicted))
         begin, ahead = _excerpt(fitted, begun, preparation), _excerpt(predicted, begun_ahead, preparation)
         division = Division(begin, [Fold(names, begin, ahead, own_recording=bool(names))], words)
-        return cls(compared, candidates, fitted, predicted, begun, begun_ahead, division, preparation)
+        # friction with memory needs whole runs, which the fit of all parts does not have
+        chosen, ladders = with_chosen_drives(candidates, compared.model, begin, preparation, memory=False)
+        candidates = with_links_of_cad(chosen)
+        return cls(compared, candidates, ladders, fitted, predicted, begun, begun_ahead, division, preparation)
 
     def identified(self, poses: int, progress: Progress | None) -> Identified:
         """The results of all torque models."""
@@ -182,6 +189,7 @@ class LongRecordings:
             exogeneity=EXOGENEITY_NEEDS_ROWS,
             name=candidate.name,
             cad_of=candidate.cad_of,
+            ladder=self.ladders.get(candidate.name),
         )
 
 

@@ -130,8 +130,9 @@ def true_parameters(
     x = torque_model.prior()
     for k in range(BODY_PARAMETERS * torque_model.model.n_bodies, len(x)):
         joint = int(np.argmax(columns[:, k] / np.where(size > 0, size, np.inf)))
+        part = rng.uniform(0.5, 1.5)
         if columns[joint, k] > 0:  # else its joint does not move, or carries nothing
-            x[k] = share * rng.uniform(0.5, 1.5) * size[joint] / columns[joint, k]
+            x[k] = share * part * size[joint] / columns[joint, k]
     return x
 
 

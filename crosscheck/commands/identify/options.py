@@ -90,7 +90,7 @@ class TorqueOptions(CodeOptions):
         typer.Option(
             metavar="NAME,…",
             rich_help_panel="Options",
-            show_default=DEFAULT_TERMS,
+            show_default="those that predict best",
             help="Terms of the drives: viscous, coulomb, stribeck, load, smooth-coulomb, offset, rotor, "
             "asymmetric-viscous, asymmetric-coulomb, coupled-wrist, slip, spring, or none; NAME*time and "
             "NAME*temperature for terms that drift. Repeatable: torque models to compare.",
@@ -161,6 +161,10 @@ class TorqueOptions(CodeOptions):
         if self.allow_code:
             raise typer.BadParameter("--allow-code is for --models FILE; code of the command line runs without it")
         bodies, known_links = links(self.known_bodies)
+        if self._drives_chosen:
+            [own] = drives_of(["none"], None, (None, None), self.term)
+            terms, subtracted = (*bodies, *load, *own), (*known_links, *known)
+            return [CandidateModel("", terms, subtracted, methods, choose_drives=True)]
         given = list(self.terms or [DEFAULT_TERMS])
         drives = drives_of(given, self.width, (self.stribeck_velocity, self.stribeck_exponent), self.term)
         names = given if len(given) > 1 else [""]
@@ -168,6 +172,12 @@ class TorqueOptions(CodeOptions):
             CandidateModel(name, (*bodies, *load, *own), (*known_links, *known), methods)
             for name, own in zip(names, drives, strict=True)
         ]
+
+    @property
+    def _drives_chosen(self) -> bool:
+        """Whether the recording chooses the terms of the drives: no option says anything of them."""
+        settings = (self.terms, self.models, self.width, self.stribeck_velocity, self.stribeck_exponent)
+        return all(setting is None for setting in settings)
 
 
 RESULT_PANEL = "Recommended model"
@@ -356,6 +366,10 @@ class IdentifyOptions(
             help="Read LOGs of any length part by part, in this number of processes.",
         ),
     ] = None
+
+    @property
+    def _drives_chosen(self) -> bool:
+        return bool(self.logs) and super()._drives_chosen  # the terms of a simulated robot are known
 
     @property
     def in_parts(self) -> bool:

@@ -9,6 +9,8 @@ import numpy as np
 
 from crosscheck.commands.identify.gains_record import CurrentsRecord
 from crosscheck.identifying import FittedCurrents
+from crosscheck.identifying.choosing.ladder import Ladder
+from crosscheck.identifying.choosing.residual_causes import ResidualCause
 from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.results.identified_model import Candidate, HeldOutPrediction, IdentifiedModel
 from crosscheck.identifying.results.parameters import (
@@ -121,6 +123,14 @@ class DataQualityRecord(Record, of=DataQuality, leave_out=("measures",)):
     free_residual: Numbers = attribute("measures.free_errors")
     standstill: Numbers = attribute("measures.channels.standstill")
     clipped: Numbers = attribute("measures.channels.clipped")
+
+
+class LadderRecord(Record, of=Ladder, leave_out=("model",)):
+    """How the terms of the drives were chosen."""
+
+
+class ResidualCauseRecord(Record, of=ResidualCause):
+    """What may explain a part of the residual of the shown result."""
 
 
 class RecordingRecord(Record, of=Identified, only=()):
@@ -239,6 +249,8 @@ class IdentifyRecord(
     comparison: every method of every torque model, in the order of the tables
     validation_data_quality: what every recording that is predicted and not fitted shows of itself; null where it is too
         short
+    ladder: how the terms of the drives of the first model were chosen; null where they were given
+    residual_causes: what the residual of the shown result still holds; empty where the recording is too short to tell
     shown: the result in the tables
     currents: gains that have converted recorded currents; null for recorded torques
     """
@@ -256,6 +268,8 @@ class IdentifyRecord(
     rejection_reasons = attribute("recommendation.rejection_reasons")
     data_quality: DataQualityRecord | None
     excitation: Sequence[Excitation]
+    ladder: LadderRecord | None
+    residual_causes: Sequence[ResidualCauseRecord]
     recording: RecordingRecord
     gap: Sequence[float] = attribute("comparison.gap")
     undetermined = attribute("comparison.undetermined")
@@ -281,6 +295,7 @@ def record(found: Identified, shown: MethodResult | None, command: Sequence[str]
         methods=[_method(found, result) for result in found.comparison.results],
         other_models=[_model(model) for model in found.others],
         comparison=[_candidate(candidate) for candidate in found.candidates],
+        residual_causes=() if shown is None else found.residual_causes(shown),
         shown=None if shown is None else _shown(found, shown),
         currents=None if found.currents is None else _currents(found, found.currents),
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from crosscheck.commands.identify.gains_report import gains_of_identified
+from crosscheck.commands.identify.ladder_report import ladder_section, residual_blocks
 from crosscheck.commands.identify.methods_report import methods_section, singular_values
 from crosscheck.commands.identify.model_report import parameters_section, torques_section
 from crosscheck.commands.identify.quality_report import data_quality_section, excitation_table, rejection_sections
@@ -29,7 +30,10 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
     chosen = found.recommendation
     recommended = f"recommended method: {chosen.name}; it is {chosen.reason}"
     last_line = recommended if chosen.name else f"no usable model: {_without_reasons(found)}"
-    model = (torques_section(found, shown), parameters_section(found, shown)) if shown is not None else ()
+    model: tuple[Section, ...] = ()
+    if shown is not None:
+        residuals = Section("residuals", "Residuals", tuple(residual_blocks(found, shown)))
+        model = (torques_section(found, shown), residuals, parameters_section(found, shown))
     return Report(
         f"{Path(found.subject.name).name} identified",
         _verdict(found),
@@ -38,6 +42,7 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
             *gains_of_identified(found, shown),
             *rejection_sections(found),
             data_quality_section(found),
+            *ladder_section(found),
             methods_section(found),
             *model,
             Section("excitation", "What the motion excites", _excitation(_model(found, shown))),
@@ -135,6 +140,8 @@ def _correlation(found: Identified, shown: MethodResult | None) -> tuple[tuple[s
     )
     if correlation.lower_bound:
         words += f", fewer than {MIN_CORRELATION_TIMES}: σ is a lower bound"
+        if any(trial.fold is not None for trial in found.division.trials):
+            words += ", and errors of folds are one of those on other runs"
     return (("residuals", words),)
 
 

@@ -1,4 +1,4 @@
-"""Models of the drives that the ladder tries: friction curves, load, memory, rotors and offsets, in all combinations."""
+"""Models of the drives that the ladder tries: friction curves, load, memory, rotors and offsets, combined."""
 
 from __future__ import annotations
 
@@ -61,6 +61,11 @@ class DriveModel:
         return (VISCOUS, *(entry for part in chosen for entry in part))
 
     @property
+    def words(self) -> str:
+        """The parts as text."""
+        return "; ".join(["viscous", *(part for field in fields(self) if (part := getattr(self, field.name)))])
+
+    @property
     def keys(self) -> tuple[str, ...]:
         """A name of each term."""
         return tuple(map(entry_text, self.entries))
@@ -93,5 +98,6 @@ def entry_text(entry: Entry) -> str:
 
 def every_term(*, memory: bool) -> dict[str, Term]:
     """All terms of all models, by the names of DriveModel.keys."""
-    parts = [alternative for part, every in CHOICES.items() if memory or part != "memory" for alternative in every.values()]
-    return {entry_text(entry): term_with(**entry) for entries in [(VISCOUS,), *parts] for entry in entries}
+    parts = [every.values() for part, every in CHOICES.items() if memory or part != "memory"]
+    entries = (VISCOUS, *(entry for part in parts for alternative in part for entry in alternative))
+    return {entry_text(entry): term_with(**entry) for entry in entries}

@@ -9,34 +9,22 @@ rise by more. Of several, the one with the smallest error is taken. The fits are
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from math import prod
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from crosscheck.identifying.choosing.drive_models import DriveModel, entry_text, every_term
+from crosscheck.identifying.choosing.drive_models import DriveModel, every_term
+from crosscheck.identifying.choosing.folds import choosing_folds
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
-from crosscheck.recordings.preparation.filtering import filtered_blocks, settling_time
-from crosscheck.recordings.preparation.splits import GUARD_TIME, fold_rows
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification import TorqueModel, one_thread
 from graphdyn.identification.choosing import FoldedFit, RobustFolds, TermColumns, every_row
 from graphdyn.identification.terms import KnownTerm, Term
 
-LADDER_FOLDS = 8
-"""Number of folds: enough for a standard deviation, few enough for folds of a second in ten."""
-
 LADDER_ROWS = 800
 """Largest number of rows of each fit: in ten seconds eighty per second, far above the cutoff of the low-pass."""
-
-MIN_FOLD_GUARDS = 2.0
-"""Shortest fold, in guards: what is left out around a fold must not be most of the recording."""
-
-MAX_LEAKAGE = 1e-2
-"""Fraction of a predicted torque that the filter may still carry into the fit across the guard."""
 
 MIN_GAIN_DEVIATIONS = 1.0
 """Smallest fall of the error that counts, in its standard deviations."""
@@ -44,12 +32,15 @@ MIN_GAIN_DEVIATIONS = 1.0
 MIN_RELATIVE_GAIN = 0.01
 """Smallest fall of the error that counts, relative to the error: less is worth no parameters."""
 
+STANDARD = DriveModel(offsets="offsets")
+"""The model where no ladder can be climbed."""
+
 MAX_RUNGS = 10
 """Largest number of changes that are taken."""
 
 
 @dataclass(frozen=True)
-class Step:
+class LadderStep:
     """A change that was tried.
 
     rung: its number, from 1
@@ -77,28 +68,38 @@ class Ladder:
     error: of the chosen model
     steps: every change that was tried, rung by rung
     folds: number of folds; rows: number of rows of each fit
-    offsets: whether the model has offsets
+    correlation_times: length of the rows in correlation times of the residual, for the joint with the longest one;
+        infinite for white residuals
+    model: the chosen one
+    reason: why no ladder could be climbed, so that the model is the standard one; empty if it was
     """
 
     terms: tuple[str, ...]
     start_error: float
     error: float
-    steps: tuple[Step, ...]
+    steps: tuple[LadderStep, ...]
     folds: int
     rows: int
-    offsets: bool
+    correlation_times: float
     model: DriveModel
+    reason: str = ""
+
+    @classmethod
+    def of_standard_terms(cls, reason: str) -> Ladder:
+        """Viscous and Coulomb friction and offsets, without a ladder."""
+        nothing = float("nan")
+        return cls(STANDARD.keys, nothing, nothing, (), 0, 0, nothing, STANDARD, reason)
 
     @property
-    def taken(self) -> tuple[Step, ...]:
+    def taken(self) -> tuple[LadderStep, ...]:
         """The steps that were taken."""
         return tuple(step for step in self.steps if step.taken)
 
     @property
-    def without_or_with_offsets(self) -> Step:
-        """The step of the last rung that removes the offsets, or adds them."""
-        change = "without offsets" if self.offsets else "offsets"
-        return next(step for step in reversed(self.steps) if step.change == change)
+    def offsets(self) -> LadderStep | None:
+        """The step of the last rung that removes the offsets, or adds them; None without a ladder."""
+        change = "without offsets" if self.model.offsets else "offsets"
+        return next((step for step in reversed(self.steps) if step.change == change), None)
 
 
 def climbed(
@@ -109,31 +110,32 @@ def climbed(
     preparation: Preparation,
     *,
     memory: bool = True,
-) -> Ladder | str:
-    """The ladder on the rows of a differentiated recording, or the reason why there is none.
+) -> Ladder:
+    """The ladder on the rows of a recording; standard terms, with the reason, where it cannot be climbed.
 
+    recording: differentiated
     fixed: terms that every model has, such as rigid bodies; memory: whether terms may have memory
     """
     try:
-        folds = _folds(recording, preparation)
+        folds = choosing_folds(recording, preparation)
         if isinstance(folds, str):
-            return folds
+            return Ladder.of_standard_terms(folds)
         problem = preparation.problem(TorqueModel(robot, tuple(fixed), tuple(known)), recording)
         every, additions = every_row(len(folds[0][0]), LADDER_ROWS), every_term(memory=memory)
         with one_thread():
             columns = TermColumns.of(problem, additions, every)
             thinned = [(train[::every], test[::every]) for train, test in folds]
             fits = RobustFolds(columns, additions, thinned)
-            return _climb(fits.fit, len(folds), len(columns), memory=memory)
+            return _climb(fits.fit, len(folds), memory=memory)
     except (EstimationFailed, InvalidInput, np.linalg.LinAlgError) as failure:
-        return str(failure)
+        return Ladder.of_standard_terms(str(failure))
 
 
 Fit = Callable[[Sequence[str], FoldedFit | None], FoldedFit]
 
 
-def _climb(fit: Fit, folds: int, rows: int, *, memory: bool) -> Ladder:
-    model, steps = DriveModel(), list[Step]()
+def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
+    model, steps = DriveModel(), list[LadderStep]()
     here = fit(model.keys, None)
     start, fits = here.errors.mean, {model: here}
     visited = {model}
@@ -143,41 +145,22 @@ def _climb(fit: Fit, folds: int, rows: int, *, memory: bool) -> Ladder:
             if other not in fits:
                 fits[other] = fit(other.keys, here)
             found = fits[other].errors
-            difference = found.minus(here.errors)
-            tried.append((change, other, found.mean, *difference))
-        good = [one for one in tried if one[1] not in visited and _better(model, *one[1:])]
-        best = min(good, key=lambda one: one[2], default=None)
-        steps += [Step(rung, change, error, *rest, taken=best is not None and other is best[1])
-                  for change, other, error, *rest in tried]
+            tried.append((LadderStep(rung, change, found.mean, *found.minus(here.errors), taken=False), other))
+        good = [one for one in tried if one[1] not in visited and _better(model, one[1], one[0])]
+        best = min(good, key=lambda one: one[0].error, default=None)
+        steps += [replace(step, taken=best is not None and step is best[0]) for step, _ in tried]
         if best is None:
             break
         model = best[1]
         here = fits[model]
         visited.add(model)
-    return Ladder(tuple(map(entry_text, model.entries)), start, here.errors.mean, tuple(steps), folds, rows,
-                  bool(model.offsets), model)
+    rows, times = len(here.residuals), here.correlation_times
+    return Ladder(model.keys, start, here.errors.mean, tuple(steps), folds, rows, times, model)
 
 
-def _better(model: DriveModel, other: DriveModel, error: float, difference: float, deviation: float) -> bool:
+def _better(model: DriveModel, other: DriveModel, step: LadderStep) -> bool:
     """Whether the other model predicts better by more than chance, or has fewer parameters and predicts as well."""
     if other.size < model.size:
-        return difference < deviation
-    return -difference > max(MIN_GAIN_DEVIATIONS * deviation, MIN_RELATIVE_GAIN * (error - difference))
-
-
-def _folds(
-    recording: Recording, preparation: Preparation
-) -> list[tuple[NDArray[np.bool_], NDArray[np.bool_]]] | str:
-    """Rows of each fold's fit and prediction, as those of the equations; or why there are none."""
-    guard = max(GUARD_TIME, settling_time(float(recording.torque_cutoff.min()), MAX_LEAKAGE))
-    blocks, factor = filtered_blocks(recording, preparation.decimate), prod(preparation.decimate)
-    length = sum(float(np.ptp(recording.t[rows])) for rows in blocks)
-    if length < LADDER_FOLDS * MIN_FOLD_GUARDS * guard:
-        return (
-            f"{length:.3g} s are too short for {LADDER_FOLDS} folds with {guard:.2g} s left out around each; record "
-            f"{LADDER_FOLDS * MIN_FOLD_GUARDS * guard:.3g} s or more"
-        )
-    return [
-        tuple(np.concatenate([rows[block][::factor] for block in blocks]) for rows in pair)  # type: ignore[misc]
-        for pair in fold_rows(recording, LADDER_FOLDS, guard)
-    ]
+        return step.difference < step.deviation
+    before = step.error - step.difference
+    return -step.difference > max(MIN_GAIN_DEVIATIONS * step.deviation, MIN_RELATIVE_GAIN * before)

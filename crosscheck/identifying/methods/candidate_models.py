@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from numpy.typing import ArrayLike
 
 from crosscheck.identifying.methods.methods import STANDARD_METHODS, method_named
+from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.identification import Estimator, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.terms import CarriesBodies, KnownBodies, KnownTerm, Offset, RigidBodies, Term
@@ -24,6 +25,8 @@ class CandidateModel:
     methods: names (METHODS) or estimators
     cad_of: as in IdentifiedModel
     expected, noise: as in TorqueModel
+    choose_drives: whether the recording is to choose terms of the drives, in addition to `terms`
+        (crosscheck.identifying.choosing); until it has, they are viscous and Coulomb friction and offsets
     """
 
     name: str
@@ -33,6 +36,7 @@ class CandidateModel:
     cad_of: str | None = None
     expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noise: ArrayLike | None = None
+    choose_drives: bool = False
 
     @property
     def estimators(self) -> list[Estimator]:
@@ -41,11 +45,11 @@ class CandidateModel:
 
     def of(self, robot: RobotModel) -> TorqueModel:
         """The torque model of a robot."""
-        expected = self.expected
+        expected, drives = self.expected, friction_terms(STANDARD_TERM_NAMES) if self.choose_drives else ()
         if self.cad_of is not None:  # of the drives; the links are known
             symbols = {column.symbol for column in TorqueModel(robot, self.terms).columns}
             expected = {symbol: value for symbol, value in expected.items() if symbol in symbols}
-        return TorqueModel(robot, self.terms, self.known, expected, self.noise)
+        return TorqueModel(robot, (*self.terms, *drives), self.known, expected, self.noise)
 
 
 def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:

@@ -129,7 +129,10 @@ ESTIMATORS: dict[str, Callable[[], Estimator]] = {
     "clie": lambda: ClosedLoopOutputError("torque"),
 }
 
-STANDARD_METHODS = ("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge", "consistent", "entropic", "graph")
+STANDARD_METHODS = (
+    *("ols", "wls", "wls-pinocchio", "gls", "huber", "ridge"),
+    *("consistent", "entropic", "consistent-huber", "graph"),
+)
 """The default methods, one of each kind; "all" includes the others."""
 
 METHODS_OF_WRENCHES = ("graph",)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.recordings import PartitionedRecording
 from crosscheck.reference.subject import Subject
 from graphdyn.identification import (
@@ -127,6 +128,7 @@ class IdentifiedModel:
     cad_of: name of the torque model with unknown links and the same drives, if the links of this one are those of CAD;
         None for a model that was asked for
     settings: of its terms that were found together with the parameters, from all fitted rows
+    ladder: how the terms of its drives were chosen; None where they were given
     """
 
     subject: Subject
@@ -139,6 +141,7 @@ class IdentifiedModel:
     name: str = ""
     cad_of: str | None = None
     settings: tuple[Tuned, ...] = ()
+    ladder: Ladder | None = None
 
     @property
     def problem(self) -> Problem:

@@ -7,6 +7,9 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
+from crosscheck.identifying.choosing.residual_causes import ResidualCause, residual_causes
 from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.payload.fitted_currents import FittedCurrents
 from crosscheck.identifying.preparing.holding_out import Division
@@ -127,6 +130,12 @@ class Identified(IdentifiedModel):
     def usable(self) -> bool:
         """Whether a result can be recommended."""
         return self.recommendation.name is not None
+
+    def residual_causes(self, result: MethodResult) -> tuple[ResidualCause, ...]:
+        """What the residual of a result still holds over the rows of the fit; the result must have an estimate."""
+        curves = self.model_of(result).fit.curves(result.name)
+        residuals = np.concatenate([curve.predicted - curve.measured for curve in curves])
+        return residual_causes(self.torque_model.model, self.division.fit, self.preparation, residuals)
 
     def shown(self, name: str | None = None) -> MethodResult | None:
         """The result to show: the named one, otherwise the recommended or rejected one, otherwise the best prediction.

@@ -54,9 +54,7 @@ class BodyNewton:
 
     def start(self, share: float) -> Array:
         """u of the prior, with this value of all parameters that cannot be negative (p,)."""
-        return np.concatenate(
-            [np.tile(IDENTITY_COORDINATES, self.n_bodies), np.where(self.nonnegative, share, 0.0)]
-        )
+        return np.concatenate([np.tile(IDENTITY_COORDINATES, self.n_bodies), np.where(self.nonnegative, share, 0.0)])
 
     def minimum(self, h: Array, g: Array, start: Array) -> Array:
         """The minima (B, p) for H (B, p, p), g (B, p) from starts inside the bounds (B, p)."""
@@ -126,4 +124,4 @@ class BodyNewton:
     def _bodies(self, u: Array) -> Array:
         """S of every body (B, n_bodies, 4, 4)."""
         s = u[:, : self.width].reshape(len(u), self.n_bodies, BODY_PARAMETERS)
-        return np.einsum("ijk,bnk->bnij", SYMMETRIC_BASIS, s)
+        return np.asarray(np.einsum("ijk,bnk->bnij", SYMMETRIC_BASIS, s))

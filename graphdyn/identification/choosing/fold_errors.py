@@ -75,7 +75,7 @@ class FoldErrors:
 
 def _relative(errors: Array, measured: Array) -> Array:
     ratio = np.divide(errors, measured, out=np.full(errors.shape, np.nan), where=measured > 0)
-    return np.sqrt(np.maximum(ratio, 0.0))
+    return np.asarray(np.sqrt(np.maximum(ratio, 0.0)))
 
 
 def _mean(errors: Array, measured: Array) -> Array:

@@ -25,6 +25,7 @@ from graphdyn.identification.consistent.bodies import NONNEGATIVE_TERMS, unknown
 from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, upper_factor
 from graphdyn.identification.estimators.reweighted import NORMAL_MEDIAN, huber
 from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.statistics.correlation import CorrelationLength
 from graphdyn.identification.terms import Payload, RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import parameters_from_pseudo_inertia
@@ -61,6 +62,14 @@ class FoldedFit:
     residuals: Array
     scale: Array
     errors: FoldErrors
+
+    @property
+    def correlation_times(self) -> float:
+        """Length of the rows in correlation times of the residual, for the joint with the longest one."""
+        lengths = CorrelationLength(self.residuals.shape[1], 1)
+        lengths.add(self.residuals[..., None], np.ones(self.residuals.shape, dtype=bool))
+        longest = float(np.nanmax(lengths.samples(), initial=0.0))
+        return len(self.residuals) / longest if longest > 0 else float("inf")
 
 
 class RobustFolds:
@@ -106,14 +115,14 @@ class RobustFolds:
             u[: newton.width] = start.bodies
             scale, weights = start.scale, self._weights(start.residuals, start.scale)
         sums = _Sums(matrix, self.columns.right, to_columns, self._left_out)
-        residuals, before = None, None
+        residuals = np.full(self.columns.right.shape, np.inf)
         for _ in range(MAX_REWEIGHTINGS):
             h, g = sums.whole(weights * self.columns.every)
             u = newton.minimum(h[None], g[None], u[None])[0]
             before, residuals = residuals, matrix @ (to_columns @ u) - self.columns.right
             scale = self._noise(residuals)
             weights = self._weights(residuals, scale)
-            if before is not None and self._settled(residuals - before, scale):
+            if self._settled(residuals - before, scale):
                 break
         h, g = sums.folds(weights * self.columns.every)
         found = newton.minimum(h, g, np.repeat(u[None], len(h), axis=0))
@@ -229,7 +238,7 @@ def _at_unit_torque(columns: Array, size: Array) -> Array:
 
 def _length(columns: Array, size: Array) -> Array:
     """Root of the sum over the joints of the mean square relative to the torque of the joint (k,)."""
-    return np.sqrt(np.sum(np.mean((columns / size[None, :, None]) ** 2, axis=0), axis=0))
+    return np.asarray(np.sqrt(np.sum(np.mean((columns / size[None, :, None]) ** 2, axis=0), axis=0)))
 
 
 def _block_diagonal(block: Array, more: int) -> Array:

@@ -60,7 +60,7 @@ class TermColumns:
     @property
     def n_joints(self) -> int:
         """Number of joints n."""
-        return self.right.shape[1]
+        return int(self.right.shape[1])
 
 
 def _columns(problem: Problem, term: Term, every: int) -> Array:
