@@ -79,8 +79,8 @@ def _steps(ladder: Ladder) -> Table:
         (Column("change", "name"), *(Column(names[rung], "number", "%") for rung in rungs)),
         (whole, *rows),
         caption="what each change of the model above it adds to its held-out error, mean over the joints, and the "
-        "standard deviation of this difference over the folds; ✓: taken. A change that adds parameters is taken if the "
-        "error falls by more than the deviation, one that removes some if it does not rise by more",
+        "standard deviation of this difference over the folds; ✓: taken. A change is taken if the error falls by more "
+        "than the deviation, one that leaves a part out if it does not rise by more",
         failures_first=False,
     )
 

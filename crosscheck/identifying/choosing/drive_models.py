@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 from crosscheck.identifying.methods.torque_terms import term_with
 from graphdyn.identification.terms import Term
@@ -75,18 +75,22 @@ class DriveModel:
         """The terms."""
         return tuple(term_with(**entry) for entry in self.entries)
 
-    @property
-    def size(self) -> int:
-        """Number of parameters per joint."""
-        return sum(len(entry.get("widths", [0])) for entry in self.entries)
-
-    def neighbors(self, *, memory: bool) -> Iterator[tuple[str, DriveModel]]:
-        """Models that differ in one part, with this change as text. memory: whether they may have memory"""
+    def neighbors(self, *, memory: bool) -> Iterator[Neighbor]:
+        """Models that differ in one part. memory: whether they may have memory"""
         for part, alternatives in CHOICES.items():
             here = getattr(self, part)
             for there in alternatives:
                 if there != here and (memory or part != "memory"):
-                    yield there or f"without {here}", replace(self, **{part: there})
+                    model = replace(self, **{part: there})
+                    yield Neighbor(there or f"without {here}", model, leaves_out=not there)
+
+
+class Neighbor(NamedTuple):
+    """A model that differs from another in one part: the change as text, and whether it leaves this part out."""
+
+    change: str
+    model: DriveModel
+    leaves_out: bool
 
 
 def entry_text(entry: Entry) -> str:

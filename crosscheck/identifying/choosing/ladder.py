@@ -1,8 +1,8 @@
 """The ladder of models of the drives: from viscous and Coulomb friction upwards, as long as folds are predicted better.
 
-Each rung tries every change of one part (drive_models). A change that adds parameters is taken if the error of the
-folds falls by more than the standard deviation of this difference; one that removes parameters, if the error does not
-rise by more. Of several, the one with the smallest error is taken. The fits are robust and physically consistent
+Each rung tries every change of one part (drive_models). A change is taken if the error of the folds falls by more than
+the standard deviation of this difference; one that leaves a part out, if the error does not rise by more. Of several,
+the one with the smallest error is taken. The fits are robust and physically consistent
 (graphdyn.identification.choosing): least squares lets a few rows at standstill decide.
 """
 
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosscheck.identifying.choosing.drive_models import DriveModel, every_term
+from crosscheck.identifying.choosing.drive_models import DriveModel, Neighbor, every_term
 from crosscheck.identifying.choosing.folds import choosing_folds
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
@@ -141,26 +141,26 @@ def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
     visited = {model}
     for rung in range(1, MAX_RUNGS + 1):
         tried = []
-        for change, other in model.neighbors(memory=memory):
-            if other not in fits:
-                fits[other] = fit(other.keys, here)
-            found = fits[other].errors
-            tried.append((LadderStep(rung, change, found.mean, *found.minus(here.errors), taken=False), other))
-        good = [one for one in tried if one[1] not in visited and _better(model, one[1], one[0])]
-        best = min(good, key=lambda one: one[0].error, default=None)
-        steps += [replace(step, taken=best is not None and step is best[0]) for step, _ in tried]
-        if best is None:
+        for other in model.neighbors(memory=memory):
+            if other.model not in fits:
+                fits[other.model] = fit(other.model.keys, here)
+            found = fits[other.model].errors
+            tried.append((LadderStep(rung, other.change, found.mean, *found.minus(here.errors), taken=False), other))
+        good = [(step, other) for step, other in tried if other.model not in visited and _better(step, other)]
+        best, there = min(good, key=lambda one: one[0].error, default=(None, None))
+        steps += [replace(step, taken=step is best) for step, _ in tried]
+        if there is None:
             break
-        model = best[1]
+        model = there.model
         here = fits[model]
         visited.add(model)
     rows, times = len(here.residuals), here.correlation_times
     return Ladder(model.keys, start, here.errors.mean, tuple(steps), folds, rows, times, model)
 
 
-def _better(model: DriveModel, other: DriveModel, step: LadderStep) -> bool:
-    """Whether the other model predicts better by more than chance, or has fewer parameters and predicts as well."""
-    if other.size < model.size:
+def _better(step: LadderStep, other: Neighbor) -> bool:
+    """Whether the other model predicts better by more than chance, or leaves a part out and predicts as well."""
+    if other.leaves_out:
         return step.difference < step.deviation
     before = step.error - step.difference
     return -step.difference > max(MIN_GAIN_DEVIATIONS * step.deviation, MIN_RELATIVE_GAIN * before)

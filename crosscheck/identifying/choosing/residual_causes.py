@@ -1,8 +1,9 @@
 """What the residuals of an identified model still hold: ripple over the position, memory, drift, temperature.
 
 For each cause the residual of every joint is fitted by columns that such a cause would have, to all but each fold, and
-predicted in the fold. The share is the part of the squared residual that this removes; chance removes nothing, or
-makes it larger. The columns go through the same low-pass as the torque.
+predicted in the fold. The share is the part of the squared residual that this removes, beyond what offset, viscous and
+Coulomb friction of this joint remove in the same way; chance removes nothing, or makes it larger. The columns go
+through the same low-pass as the torque.
 """
 
 from __future__ import annotations
@@ -35,8 +36,12 @@ DEFLECTIONS = (0.003, 0.01, 0.03)
 EXAMINED_ROWS = 2000
 """Largest number of rows that are examined."""
 
-RANK_TOLERANCE = 1e-6
-"""Smallest singular value of the columns, relative, that counts: what a short motion hardly shows is not fitted."""
+RIDGE = 0.02
+"""Ridge relative to the squared length of the columns: combinations that a short motion hardly shows stay near zero,
+and do not extrapolate into the fold."""
+
+COMMON_TERMS = ("offset", "viscous", "coulomb")
+"""Terms that every residual may hold, and that drift."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,17 +79,19 @@ def residual_causes(
     causes = _causes(robot, recording)
     every = every_row(len(residuals), EXAMINED_ROWS)
     terms = {f"{name} {k}": term for name, (parts, _) in causes.items() for k, term in enumerate(parts)}
+    terms |= {name: term_with(name) for name in COMMON_TERMS}
     with one_thread():
         problem = preparation.problem(TorqueModel(robot, (Offset(),)), recording)
         columns = TermColumns.of(problem, terms, every)
         thinned = [(train[::every], test[::every]) for train, test in folds]
+        left = residuals[::every]
+        common = np.concatenate([columns.additions[name] for name in COMMON_TERMS], axis=-1)
+        before = _left(common, left, columns.kept, thinned)
         found = []
         for name, (parts, remedy) in causes.items():
-            own = np.concatenate([columns.additions[f"{name} {k}"] for k in range(len(parts))], axis=-1)
-            joints = range(columns.n_joints)
-            shares = [_share(own[:, j], residuals[::every, j], columns.kept[:, j], thinned) for j in joints]
-            values, deviations = np.array(shares).T
-            found.append(ResidualCause(name, values, deviations, remedy))
+            own = [columns.additions[f"{name} {k}"] for k in range(len(parts))]
+            after = _left(np.concatenate([common, *own], axis=-1), left, columns.kept, thinned)
+            found.append(ResidualCause(name, *_shares(before, after), remedy))
     return tuple(found)
 
 
@@ -124,24 +131,29 @@ def _ripple(multiples: Sequence[Array]) -> Term:
 
 
 def _drifting(over: str, reference: float) -> tuple[Term, ...]:
-    return tuple(term_with(f"{name}*{over}", reference=reference) for name in ("offset", "viscous", "coulomb"))
+    return tuple(term_with(f"{name}*{over}", reference=reference) for name in COMMON_TERMS)
 
 
-def _share(
-    columns: Array, residual: Array, kept: NDArray[np.bool_], folds: Sequence[tuple[NDArray[np.bool_], ...]]
-) -> tuple[float, float]:
-    """Part of the squared residual of one joint that its columns predict, and its standard deviation."""
-    own = columns[:, np.any(columns != 0, axis=0)]
-    left, whole = np.zeros(len(folds)), np.zeros(len(folds))
-    for k, (train, test) in enumerate(folds):
-        fitted, ahead = train & kept, test & kept
-        length = np.linalg.norm(own[fitted], axis=0)
-        unit = own / np.where(length > 0, length, np.inf)
-        x = np.linalg.lstsq(unit[fitted], residual[fitted], rcond=RANK_TOLERANCE)[0]
-        left[k] = np.sum((residual[ahead] - unit[ahead] @ x) ** 2)
-        whole[k] = np.sum(residual[ahead] ** 2)
-    if not whole.sum() > 0:
-        return 0.0, 0.0
-    without = 1 - (left.sum() - left) / np.maximum(whole.sum() - whole, np.finfo(float).tiny)
-    variance = (len(folds) - 1) / len(folds) * np.sum((without - without.mean()) ** 2)
-    return float(1 - left.sum() / whole.sum()), float(np.sqrt(variance))
+def _left(
+    columns: Array, residuals: Array, kept: NDArray[np.bool_], folds: Sequence[tuple[NDArray[np.bool_], ...]]
+) -> Array:
+    """Squares that are left of the residual of each joint (K, n) where columns (N, n, k) of its own predict it."""
+    left = np.zeros((len(folds), residuals.shape[1]))
+    for j in range(residuals.shape[1]):
+        own = columns[:, j, np.any(columns[:, j] != 0, axis=0)]
+        unit = own / np.linalg.norm(own[kept[:, j]], axis=0).clip(np.finfo(float).tiny)
+        for k, (train, test) in enumerate(folds):
+            fitted, ahead = train & kept[:, j], test & kept[:, j]
+            here = unit[fitted]
+            x = np.linalg.solve(here.T @ here + RIDGE * np.eye(here.shape[1]), here.T @ residuals[fitted, j])
+            left[k, j] = np.sum((residuals[ahead, j] - unit[ahead] @ x) ** 2)
+    return left
+
+
+def _shares(before: Array, after: Array) -> tuple[Array, Array]:
+    """Part of the squares (K, n) that is removed for each joint, and its standard deviation, by jackknife (n,)."""
+    folds = len(before)
+    smallest = np.finfo(float).tiny
+    without = 1 - (after.sum(axis=0) - after) / np.maximum(before.sum(axis=0) - before, smallest)
+    variance = (folds - 1) / folds * np.sum((without - without.mean(axis=0)) ** 2, axis=0)
+    return 1 - after.sum(axis=0) / np.maximum(before.sum(axis=0), smallest), np.sqrt(variance)

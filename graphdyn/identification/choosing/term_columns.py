@@ -50,7 +50,7 @@ class TermColumns:
         """Every k-th row of a problem with the fixed terms alone. Raises InvalidInput as the terms do."""
         names = ("matrix", "right", "measured", "velocity", "kept")
         matrix, right, measured, velocity, kept = _thinned(problem, names, every)
-        found = {name: _columns(problem, term, every) for name, term in additions.items()}
+        found = {name: _columns(problem, term, every, len(right)) for name, term in additions.items()}
         base = problem.structure.base
         return cls(problem.torque_model, base, matrix, found, right, measured, velocity, kept.astype(bool), every)
 
@@ -63,10 +63,12 @@ class TermColumns:
         return int(self.right.shape[1])
 
 
-def _columns(problem: Problem, term: Term, every: int) -> Array:
+def _columns(problem: Problem, term: Term, every: int, size: int) -> Array:
     """Filtered columns of one term alone, zero for those that no motion determines (N, n, k)."""
     torque_model = TorqueModel(problem.torque_model.model, (term,))
     own = replace(problem, torque_model=torque_model, progress=None)
+    if not own.structure.base.rank:  # such as friction that grows with the load, where gravity loads no joint
+        return np.zeros((size, problem.n_joints, len(torque_model.columns)))
     (reduced,) = _thinned(own, ("matrix",), every)
     columns = np.zeros((*reduced.shape[:2], len(torque_model.columns)))
     columns[..., own.structure.base.independent] = reduced
