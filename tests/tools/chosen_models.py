@@ -70,7 +70,7 @@ FIXED = {
     "smooth, load, rotors": DriveModel("smooth", "load", "", "rotors", "offsets"),
 }
 
-ROBOTS, ASIDE_ROBOTS = ("ur5", "ur10", "kr500"), ("irb2400", "m1013", "gp8l")
+ROBOTS, ASIDE_ROBOTS = ("ur5", "ur10", "kr500"), ("m1013", "crx10ia_l", "ur10e")
 """Names of the catalog, and arms of three makers."""
 
 

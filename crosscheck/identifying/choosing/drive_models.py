@@ -75,22 +75,26 @@ class DriveModel:
         """The terms."""
         return tuple(term_with(**entry) for entry in self.entries)
 
-    def neighbors(self, *, memory: bool) -> Iterator[Neighbor]:
+    def neighbors(self, *, memory: bool) -> Iterator[Change]:
         """Models that differ in one part. memory: whether they may have memory"""
         for part, alternatives in CHOICES.items():
             here = getattr(self, part)
             for there in alternatives:
                 if there != here and (memory or part != "memory"):
                     model = replace(self, **{part: there})
-                    yield Neighbor(there or f"without {here}", model, leaves_out=not there)
+                    yield Change(there or f"without {here}", model, leaves_out=not there)
 
 
-class Neighbor(NamedTuple):
-    """A model that differs from another in one part: the change as text, and whether it leaves this part out."""
+class Change(NamedTuple):
+    """A change as text, the model that it leads to, and whether it leaves a part out."""
 
-    change: str
+    words: str
     model: DriveModel
-    leaves_out: bool
+    leaves_out: bool = False
+
+
+FULL = DriveModel("smooth", "load", "", "rotors", "offsets")
+"""All parts but memory: what only several of them together explain is found from here."""
 
 
 def entry_text(entry: Entry) -> str:

@@ -2,18 +2,19 @@
 
 Each rung tries every change of one part (drive_models). A change is taken if the error of the folds falls by more than
 the standard deviation of this difference; one that leaves a part out, if the error does not rise by more. Of several,
-the one with the smallest error is taken. The fits are robust and physically consistent
+the one with the smallest error is taken. Where no single change helps, all parts together are tried, from which those
+that are not needed are left out again. The fits are robust and physically consistent
 (graphdyn.identification.choosing): least squares lets a few rows at standstill decide.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosscheck.identifying.choosing.drive_models import DriveModel, Neighbor, every_term
+from crosscheck.identifying.choosing.drive_models import FULL, Change, DriveModel, every_term
 from crosscheck.identifying.choosing.folds import choosing_folds
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
@@ -34,6 +35,9 @@ MIN_RELATIVE_GAIN = 0.01
 
 STANDARD = DriveModel(offsets="offsets")
 """The model where no ladder can be climbed."""
+
+ALL_PARTS = "all parts but memory"
+"""The change that is tried where no single one helps, as text."""
 
 MAX_RUNGS = 10
 """Largest number of changes that are taken."""
@@ -140,27 +144,39 @@ def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
     start, fits = here.errors.mean, {model: here}
     visited = {model}
     for rung in range(1, MAX_RUNGS + 1):
-        tried = []
-        for other in model.neighbors(memory=memory):
-            if other.model not in fits:
-                fits[other.model] = fit(other.model.keys, here)
-            found = fits[other.model].errors
-            tried.append((LadderStep(rung, other.change, found.mean, *found.minus(here.errors), taken=False), other))
-        good = [(step, other) for step, other in tried if other.model not in visited and _better(step, other)]
-        best, there = min(good, key=lambda one: one[0].error, default=(None, None))
-        steps += [replace(step, taken=step is best) for step, _ in tried]
-        if there is None:
+
+        def tried(change: Change, rung: int = rung, here: FoldedFit = here) -> tuple[LadderStep, Change]:
+            if change.model not in fits:
+                fits[change.model] = fit(change.model.keys, here)
+            found = fits[change.model].errors
+            return LadderStep(rung, change.words, found.mean, *found.minus(here.errors), taken=False), change
+
+        all_tried = [tried(change) for change in model.neighbors(memory=memory)]
+        best = _best(all_tried, visited)
+        if best is None and FULL not in visited:
+            all_tried.append(tried(Change(ALL_PARTS, FULL)))
+            best = _best(all_tried[-1:], visited)
+        steps += [replace(step, taken=best is not None and step is best[0]) for step, _ in all_tried]
+        if best is None:
             break
-        model = there.model
+        model = best[1].model
         here = fits[model]
         visited.add(model)
     rows, times = len(here.residuals), here.correlation_times
     return Ladder(model.keys, start, here.errors.mean, tuple(steps), folds, rows, times, model)
 
 
-def _better(step: LadderStep, other: Neighbor) -> bool:
-    """Whether the other model predicts better by more than chance, or leaves a part out and predicts as well."""
-    if other.leaves_out:
+def _best(
+    tried: Sequence[tuple[LadderStep, Change]], visited: Collection[DriveModel]
+) -> tuple[LadderStep, Change] | None:
+    """The change to take, None if there is none."""
+    good = [(step, change) for step, change in tried if change.model not in visited and _better(step, change)]
+    return min(good, key=lambda one: one[0].error, default=None)
+
+
+def _better(step: LadderStep, change: Change) -> bool:
+    """Whether the changed model predicts better by more than chance, or leaves a part out and predicts as well."""
+    if change.leaves_out:
         return step.difference < step.deviation
     before = step.error - step.difference
     return -step.difference > max(MIN_GAIN_DEVIATIONS * step.deviation, MIN_RELATIVE_GAIN * before)

@@ -1,6 +1,6 @@
 """Newton's method for least squares over physically consistent bodies with an entropic prior, several problems at once.
 
-    f(u) = uᵀH u - 2 gᵀu + strength · (Σ_i tr S_i - log det S_i + ε/2 ‖y‖²) - 2 μ Σ log y_nonnegative
+    f(u) = uᵀH u - 2 gᵀu + strength · (Σ_i tr S_i - log det S_i) + κ ‖y‖² - 2 μ Σ log y_nonnegative
 
 u = (s, y): s are the ten coordinates of every body's S_i, which is the unit matrix for the prior
 (graphdyn.identification.consistent.coordinates), y the further columns. The log det keeps every body physically
@@ -16,8 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.consistent.coordinates import IDENTITY_COORDINATES, SYMMETRIC_BASIS
-from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT
 from graphdyn.layout import BODY_PARAMETERS, Array
+
+DRIVE_WEIGHT = 10.0
+"""κ: drives are expected to make a third of the measured torque, in units of which y is. What a recording shows has
+thousands of times this weight. What one fold alone shows, such as the only reversal of a joint, stays finite in the fit
+to the others."""
 
 BARRIER_WEIGHT = 1e-2
 """μ: a parameter that would be zero stays a tenth of its standard deviation above it, which no prediction shows."""
@@ -74,10 +78,9 @@ class BodyNewton:
         w, held = self.width, self.width + np.flatnonzero(self.nonnegative)
         slope = 2 * (np.einsum("bij,bj->bi", h, u) - g)
         curved = 2 * h
-        weak = self.strength * FURTHER_COLUMN_WEIGHT
-        slope[:, w:] += weak * u[:, w:]
+        slope[:, w:] += 2 * DRIVE_WEIGHT * u[:, w:]
         diagonal = np.arange(w, u.shape[1])
-        curved[:, diagonal, diagonal] += weak
+        curved[:, diagonal, diagonal] += 2 * DRIVE_WEIGHT
         inverse = np.linalg.inv(self._bodies(u))
         unit = np.tile(IDENTITY_COORDINATES, self.n_bodies)
         slope[:, :w] += self.strength * (unit - np.einsum("ijk,bnij->bnk", SYMMETRIC_BASIS, inverse).reshape(len(u), w))
@@ -116,9 +119,9 @@ class BodyNewton:
         values = np.linalg.eigvalsh(self._bodies(u))
         inside = np.all(values > 0, axis=(1, 2)) & np.all(u[:, held] > 0, axis=1)
         with np.errstate(invalid="ignore", divide="ignore"):
-            distance = np.sum(values - np.log(values), axis=(1, 2))
-            distance += FURTHER_COLUMN_WEIGHT / 2 * np.sum(u[:, w:] ** 2, axis=1)
-            value += self.strength * distance - 2 * BARRIER_WEIGHT * np.sum(np.log(u[:, held]), axis=1)
+            value += self.strength * np.sum(values - np.log(values), axis=(1, 2))
+            value += DRIVE_WEIGHT * np.sum(u[:, w:] ** 2, axis=1)
+            value -= 2 * BARRIER_WEIGHT * np.sum(np.log(u[:, held]), axis=1)
         return np.where(inside, value, np.inf)
 
     def _bodies(self, u: Array) -> Array:

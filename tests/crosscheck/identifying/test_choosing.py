@@ -20,7 +20,7 @@ from crosscheck.recordings import samples_of
 from graphdyn import Body
 from graphdyn.identification.terms import KnownBodies, Offset, RigidBodies
 
-SHARE, SHARE_ERROR = 0.5, 0.15
+SHARE, SHARE_ERROR = 0.5, 0.2
 """Part of a planted residual, and how exactly it is found."""
 
 

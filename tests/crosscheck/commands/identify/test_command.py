@@ -29,6 +29,9 @@ METHODS = "ols,wls,wls-pinocchio,consistent,graph"
 
 QUICK = ("--poses", "20")
 
+STANDARD_TERMS = ("--terms", "viscous,coulomb,offset")
+"""For what has nothing to do with the choice of terms, which takes a second."""
+
 LARGEST = 5_000_000
 """Characters of a page."""
 
@@ -150,6 +153,27 @@ class TestFiles:
         page = files["html"].read_text(encoding="utf-8")
         self.check_page(page, recording)
         assert CHROMIUM is None or too_wide({"page.html": page}, tmp_path) == []
+
+    def test_terms_that_choose_themselves(self, program, two_files, tmp_path):
+        """The report and the file say how; the terms are a file for --models."""
+        json_file = tmp_path / "found.json"
+        asked = ("--cutoff", 10, "--methods", "wls", "--known-bodies", "--json", json_file, *QUICK)
+        code, said = program(*two_files, *asked)
+        assert code in (0, 1), said
+        record = json.loads(json_file.read_text(encoding="utf-8"))
+        Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
+        assert "Terms of the drives chosen viscous; Coulomb" in said
+        assert record["ladder"]["terms"][:2] == ['"viscous"', '"coulomb"']
+        assert {step["rung"] for step in record["ladder"]["steps"]} >= {1}
+        models = tmp_path / "chosen.toml"
+        models.write_text(f"[chosen]\nterms = [{', '.join(record['ladder']['terms'])}]\n", encoding="utf-8")
+        again = tmp_path / "again.json"
+        asked = ("--cutoff", 10, "--methods", "wls", "--known-bodies", "--json", again, *QUICK)
+        code, said = program(*two_files, "--models", models, *asked)
+        same = json.loads(again.read_text(encoding="utf-8"))
+        assert same["ladder"] is None
+        assert "Terms of the drives" not in said
+        assert same["methods"][0]["parameters"] == pytest.approx(record["methods"][0]["parameters"])
 
     def check_urdf(self, path, arm, recording):
         new, true, cad = (urdf.load(p) for p in (path, arm / "true.urdf", arm / "arm.urdf"))
@@ -402,6 +426,7 @@ class TestOptions:
             "--cutoff",
             10,
             "--known-bodies",
+            *STANDARD_TERMS,
             "--payload",
             payload,
             "--methods",
@@ -418,12 +443,13 @@ class TestOptions:
         assert "/ % of fitted rows" in said
 
     def test_folds(self, program, two_files):
-        code, said = program(*two_files, "--cutoff", 10, "--methods", "wls", "--folds", 3, *QUICK)
+        code, said = program(*two_files, "--cutoff", 10, *STANDARD_TERMS, "--methods", "wls", "--folds", 3, *QUICK)
         assert code in (0, 1), said
         assert "3 consecutive folds, each from the others" in said
 
     def test_findings_of_the_files_are_told(self, program, arm):
-        code, said = program(arm / "one.csv", "--robot", arm / "arm.urdf", "--cutoff", 10, "--methods", "wls", *QUICK)
+        options = ("--cutoff", 10, "--methods", "wls", *STANDARD_TERMS, *QUICK)
+        code, said = program(arm / "one.csv", "--robot", arm / "arm.urdf", *options)
         assert code == 1, said
         assert "note: " in said
         assert "rad is assumed; give units in the header [assumed-unit]" in said

@@ -342,6 +342,19 @@ class TestIdentified:
             assert shown.provenance.mapping == begun.mapping
         assert long.fit.squares(1).everything["WLS"].shape == (len(long.problem.data.parts(20)), 3)
 
+    def test_terms_that_choose_themselves(self, folder, monkeypatch):
+        """From the beginning, without memory; standard ones where it is too short."""
+        data, options = problem(folder / "log").data, {"methods": ["wls"], "poses": 5}
+        monkeypatch.setattr("crosscheck.identifying.long_recordings.EXCERPT_ROWS", 1500)
+        chosen = crosscheck.identify(virtual().subject.model, data, **options)
+        assert not chosen.ladder.reason
+        assert not any("slip" in step.change for step in chosen.ladder.steps)
+        assert [type(term) for term in chosen.torque_model.terms[1:]] == [type(t) for t in chosen.ladder.model.terms]
+        monkeypatch.setattr("crosscheck.identifying.long_recordings.EXCERPT_ROWS", 700)
+        standard = crosscheck.identify(virtual().subject.model, data, **options)
+        assert "are too short for 8 folds" in standard.ladder.reason
+        assert [type(term).__name__ for term in standard.torque_model.terms[1:]] == ["Viscous", "Coulomb", "Offset"]
+
     def test_parameters(self, long):
         """Those of the same rows in memory."""
         read = load_recording(next(iter(long.problem.data.logs)).log.path.with_suffix(".parquet"))
