@@ -111,7 +111,7 @@ def _measured(robot, terms, seed):
     both = concatenated([fitted, other])
     rows = np.arange(len(both.t)) < len(fitted.t)
     every, additions = every_row(int(rows.sum()), LADDER_ROWS), every_term(memory=True)
-    problem = preparation.problem(TorqueModel(arm.subject.model, (RigidBodies(),)), both)
+    problem = preparation.problem(TorqueModel(arm.subject.model, (RigidBodies(), Viscous())), both)
     columns = TermColumns.of(problem, additions, every)
     train = rows[::every]
     columns = replace(columns, kept=columns.kept & train[:, None])

@@ -67,8 +67,8 @@ class DriveModel:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """A name of each term."""
-        return tuple(map(entry_text, self.entries))
+        """Names of the terms beside viscous friction (every_term)."""
+        return tuple(entry_text(entry) for entry in self.entries if entry is not VISCOUS)
 
     @property
     def terms(self) -> tuple[Term, ...]:
@@ -105,7 +105,7 @@ def entry_text(entry: Entry) -> str:
 
 
 def every_term(*, memory: bool) -> dict[str, Term]:
-    """All terms of all models, by the names of DriveModel.keys."""
+    """All terms of all models beside viscous friction, by the names of DriveModel.keys."""
     parts = [every.values() for part, every in CHOICES.items() if memory or part != "memory"]
-    entries = (VISCOUS, *(entry for part in parts for alternative in part for entry in alternative))
+    entries = (entry for part in parts for alternative in part for entry in alternative)
     return {entry_text(entry): term_with(**entry) for entry in entries}

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosscheck.identifying.choosing.drive_models import FULL, Change, DriveModel, every_term
+from crosscheck.identifying.choosing.drive_models import FULL, Change, DriveModel, entry_text, every_term
 from crosscheck.identifying.choosing.folds import choosing_folds
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
@@ -22,7 +22,7 @@ from graphdyn import InvalidInput, RobotModel
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification import TorqueModel, one_thread
 from graphdyn.identification.choosing import FoldedFit, RobustFolds, TermColumns, every_row
-from graphdyn.identification.terms import KnownTerm, Term
+from graphdyn.identification.terms import KnownTerm, Term, Viscous
 
 LADDER_ROWS = 800
 """Largest number of rows of each fit: in ten seconds eighty per second, far above the cutoff of the low-pass."""
@@ -68,12 +68,13 @@ class Ladder:
     """How the terms of the drives were chosen.
 
     terms: of the chosen model, as in a table of torque models
-    start_error: held-out error of the first model, viscous and Coulomb friction, as a mean over the joints
-    error: of the chosen model
+    start_error: held-out error of the first model, viscous and Coulomb friction, as a mean over the joints; NaN
+        without a ladder
+    error: of the chosen model; NaN without a ladder
     steps: every change that was tried, rung by rung
     folds: number of folds; rows: number of rows of each fit
     correlation_times: length of the rows in correlation times of the residual, for the joint with the longest one;
-        infinite for white residuals
+        infinite for white residuals; NaN without a ladder
     model: the chosen one
     reason: why no ladder could be climbed, so that the model is the standard one; empty if it was
     """
@@ -92,7 +93,7 @@ class Ladder:
     def of_standard_terms(cls, reason: str) -> Ladder:
         """Viscous and Coulomb friction and offsets, without a ladder."""
         nothing = float("nan")
-        return cls(STANDARD.keys, nothing, nothing, (), 0, 0, nothing, STANDARD, reason)
+        return cls(tuple(map(entry_text, STANDARD.entries)), nothing, nothing, (), 0, 0, nothing, STANDARD, reason)
 
     @property
     def taken(self) -> tuple[LadderStep, ...]:
@@ -124,7 +125,7 @@ def climbed(
         folds = choosing_folds(recording, preparation)
         if isinstance(folds, str):
             return Ladder.of_standard_terms(folds)
-        problem = preparation.problem(TorqueModel(robot, tuple(fixed), tuple(known)), recording)
+        problem = preparation.problem(TorqueModel(robot, (*fixed, Viscous()), tuple(known)), recording)
         every, additions = every_row(len(folds[0][0]), LADDER_ROWS), every_term(memory=memory)
         with one_thread():
             columns = TermColumns.of(problem, additions, every)
@@ -163,7 +164,9 @@ def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
         here = fits[model]
         visited.add(model)
     rows, times = len(here.residuals), here.correlation_times
-    return Ladder(model.keys, start, here.errors.mean, tuple(steps), folds, rows, times, model)
+    return Ladder(
+        tuple(map(entry_text, model.entries)), start, here.errors.mean, tuple(steps), folds, rows, times, model
+    )
 
 
 def _best(

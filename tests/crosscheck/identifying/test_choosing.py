@@ -89,6 +89,7 @@ class TestLadder:
         """The same drives are found where no link is unknown."""
         _, prepared = recorded("viscous", "coulomb", "offset")
         found = climbed(mixed_tree(), (), (KnownBodies(),), prepared, CUTOFF, memory=False)
+        assert not found.reason
         assert found.model == DriveModel(offsets="offsets")
         assert not any(step.change.startswith("slip") for step in found.steps)
 
