@@ -99,7 +99,9 @@ def identify(
     division = _prepared(held_out, ahead).divide(prepared)
     if any(model.choose_drives for model in asked):
         say("terms of the drives")
-    chosen, ladders = with_chosen_drives(asked, compared.model, division.fit, preparation)
+    # a simulated loop goes on from state to state, without what friction with memory remembers
+    memory = loop is None
+    chosen, ladders = with_chosen_drives(asked, compared.model, division.fit, preparation, memory=memory)
     say("read")
     return identified(
         [
