@@ -24,17 +24,18 @@ def ladder_section(found: Identified) -> tuple[Section, ...]:
         standard = f"Terms of the drives are the standard ones ({ladder.model.words}), not chosen: {ladder.reason}."
         return (Section("ladder", "Terms of the drives", (Prose(standard),)),)
     model = Code(f"[chosen]\nterms = [{', '.join(ladder.terms)}]", title=CHOSEN_MODEL_NOTE)
-    return (Section("ladder", "Terms of the drives", (_summary(ladder), _steps(ladder), model)),)
+    return (Section("ladder", "Terms of the drives", (_summary(ladder, found.fit.n_rows), _steps(ladder), model)),)
 
 
-def _summary(ladder: Ladder) -> Facts:
+def _summary(ladder: Ladder, fitted_rows: int) -> Facts:
+    part = f" of the first {ladder.of_rows}" if ladder.of_rows < fitted_rows else ""
     bought = [f"{step.change} {100 * -step.difference:.2f} ± {100 * step.deviation:.2f} %" for step in ladder.taken]
     items = [
         ("chosen", ladder.model.words),
         (
             "held out",
             f"{100 * ladder.error:.2f} %, {100 * ladder.start_error:.2f} % with viscous and Coulomb friction alone; "
-            f"{ladder.folds} folds of {ladder.rows} rows, robust fits",
+            f"{ladder.folds} folds of {ladder.rows} rows{part}, robust fits",
         ),
         ("steps", ", ".join(bought) or "none: no change predicts better by more than its deviation"),
     ]

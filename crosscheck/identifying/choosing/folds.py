@@ -18,8 +18,17 @@ FOLDS = 8
 MIN_FOLD_GUARDS = 2.0
 """Shortest fold, in guards: what is left out around a fold must not be most of the recording."""
 
+MAX_ROWS = 100_000
+"""Largest number of rows that are looked at, from the beginning: friction with memory is computed for all of a run at
+once, which takes a kilobyte a row."""
+
 MAX_LEAKAGE = 1e-2
 """Fraction of a predicted torque that the filter may still carry into the fit across the guard."""
+
+
+def beginning(recording: Recording) -> Recording:
+    """The rows that are looked at: all of a recording, or the first MAX_ROWS."""
+    return recording if len(recording.t) <= MAX_ROWS else recording.take(slice(None, MAX_ROWS))
 
 
 def choosing_folds(

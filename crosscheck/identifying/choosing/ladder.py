@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crosscheck.identifying.choosing.drive_models import FULL, Change, DriveModel, entry_text, every_term
-from crosscheck.identifying.choosing.folds import choosing_folds
+from crosscheck.identifying.choosing.folds import beginning, choosing_folds
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput, RobotModel
@@ -73,6 +73,7 @@ class Ladder:
     error: of the chosen model; NaN without a ladder
     steps: every change that was tried, rung by rung
     folds: number of folds; rows: number of rows of each fit
+    of_rows: number of rows of the recording, from its beginning, of which these are every so many
     correlation_times: length of the rows in correlation times of the residual, for the joint with the longest one;
         infinite for white residuals; NaN without a ladder
     model: the chosen one
@@ -85,6 +86,7 @@ class Ladder:
     steps: tuple[LadderStep, ...]
     folds: int
     rows: int
+    of_rows: int
     correlation_times: float
     model: DriveModel
     reason: str = ""
@@ -93,7 +95,7 @@ class Ladder:
     def of_standard_terms(cls, reason: str) -> Ladder:
         """Viscous and Coulomb friction and offsets, without a ladder."""
         nothing = float("nan")
-        return cls(tuple(map(entry_text, STANDARD.entries)), nothing, nothing, (), 0, 0, nothing, STANDARD, reason)
+        return cls(tuple(map(entry_text, STANDARD.entries)), nothing, nothing, (), 0, 0, 0, nothing, STANDARD, reason)
 
     @property
     def taken(self) -> tuple[LadderStep, ...]:
@@ -122,6 +124,7 @@ def climbed(
     fixed: terms that every model has, such as rigid bodies; memory: whether terms may have memory
     """
     try:
+        recording = beginning(recording)
         folds = choosing_folds(recording, preparation)
         if isinstance(folds, str):
             return Ladder.of_standard_terms(folds)
@@ -131,7 +134,7 @@ def climbed(
             columns = TermColumns.of(problem, additions, every)
             thinned = [(train[::every], test[::every]) for train, test in folds]
             fits = RobustFolds(columns, additions, thinned)
-            return _climb(fits.fit, len(folds), memory=memory)
+            return replace(_climb(fits.fit, len(folds), memory=memory), of_rows=len(folds[0][0]))
     except (EstimationFailed, InvalidInput, np.linalg.LinAlgError) as failure:
         return Ladder.of_standard_terms(str(failure))
 
@@ -163,10 +166,8 @@ def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
         model = best[1].model
         here = fits[model]
         visited.add(model)
-    rows, times = len(here.residuals), here.correlation_times
-    return Ladder(
-        tuple(map(entry_text, model.entries)), start, here.errors.mean, tuple(steps), folds, rows, times, model
-    )
+    terms, rows = tuple(map(entry_text, model.entries)), len(here.residuals)
+    return Ladder(terms, start, here.errors.mean, tuple(steps), folds, rows, rows, here.correlation_times, model)
 
 
 def _best(

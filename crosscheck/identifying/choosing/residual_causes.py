@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.identifying.choosing.folds import choosing_folds
+from crosscheck.identifying.choosing.folds import beginning, choosing_folds
 from crosscheck.identifying.methods.torque_terms import term_with
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
@@ -73,10 +73,11 @@ def residual_causes(
 
     recording: differentiated rows of the fit; residuals: predicted minus measured torque of their equations (N, n)
     """
+    recording = beginning(recording)
     folds = choosing_folds(recording, preparation)
     if isinstance(folds, str):
         return ()
-    causes = _causes(robot, recording)
+    causes, residuals = _causes(robot, recording), residuals[: len(folds[0][0])]
     every = every_row(len(residuals), EXAMINED_ROWS)
     terms = {f"{name} {k}": term for name, (parts, _) in causes.items() for k, term in enumerate(parts)}
     terms |= {name: term_with(name) for name in COMMON_TERMS}

@@ -77,6 +77,22 @@ class TestLadder:
         assert not found.steps
         assert found.offsets is None
 
+    def test_the_beginning_of_a_long_recording(self, monkeypatch):
+        """Chooses, and its residuals are examined."""
+        arm, prepared = recorded("viscous", "coulomb", "offset")
+        monkeypatch.setattr("crosscheck.identifying.choosing.folds.MAX_ROWS", 1500)
+        found = climbed(arm.subject.model, (), (KnownBodies(),), prepared, CUTOFF, memory=False)
+        assert (found.of_rows, found.rows) == (1500, 750)
+        assert climbed(
+            arm.subject.model, (), (KnownBodies(),), prepared.take(slice(0, 1500)), CUTOFF, memory=False
+        ).error == pytest.approx(found.error)
+        noise = np.random.default_rng(0).normal(size=prepared.q.shape)
+        causes = residual_causes(arm.subject.model, prepared, CUTOFF, noise)
+        noise[1500:] = np.nan
+        assert all(np.all(np.isfinite(cause.shares)) for cause in causes)
+        again = residual_causes(arm.subject.model, prepared, CUTOFF, noise)
+        np.testing.assert_array_equal([cause.shares for cause in again], [cause.shares for cause in causes])
+
     def test_no_mass(self):
         """Without any mass there is no prior to begin from."""
         arm, prepared = recorded("viscous", "coulomb")
@@ -136,6 +152,9 @@ class TestIdentified:
         rows = {row.cells[0]: row.cells[1:] for row in section.blocks[1].rows}
         assert rows["offsets"][0].endswith("✓")
         assert rows["without offsets"] == ("–", f"{100 * step.difference:+.2f} ± {100 * step.deviation:.2f}")
+        assert "8 folds of 783 rows, robust fits" in facts["held out"]
+        partly = replace(found, ladder=replace(found.ladder, of_rows=1000))
+        assert "783 rows of the first 1000, robust" in dict(ladder_section(partly)[0].blocks[0].items)["held out"]
         correlated = replace(found, ladder=replace(found.ladder, correlation_times=30.0))
         (section,) = ladder_section(correlated)
         assert dict(section.blocks[0].items)["errors of folds"] == (
