@@ -66,8 +66,8 @@ FIXED = {
     "smooth": DriveModel("smooth", offsets="offsets"),
     "load": DriveModel(load="load", offsets="offsets"),
     "slip": DriveModel(memory="slip, 0.01", offsets="offsets"),
-    "everything": DriveModel("smooth", "load", "slip, 0.01", "rotors", "offsets"),
-    "smooth, load, rotors": DriveModel("smooth", "load", "", "rotors", "offsets"),
+    "everything": DriveModel("smooth", "load", "slip, 0.01", "rotors", offsets="offsets"),
+    "smooth, load, rotors": DriveModel("smooth", "load", rotors="rotors", offsets="offsets"),
 }
 
 ROBOTS, ASIDE_ROBOTS = ("ur5", "ur10", "kr500"), ("m1013", "crx10ia_l", "ur10e")
@@ -110,7 +110,7 @@ def _measured(robot, terms, seed):
         raise SystemExit(f"{robot}: {ladder.reason}")
     both = concatenated([fitted, other])
     rows = np.arange(len(both.t)) < len(fitted.t)
-    every, additions = every_row(int(rows.sum()), LADDER_ROWS), every_term(memory=True)
+    every, additions = every_row(int(rows.sum()), LADDER_ROWS), every_term()
     problem = preparation.problem(TorqueModel(arm.subject.model, (RigidBodies(), Viscous())), both)
     columns = TermColumns.of(problem, additions, every)
     train = rows[::every]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
 from crosscheck.identifying.methods.torque_terms import term_with
+from graphdyn import RobotModel
 from graphdyn.identification.terms import Term
 
 Entry = Mapping[str, Any]
@@ -35,9 +36,19 @@ MEMORIES: dict[str, tuple[Entry, ...]] = {
 
 ROTORS: dict[str, tuple[Entry, ...]] = {"": (), "rotors": ({"term": "rotor"},)}
 
+COUPLINGS: dict[str, tuple[Entry, ...]] = {"": (), "coupled wrist": ({"term": "coupled-wrist", "width": 0.05},)}
+"""The motor of the last axis moves the one before it, too."""
+
 OFFSETS: dict[str, tuple[Entry, ...]] = {"": (), "offsets": ({"term": "offset"},)}
 
-CHOICES = {"curve": CURVES, "load": LOADS, "memory": MEMORIES, "rotors": ROTORS, "offsets": OFFSETS}
+CHOICES = {
+    "curve": CURVES,
+    "load": LOADS,
+    "memory": MEMORIES,
+    "rotors": ROTORS,
+    "coupling": COUPLINGS,
+    "offsets": OFFSETS,
+}
 """The alternatives for each part of a model of the drives."""
 
 
@@ -45,13 +56,14 @@ CHOICES = {"curve": CURVES, "load": LOADS, "memory": MEMORIES, "rotors": ROTORS,
 class DriveModel:
     """Terms of the drives: one alternative of each part, in addition to viscous friction.
 
-    curve, load, memory, rotors, offsets: keys of the CHOICES; "" without
+    curve, load, memory, rotors, coupling, offsets: keys of the CHOICES; "" without
     """
 
     curve: str = "Coulomb"
     load: str = ""
     memory: str = ""
     rotors: str = ""
+    coupling: str = ""
     offsets: str = ""
 
     @property
@@ -75,17 +87,17 @@ class DriveModel:
         """The terms."""
         return tuple(term_with(**entry) for entry in self.entries)
 
-    def neighbors(self, *, memory: bool) -> Iterator[Change]:
-        """Models that differ in one part. memory: whether they may have memory"""
+    def neighbors(self, without: Collection[str]) -> Iterator[ModelChange]:
+        """Models that differ in one part. without: parts that are not tried"""
         for part, alternatives in CHOICES.items():
             here = getattr(self, part)
             for there in alternatives:
-                if there != here and (memory or part != "memory"):
+                if there != here and part not in without:
                     model = replace(self, **{part: there})
-                    yield Change(there or f"without {here}", model, leaves_out=not there)
+                    yield ModelChange(there or f"without {here}", model, leaves_out=not there)
 
 
-class Change(NamedTuple):
+class ModelChange(NamedTuple):
     """A change as text, the model that it leads to, and whether it leaves a part out."""
 
     words: str
@@ -93,8 +105,8 @@ class Change(NamedTuple):
     leaves_out: bool = False
 
 
-FULL = DriveModel("smooth", "load", "", "rotors", "offsets")
-"""All parts but memory: what only several of them together explain is found from here."""
+FULL = DriveModel("smooth", "load", rotors="rotors", offsets="offsets")
+"""All parts but memory and coupling: what only several of them together explain is found from here."""
 
 
 def entry_text(entry: Entry) -> str:
@@ -104,8 +116,24 @@ def entry_text(entry: Entry) -> str:
     return f"{{term = {', '.join([name, *settings])}}}" if settings else name
 
 
-def every_term(*, memory: bool) -> dict[str, Term]:
+def parts_without_use(robot: RobotModel, fixed: Sequence[Term], *, memory: bool) -> set[str]:
+    """Parts that are not tried for a robot: those without effect, and those that fixed terms already are.
+
+    memory: whether terms may have memory
+    """
+    last = [robot.joints[k] for k in robot.degrees_of_freedom.independent[-2:]]
+    turning = len(last) == 2 and not any(joint.is_prismatic for joint in last)
+    found = ({"memory"} if not memory else set()) | ({"coupling"} if not turning else set())
+    given = {column.name for term in fixed for column in term.columns(robot)}
+    for part in set(CHOICES) - found:
+        terms = (term_with(**entry) for entries in CHOICES[part].values() for entry in entries)
+        if given.intersection(column.name for term in terms for column in term.columns(robot)):
+            found.add(part)
+    return found
+
+
+def every_term(without: Collection[str] = ()) -> dict[str, Term]:
     """All terms of all models beside viscous friction, by the names of DriveModel.keys."""
-    parts = [every.values() for part, every in CHOICES.items() if memory or part != "memory"]
+    parts = [every.values() for part, every in CHOICES.items() if part not in without]
     entries = (entry for part in parts for alternative in part for entry in alternative)
     return {entry_text(entry): term_with(**entry) for entry in entries}

@@ -14,7 +14,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from crosscheck.identifying.choosing.drive_models import FULL, Change, DriveModel, entry_text, every_term
+from crosscheck.identifying.choosing.drive_models import (
+    FULL,
+    DriveModel,
+    ModelChange,
+    entry_text,
+    every_term,
+    parts_without_use,
+)
 from crosscheck.identifying.choosing.folds import beginning, choosing_folds
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
@@ -36,7 +43,7 @@ MIN_RELATIVE_GAIN = 0.01
 STANDARD = DriveModel(offsets="offsets")
 """The model where no ladder can be climbed."""
 
-ALL_PARTS = "all parts but memory"
+ALL_PARTS = "all parts but memory and coupling"
 """The change that is tried where no single one helps, as text."""
 
 MAX_RUNGS = 10
@@ -129,12 +136,13 @@ def climbed(
         if isinstance(folds, str):
             return Ladder.of_standard_terms(folds)
         problem = preparation.problem(TorqueModel(robot, (*fixed, Viscous()), tuple(known)), recording)
-        every, additions = every_row(len(folds[0][0]), LADDER_ROWS), every_term(memory=memory)
+        every, without = every_row(len(folds[0][0]), LADDER_ROWS), parts_without_use(robot, fixed, memory=memory)
+        additions = every_term(without)
         with one_thread():
             columns = TermColumns.of(problem, additions, every)
             thinned = [(train[::every], test[::every]) for train, test in folds]
             fits = RobustFolds(columns, additions, thinned)
-            return replace(_climb(fits.fit, len(folds), memory=memory), of_rows=len(folds[0][0]))
+            return replace(_climb(fits.fit, len(folds), without), of_rows=len(folds[0][0]))
     except (EstimationFailed, InvalidInput, np.linalg.LinAlgError) as failure:
         return Ladder.of_standard_terms(str(failure))
 
@@ -142,23 +150,23 @@ def climbed(
 Fit = Callable[[Sequence[str], FoldedFit | None], FoldedFit]
 
 
-def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
+def _climb(fit: Fit, folds: int, without: Collection[str]) -> Ladder:
     model, steps = DriveModel(), list[LadderStep]()
     here = fit(model.keys, None)
     start, fits = here.errors.mean, {model: here}
     visited = {model}
     for rung in range(1, MAX_RUNGS + 1):
 
-        def tried(change: Change, rung: int = rung, here: FoldedFit = here) -> tuple[LadderStep, Change]:
+        def tried(change: ModelChange, rung: int = rung, here: FoldedFit = here) -> tuple[LadderStep, ModelChange]:
             if change.model not in fits:
                 fits[change.model] = fit(change.model.keys, here)
             found = fits[change.model].errors
             return LadderStep(rung, change.words, found.mean, *found.minus(here.errors), taken=False), change
 
-        all_tried = [tried(change) for change in model.neighbors(memory=memory)]
+        all_tried = [tried(change) for change in model.neighbors(without)]
         best = _best(all_tried, visited)
         if best is None and FULL not in visited:
-            all_tried.append(tried(Change(ALL_PARTS, FULL)))
+            all_tried.append(tried(ModelChange(ALL_PARTS, FULL)))
             best = _best(all_tried[-1:], visited)
         steps += [replace(step, taken=best is not None and step is best[0]) for step, _ in all_tried]
         if best is None:
@@ -171,14 +179,14 @@ def _climb(fit: Fit, folds: int, *, memory: bool) -> Ladder:
 
 
 def _best(
-    tried: Sequence[tuple[LadderStep, Change]], visited: Collection[DriveModel]
-) -> tuple[LadderStep, Change] | None:
+    tried: Sequence[tuple[LadderStep, ModelChange]], visited: Collection[DriveModel]
+) -> tuple[LadderStep, ModelChange] | None:
     """The change to take, None if there is none."""
     good = [(step, change) for step, change in tried if change.model not in visited and _better(step, change)]
     return min(good, key=lambda one: one[0].error, default=None)
 
 
-def _better(step: LadderStep, change: Change) -> bool:
+def _better(step: LadderStep, change: ModelChange) -> bool:
     """Whether the changed model predicts better by more than chance, or leaves a part out and predicts as well."""
     if change.leaves_out:
         return step.difference < step.deviation

@@ -29,7 +29,7 @@ BARRIER_WEIGHT = 1e-2
 MIN_DECREMENT = 1e-2
 """Newton decrement at which the steps end: f is then exact to a hundredth of the variance of one residual."""
 
-MAX_STEPS = 50
+MAX_BODY_STEPS = 50
 
 MAX_HALVINGS = 40
 
@@ -64,7 +64,7 @@ class BodyNewton:
         """The minima (B, p) for H (B, p, p), g (B, p) from starts inside the bounds (B, p)."""
         u = start.copy()
         left = np.arange(len(u))  # problems that have not converged
-        for _ in range(MAX_STEPS):
+        for _ in range(MAX_BODY_STEPS):
             step, decrement = self._step(h[left], g[left], u[left])
             going = decrement > MIN_DECREMENT
             left, step, decrement = left[going], step[going], decrement[going]

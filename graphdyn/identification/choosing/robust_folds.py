@@ -30,16 +30,16 @@ from graphdyn.identification.terms import Payload, RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import parameters_from_pseudo_inertia
 
-PRIOR_STRENGTH = 10.0
+FOLD_PRIOR_STRENGTH = 10.0
 """Strength of the entropic prior: links may differ from CAD by half and more, and directions that the recording hardly
 shows do not scatter from fold to fold."""
 
-MAX_REWEIGHTINGS = 6
+MAX_FOLD_REWEIGHTINGS = 6
 
 SETTLED_SHARE = 0.03
 """Root mean square change of a joint's predicted torque, relative to its noise, at which the weights have settled."""
 
-MIN_NOISE_SHARE = 1e-4
+MIN_FOLD_NOISE_SHARE = 1e-4
 """Smallest noise of a joint relative to its torque: exact data would have weights without bound."""
 
 START_SHARE = 0.05
@@ -80,7 +80,7 @@ class RobustFolds:
         columns: TermColumns,
         additions: dict[str, Term],
         folds: Sequence[tuple[NDArray[np.bool_], NDArray[np.bool_]]],
-        strength: float = PRIOR_STRENGTH,
+        strength: float = FOLD_PRIOR_STRENGTH,
     ):
         """Prepare the fits.
 
@@ -116,7 +116,7 @@ class RobustFolds:
             scale, weights = start.scale, self._weights(start.residuals, start.scale)
         sums = _Sums(matrix, self.columns.right, to_columns, self._left_out)
         residuals = np.full(self.columns.right.shape, np.inf)
-        for _ in range(MAX_REWEIGHTINGS):
+        for _ in range(MAX_FOLD_REWEIGHTINGS):
             h, g = sums.whole(weights * self.columns.every)
             u = newton.minimum(h[None], g[None], u[None])[0]
             before, residuals = residuals, matrix @ (to_columns @ u) - self.columns.right
@@ -142,7 +142,7 @@ class RobustFolds:
             np.median(np.abs(column[kept])) if kept.any() else np.inf
             for column, kept in zip(residuals.T, self.columns.kept.T, strict=True)
         ]
-        return np.maximum(np.array(sizes) / NORMAL_MEDIAN, MIN_NOISE_SHARE * self._size)
+        return np.maximum(np.array(sizes) / NORMAL_MEDIAN, MIN_FOLD_NOISE_SHARE * self._size)
 
     def _free_noise(self, matrix: Array) -> Array:
         """σ (n,) from the residual of every joint alone, fitted without bounds."""

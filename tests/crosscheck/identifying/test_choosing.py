@@ -8,16 +8,17 @@ import pytest
 from identified.identified_arm import CUTOFF, POSES, virtual
 from long_check import LONG
 from planting import mixed_tree
+from random_trees import random_tree
 
 import crosscheck
 from crosscheck.commands.identify.ladder_report import ladder_section, residual_blocks
 from crosscheck.identifying import CandidateModel, Folds, friction_terms, virtual_robot
-from crosscheck.identifying.choosing.drive_models import DriveModel, every_term
+from crosscheck.identifying.choosing.drive_models import DriveModel, every_term, parts_without_use
 from crosscheck.identifying.choosing.ladder import climbed
 from crosscheck.identifying.choosing.residual_causes import residual_causes
 from crosscheck.identifying.identify import number_of_steps
 from crosscheck.recordings import samples_of
-from graphdyn import Body
+from graphdyn import Body, kr500
 from graphdyn.identification.terms import KnownBodies, Offset, RigidBodies
 
 SHARE, SHARE_ERROR = 0.5, 0.2
@@ -109,10 +110,19 @@ class TestLadder:
         assert found.model == DriveModel(offsets="offsets")
         assert not any(step.change.startswith("slip") for step in found.steps)
 
+    def test_parts_that_are_not_tried(self):
+        """A wrist is coupled where both axes turn; what a fixed term is already comes no second time."""
+        assert parts_without_use(kr500(), (), memory=True) == set()
+        assert parts_without_use(kr500(), (RigidBodies(),), memory=False) == {"memory"}
+        assert parts_without_use(mixed_tree(), (), memory=True) == set()
+        assert parts_without_use(kr500(), (Offset(),), memory=True) == {"offsets"}
+        assert parts_without_use(random_tree(7, [0, 1], ["revolute", "prismatic"]), (), memory=True) == {"coupling"}
+
     def test_every_term_has_its_own_key(self):
-        terms = every_term(memory=True)
-        assert set(DriveModel("smooth", "load", "slip, 0.01", "rotors", "offsets").keys) <= set(terms)
-        assert not any(getattr(term, "has_memory", False) for term in every_term(memory=False).values())
+        terms = every_term()
+        everything = DriveModel("smooth", "load", "slip, 0.01", "rotors", "coupled wrist", "offsets")
+        assert set(everything.keys) <= set(terms)
+        assert not any(getattr(term, "has_memory", False) for term in every_term(["memory"]).values())
         assert sum(getattr(term, "has_memory", False) for term in terms.values()) == 3
 
 
