@@ -9,7 +9,7 @@ import numpy as np
 from crosscheck.identifying import Identified
 from crosscheck.identifying.choosing.ladder import Ladder, LadderStep
 from crosscheck.identifying.choosing.residual_causes import ResidualCause
-from crosscheck.report.report import NO_VALUE, Block, Code, Column, Facts, Prose, Row, Section, Table
+from crosscheck.report.report import NO_VALUE, Code, Column, Facts, Prose, Row, Section, Table
 from graphdyn.identification import MIN_CORRELATION_TIMES, MethodResult
 
 CHOSEN_MODEL_NOTE = "The chosen terms, as a file for --models"
@@ -92,22 +92,21 @@ def _step_text(step: LadderStep | None) -> str:
     return f"{100 * step.difference:+.2f} ± {100 * step.deviation:.2f}{' ✓' if step.taken else ''}"
 
 
-def residual_blocks(found: Identified, shown: MethodResult) -> list[Block]:
-    """Share of the residual of every joint that each cause would explain."""
+def residual_section(found: Identified, shown: MethodResult) -> tuple[Section, ...]:
+    """Share of the residual of every joint that each cause would explain; nothing for a short recording."""
     causes = found.residual_causes(shown)
     if not causes:
-        return []
+        return ()
     joints = found.torque_model.model.independent_joints
     rows = [Row((joint, *(_share_text(cause, j) for cause in causes))) for j, joint in enumerate(joints)]
     columns = (Column(cause.name, "number", "%", meaning=f"modeled by {cause.remedy}") for cause in causes)
     table = Table(
         (Column("joint", "name"), *columns),
         tuple(rows),
-        title="What the residuals still hold",
         caption=f"part of the squared residual of {found.model_of(shown).row_name(shown)} that each cause predicts in "
         f"folds it was not fitted to; {NO_VALUE}: no more than chance. {_remedies(causes)}",
     )
-    return [table]
+    return (Section("residuals", "What the residuals still hold", (table,)),)
 
 
 def _share_text(cause: ResidualCause, joint: int) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from crosscheck.commands.identify.gains_report import gains_of_identified
-from crosscheck.commands.identify.ladder_report import ladder_section, residual_blocks
+from crosscheck.commands.identify.ladder_report import ladder_section, residual_section
 from crosscheck.commands.identify.methods_report import methods_section, singular_values
 from crosscheck.commands.identify.model_report import parameters_section, torques_section
 from crosscheck.commands.identify.quality_report import data_quality_section, excitation_table, rejection_sections
@@ -32,8 +32,7 @@ def identify_report(found: Identified, shown: MethodResult | None) -> Report:
     last_line = recommended if chosen.name else f"no usable model: {_without_reasons(found)}"
     model: tuple[Section, ...] = ()
     if shown is not None:
-        residuals = Section("residuals", "Residuals", tuple(residual_blocks(found, shown)))
-        model = (torques_section(found, shown), residuals, parameters_section(found, shown))
+        model = (torques_section(found, shown), *residual_section(found, shown), parameters_section(found, shown))
     return Report(
         f"{Path(found.subject.name).name} identified",
         _verdict(found),

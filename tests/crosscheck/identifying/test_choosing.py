@@ -11,7 +11,7 @@ from planting import mixed_tree
 from random_trees import random_tree
 
 import crosscheck
-from crosscheck.commands.identify.ladder_report import ladder_section, residual_blocks
+from crosscheck.commands.identify.ladder_report import ladder_section, residual_section
 from crosscheck.identifying import CandidateModel, Folds, friction_terms, virtual_robot
 from crosscheck.identifying.choosing.drive_models import DriveModel, every_term, parts_without_use
 from crosscheck.identifying.choosing.ladder import climbed
@@ -239,7 +239,8 @@ class TestResidualCauses:
         arm = virtual()
         options = {"methods": ["wls"], "preparation": CUTOFF, "poses": 1}
         found = crosscheck.identify(arm.subject.model, arm.fitted, terms=(RigidBodies(), Offset()), **options)
-        (table,) = residual_blocks(found, found.shown())
+        (section,) = residual_section(found, found.shown())
+        (table,) = section.blocks
         assert [column.title for column in table.columns] == ["joint", "position ripple", "memory", "drift"]
         memory = found.residual_causes(found.shown())[1]
         assert np.all(memory.shown)
