@@ -32,7 +32,8 @@ from graphdyn.model.inertia import parameters_from_pseudo_inertia
 
 FOLD_PRIOR_STRENGTH = 10.0
 """Strength of the entropic prior: links may differ from CAD by half and more, and directions that the recording hardly
-shows do not scatter from fold to fold."""
+shows do not scatter from fold to fold. With 1 the folds of a KUKA KR300 are 6 % worse; with 100 a UR10 has no load
+friction."""
 
 MAX_FOLD_REWEIGHTINGS = 6
 
