@@ -51,7 +51,8 @@ def run(options: IdentifyOptions) -> None:
     by side with their errors on rows that they have not seen: over all rows, and per joint over those with |v| > 0.02,
     because at standstill friction is undetermined. The recommended one has real bodies, a positive definite mass
     matrix and the smallest held-out error, or is simpler and as good. The links of CAD with fitted drives are always
-    among the rows; --terms given several times, or --models, compares several torque models. By default the last
+    among the rows. Without --terms and --models the recording chooses the terms of the drives, step by step, by the
+    error of folds; --terms given several times, or --models, compares several torque models. By default the last
     quarter is held out. Without a LOG the robot is simulated with friction, noise and wrong CAD values, and the truth
     is shown.
 

@@ -160,7 +160,7 @@ def test_ur10_chooses_its_terms(run):
 @LONG
 def test_tx40_chooses_its_coupled_wrist(run):
     _, prediction = commands("tx40")
-    recording = run(without(prediction, "--terms", "--width", "--html"), "--methods", "consistent-huber")
+    recording = run(without(prediction, "--terms", "--width", "--html"), "--methods", "consistent")
     assert {step["change"] for step in recording["ladder"]["steps"] if step["taken"]} >= {"rotors", "coupled wrist"}
     rows = {row["name"]: row["mean_error"] for row in recording["comparison"]}
     assert min(rows.values()) <= TX40_CHOSEN
