@@ -94,15 +94,17 @@ class DriveModel:
             for there in alternatives:
                 if there != here and part not in without:
                     model = replace(self, **{part: there})
-                    yield ModelChange(there or f"without {here}", model, leaves_out=not there)
+                    change = there or f"without {here}"
+                    yield ModelChange(change, model, leaves_out=not there, couples=part == "coupling")
 
 
 class ModelChange(NamedTuple):
-    """A change as text, the model that it leads to, and whether it leaves a part out."""
+    """A change as text, the model that it leads to, whether it leaves a part out, and whether it couples the wrist."""
 
     words: str
     model: DriveModel
     leaves_out: bool = False
+    couples: bool = False
 
 
 FULL = DriveModel("smooth", "load", rotors="rotors", offsets="offsets")
