@@ -259,7 +259,7 @@ class Unfit:
     reason: str
 
 
-LIBRARIES = ("cvxpy", "clarabel")
+LIBRARIES = ("clarabel",)
 """What computes beside the libraries that every process has."""
 
 

@@ -8,8 +8,12 @@ only searches the null space. The prior then decides only what the data do not d
 fit is consistent, the constraints are active. The quadratic distance with the strength WEAK_STRENGTH then fixes what
 the data do not determine.
 
-A solution is accepted by its eigenvalues, the inequalities and the certificate of its cost, whatever status the solver
-reports.
+With more than WEAK_STRENGTH, Newton's method comes from the prior, or from the solution of another strength, to the
+minimum in a few steps if that lies off the margin (polishing): the entropic distance is its own barrier, and a strong
+quadratic one keeps bodies inside. Where it does not, Clarabel solves the cone program.
+
+A solution is accepted by its eigenvalues, the inequalities and the certificate of its cost, whatever found it and
+whatever status the solver reports.
 """
 
 from __future__ import annotations
@@ -23,7 +27,13 @@ from graphdyn.errors import EstimationFailed
 from graphdyn.identification.consistent.bodies import Inequalities
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.polishing import Cost, Metric, polished, suboptimality
-from graphdyn.identification.consistent.semidefinite import ConicAnswer, SemidefiniteProgram, least_violations
+from graphdyn.identification.consistent.semidefinite import (
+    INFEASIBLE,
+    OPTIMAL,
+    ConicAnswer,
+    SemidefiniteProgram,
+    least_violations,
+)
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.layout import Array
 
@@ -107,9 +117,9 @@ class ConicFit(ConsistentFit):
     answer: ConicAnswer
 
     def told(self, noise: Array, settings: Mapping[str, float], *remarks: str) -> Estimate:
-        """The estimate, with a remark on a solver status other than "optimal"."""
+        """The estimate, with a remark on a solver status other than OPTIMAL."""
         answer = self.answer
-        if answer.status != "optimal":
+        if answer.status != OPTIMAL:
             remarks += (
                 f"Clarabel stopped with '{answer.status}'; the answer passed the checks: its cost "
                 f"{answer.objective:.4g} is at most {self.suboptimality:.1g} above the minimum, every body keeps "
@@ -135,6 +145,7 @@ class ConsistentProblem:
         size = np.maximum(np.linalg.norm(g, axis=1), np.abs(inequalities.right))
         self._g, self._h = g / size[:, None], inequalities.right / size
         self._programs: dict[Metric, SemidefiniteProgram] = {}
+        self._last = coordinates.origin, np.zeros(len(self._h))  # where Newton's method begins
 
     def solve(self, strength: float = 0.0) -> ConicFit:
         """Fit with this strength of the prior.
@@ -158,17 +169,18 @@ class ConsistentProblem:
         return found
 
     def _whole(self, strength: float, metric: Metric) -> ConicFit:
+        cost = Cost(self._coordinates, metric, strength)
+        if strength > WEAK_STRENGTH and (found := self._by_newton(cost)):
+            return found
         if metric not in self._programs:
             self._programs[metric] = SemidefiniteProgram(
                 self._coordinates, (self._g, self._h), metric=metric, margin=self._margin
             )
         answer = self._programs[metric].solve(strength)
-        if "infeasible" in answer.status:
+        if answer.status == INFEASIBLE:
             raise EstimationFailed(self._contradiction())
         if answer.u is None:
             raise EstimationFailed(f"Clarabel gives no answer: {answer.status}")
-        c = self._coordinates
-        cost = Cost(c, metric, strength)
         u, multipliers = polished(cost, answer.u, answer.multipliers, (self._g, self._h), self._margin)
         above = suboptimality(cost, u, self._g, self._h, multipliers, self._margin)
         problems = self._violations(u)
@@ -176,7 +188,16 @@ class ConsistentProblem:
             problems += (f"its cost {answer.objective:.4g} may be {above:.2g} above the minimum",)
         if problems:
             raise EstimationFailed(f"Clarabel's answer ({answer.status}) is not good enough: {'; '.join(problems)}")
-        return ConicFit(c, u, False, above, answer)
+        return ConicFit(self._coordinates, u, False, above, answer)
+
+    def _by_newton(self, cost: Cost) -> ConicFit | None:
+        """The minimum from the last one, at first from the prior; None if Newton's method does not find it."""
+        u, multipliers = polished(cost, *self._last, (self._g, self._h), self._margin)
+        above, value = suboptimality(cost, u, self._g, self._h, multipliers, self._margin), cost.value(u)
+        if self._violations(u) or not above <= MAX_COST_EXCESS * max(1.0, value):
+            return None
+        self._last = u, multipliers
+        return ConicFit(self._coordinates, u, False, above, ConicAnswer(u, multipliers, OPTIMAL, value, 1))
 
     def _violations(self, u: Array) -> tuple[str, ...]:
         low = self._coordinates.smallest_eigenvalues(u)

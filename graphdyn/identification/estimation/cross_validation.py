@@ -73,7 +73,7 @@ def cross_validation(
     errors, failures = np.full((len(folds), len(strengths)), np.inf), list[str]()
     for k, held_out in enumerate(folds):
         trained = train(merged([*folds[:k], *folds[k + 1 :]]))
-        for s, strength in enumerate(strengths):
+        for s, strength in reversed(list(enumerate(strengths))):  # a strong prior is a good start for a weaker one
             try:
                 x = problem.base.values(trained(strength))
             except EstimationFailed as failure:

@@ -128,7 +128,7 @@ class _Program:
         return choice.best, choice.remarks
 
 
-CONE_SOLVER = ("cvxpy", "clarabel")
+CONE_SOLVER = ("clarabel",)
 """Packages without which a convex program has no answer."""
 
 
@@ -148,7 +148,7 @@ class ConsistentLeastSquares:
     name: str = "consistent"
     reference: str = "Sousa and Cortesão 2014; Wensing, Kim and Slotine 2018"
     assumptions: str = "as WLS; every body is a real one with at least a small part of the prior's inertia"
-    needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+    needs: str = "q, v, a and actuator torques; a rough prior (CAD); Clarabel"
     packages: ClassVar[tuple[str, ...]] = CONE_SOLVER
     takes_expected: ClassVar[bool] = True
 
@@ -159,7 +159,9 @@ class ConsistentLeastSquares:
         return program.convex(problem.equations, noise).solve().told(noise, {}, *program.bodies.remarks)
 
 
-PRIOR_STRENGTHS = (0.0, 1e-1, 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
+PRIOR_STRENGTHS = (1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
+"""Strengths among which cross-validation chooses. A weaker prior never predicts much better, and a short recording
+prefers it by chance: a hundred makes a link that the recording does not show cost as much as a hundred variances."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,7 +184,7 @@ class ConsistentWithPrior:
     margin: float = PRIOR_MARGIN
     reference: str = "Lee, Wensing and Park 2020"
     assumptions: str = "as WLS; every body is a real one, and about as likely to be lighter as heavier than the prior"
-    needs: str = "q, v, a and actuator torques; a prior (CAD); cvxpy and Clarabel"
+    needs: str = "q, v, a and actuator torques; a prior (CAD); Clarabel"
     packages: ClassVar[tuple[str, ...]] = CONE_SOLVER
     takes_expected: ClassVar[bool] = True
 
@@ -231,7 +233,7 @@ class RobustConsistent:
     threshold: float = HUBER_THRESHOLD
     reference: str = "Huber 1964; Wensing, Kim and Slotine 2018; Lee, Wensing and Park 2020"
     assumptions: str = "most noise white, of its own size per joint, the rest outliers; every body is a real one"
-    needs: str = "q, v, a and actuator torques; a rough prior (CAD); cvxpy and Clarabel"
+    needs: str = "q, v, a and actuator torques; a rough prior (CAD); Clarabel"
     packages: ClassVar[tuple[str, ...]] = CONE_SOLVER
 
     @property
@@ -311,7 +313,7 @@ class LogCholesky:
     name: str = "log-Cholesky"
     reference: str = "Rucker and Wensing 2022"
     assumptions: str = "as WLS; every body is a real one; one of the starts leads to the lowest minimum"
-    needs: str = "q, v, a and actuator torques; a rough prior (CAD); for the fallback cvxpy and Clarabel"
+    needs: str = "q, v, a and actuator torques; a rough prior (CAD); for the fallback Clarabel"
     takes_expected: ClassVar[bool] = True
 
     def estimate(self, problem: Problem) -> Estimate:

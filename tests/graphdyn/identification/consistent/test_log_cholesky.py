@@ -138,12 +138,12 @@ class TestFit:
 
     def test_without_fallback(self, monkeypatch):
         monkeypatch.setattr(fitting, "MAX_EVALUATIONS", 1)
-        monkeypatch.setitem(sys.modules, "cvxpy", None)
+        monkeypatch.setitem(sys.modules, "clarabel", None)
         with pytest.raises(
             EstimationFailed, match=r"cheapest of 3 starts.*and the convex fallback failed.*\[identify\]"
         ):
             LogCholesky().estimate(data.poor_problem())
 
     def test_needs_no_cone_solver(self, monkeypatch):
-        monkeypatch.setitem(sys.modules, "cvxpy", None)
+        monkeypatch.setitem(sys.modules, "clarabel", None)
         assert LogCholesky().estimate(data.poor_problem()).settings["starts that agree"] >= 1
