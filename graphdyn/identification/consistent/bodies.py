@@ -1,15 +1,14 @@
-"""Columns of every unknown body in a torque model, other columns that cannot be negative, and limits on both."""
+"""Columns of every unknown body in a torque model, their prior and reach, and columns that cannot be negative."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import EstimationFailed, InvalidInput
+from graphdyn.identification.consistent.reach import extents, joined, reach_boxes
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
@@ -34,6 +33,9 @@ NONNEGATIVE_TERMS = (
 """Terms whose parameters cannot be negative: friction dissipates energy, a rotor has mass. Stribeck friction may fall
 below zero, because it adds to Coulomb friction."""
 
+PAYLOAD = "payload"
+"""Name of an unknown load among the bodies."""
+
 
 @dataclass(frozen=True, eq=False)
 class Bodies:
@@ -41,6 +43,8 @@ class Bodies:
 
     names (n,), columns (n,): their ten parameters
     prior: pseudo-inertia matrices, positive definite       (n, 4, 4)
+    cad_mass: mass that CAD, or another prior, gives; NaN for a body that it does not know    (n,) [kg]
+    reach: boxes that hold the bodies, by the kinematics and the prior, in link axes    (n, 2, 3) [m]
     further: names of the columns that belong to no body, in their order      (k,)
     nonnegative: those of them that cannot be negative
     remarks: changes of the prior, in sentences
@@ -49,6 +53,8 @@ class Bodies:
     names: tuple[str, ...]
     columns: tuple[slice, ...]
     prior: Array
+    cad_mass: Array
+    reach: Array
     further: tuple[str, ...]
     nonnegative: tuple[str, ...]
     remarks: tuple[str, ...]
@@ -72,7 +78,7 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
         own = range(part.start, part.stop)
         if isinstance(term, Payload):
             carriers[len(names)] = model.body_names.index(term.body) if term.body else model.n_bodies - 1
-            names.append("payload")
+            names.append(PAYLOAD)
         elif isinstance(term, RigidBodies):
             names.extend(model.body_names)
         else:
@@ -85,92 +91,26 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
         raise EstimationFailed("no body is unknown in this torque model: there is nothing to keep consistent")
     mean = (prior or model_prior(torque_model)).mean
     ten = np.stack([mean[part] for part in columns])
+    cad_mass = np.where(ten[:, 0] > 0, ten[:, 0], np.nan)
     for payload, carrier in carriers.items():
         if not ten[payload].any():
             ten[payload] = model.bodies[carrier].parameters
     inside, lifted = inertial_prior(ten)
+    boxes = dict(zip(model.body_names, reach_boxes(model), strict=True))
+    reach = np.array([boxes[model.body_names[carriers[k]] if k in carriers else name] for k, name in enumerate(names)])
     moved = ", ".join(name for name, light in zip(names, lifted, strict=True) if light)
     further = tuple(column.name for k, column in enumerate(torque_model.columns) if k not in in_bodies)
     remark = f"no real body has the prior inertia of {moved}; it was made heavier or thicker" if moved else ""
-    return Bodies(tuple(names), tuple(columns), inside, further, tuple(nonnegative), (remark,) if remark else ())
-
-
-@dataclass(frozen=True, eq=False)
-class PhysicalLimits:
-    """Bounds on the bodies, by name ("payload" for an unknown payload); infinite if there is none on one side.
-
-    mass: lowest and highest mass (2,) of a body            [kg]
-    center: box that holds the center of mass of a body, lower and upper corner in link axes from the link origin (2, 3)
-                                                            [m]
-    total_mass: lowest and highest sum of the unknown masses (2,)  [kg]
-    """
-
-    mass: Mapping[str, ArrayLike] = field(default_factory=dict)
-    center: Mapping[str, ArrayLike] = field(default_factory=dict)
-    total_mass: ArrayLike = (-np.inf, np.inf)
-
-
-@dataclass(frozen=True, eq=False)
-class Inequalities:
-    """G x ≥ h of the parameters x of a torque model.
-
-    matrix: G (m, p); right: h (m,); names: each as text    (m,)
-    """
-
-    matrix: Array
-    right: Array
-    names: tuple[str, ...]
-
-
-def inequalities(limits: PhysicalLimits, bodies: Bodies, columns: Sequence[str]) -> Inequalities:
-    """The limits as inequalities, with the columns that cannot be negative. columns: names of all p.
-
-    Raises InvalidInput, naming the body, for an unknown body, a wrong shape, a lower bound above the upper one.
-    """
-    rows: list[tuple[dict[int, float], float, str]] = []
-
-    def mass_between(masses: Sequence[int], bounds: ArrayLike, what: str) -> None:
-        low, high = _bounds(what, bounds, (2,), "kg")
-        rows.append((dict.fromkeys(masses, 1.0), low, f"{what} ≥ {low:g} kg"))
-        rows.append((dict.fromkeys(masses, -1.0), -high, f"{what} ≤ {high:g} kg"))
-
-    for name, bounds in limits.mass.items():
-        mass_between([_mass(bodies, name, "mass")], bounds, f"mass of '{name}'")
-    mass_between([part.start for part in bodies.columns], limits.total_mass, "total mass")
-    for name, box in limits.center.items():
-        mass, what = _mass(bodies, name, "center"), f"center of mass of '{name}'"
-        for axis, (low, high) in enumerate(_bounds(what, box, (2, 3), "m").T):
-            moment, of_axis = mass + 1 + axis, f"{what} in {'xyz'[axis]}"
-            if np.isfinite(low):  # m c ≥ low m
-                rows.append(({moment: 1.0, mass: -low}, 0.0, f"{of_axis} ≥ {low:g} m"))
-            if np.isfinite(high):
-                rows.append(({moment: -1.0, mass: high}, 0.0, f"{of_axis} ≤ {high:g} m"))
-    rows.extend(({columns.index(name): 1.0}, 0.0, f"{name} ≥ 0") for name in bodies.nonnegative)
-
-    given = [row for row in rows if np.isfinite(row[1])]
-    matrix = np.zeros((len(given), len(columns)))
-    for line, (coefficients, _, _) in zip(matrix, given, strict=True):
-        line[list(coefficients)] = list(coefficients.values())
-    return Inequalities(matrix, np.array([right for _, right, _ in given]), tuple(name for _, _, name in given))
-
-
-def _mass(bodies: Bodies, name: str, bounded: str) -> int:
-    """Column of a body's mass."""
-    if name not in bodies.names:
-        raise InvalidInput(
-            f"{bounded} limits of '{name}', which is not an unknown body; known: {', '.join(bodies.names)}"
-        )
-    first: int = bodies.columns[bodies.names.index(name)].start
-    return first
-
-
-def _bounds(what: str, given: ArrayLike, shape: tuple[int, ...], unit: str) -> Array:
-    bounds = as_floats(what, given)
-    if bounds.shape != shape or np.any(np.isnan(bounds)):
-        raise InvalidInput(f"limits of the {what} are {bounds.tolist()}; [lower, upper] of shape {shape} needed")
-    if np.any(bounds[0] > bounds[1]):
-        raise InvalidInput(f"{what}: the lower limit {bounds[0]} is above the upper limit {bounds[1]} {unit}")
-    return bounds
+    return Bodies(
+        tuple(names),
+        tuple(columns),
+        inside,
+        cad_mass,
+        joined(reach, extents(inside)),
+        further,
+        tuple(nonnegative),
+        (remark,) if remark else (),
+    )
 
 
 MIN_PRIOR_RADIUS = 1e-3

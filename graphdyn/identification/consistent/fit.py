@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.consistent.bodies import Inequalities
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
+from graphdyn.identification.consistent.limits import VIOLATION_TOLERANCE, Inequalities
 from graphdyn.identification.consistent.polishing import Cost, Metric, polished, suboptimality
 from graphdyn.identification.consistent.semidefinite import (
     INFEASIBLE,
@@ -46,9 +46,6 @@ WEAK_STRENGTH = 1e-2
 
 MIN_MARGIN_SHARE = 0.5
 """Fraction of the margin that a solution must keep; the solver is far more exact."""
-
-VIOLATION_TOLERANCE = 1e-6
-"""Largest violation of an inequality, relative to the size of its terms."""
 
 MAX_COST_EXCESS = 1e-3
 """Largest amount of a solution's cost above the minimum, relative to the cost or one variance of the residuals."""

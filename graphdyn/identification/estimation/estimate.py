@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from graphdyn.identification.consistent.limits import BodyLimits
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
@@ -23,6 +24,7 @@ class Estimate:
     iterations: number of solutions of the equations
     settings: numbers that the method chose, such as the strength of a prior
     remarks: in sentences: a solver that stopped early, a fallback
+    limits: of the bodies, that the parameters keep; None for a method without
     """
 
     parameters: Array
@@ -32,6 +34,7 @@ class Estimate:
     iterations: int = 1
     settings: Mapping[str, float] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    limits: BodyLimits | None = None
 
 
 def base_estimate(

@@ -65,13 +65,14 @@ import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, merged, weighted_solution
-from graphdyn.identification.consistent.bodies import Bodies, PhysicalLimits, inequalities, unknown_bodies
+from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.fit import (
     PRIOR_MARGIN,
     WEAK_STRENGTH,
     ConsistentProblem,
 )
+from graphdyn.identification.consistent.limits import BodyLimits, Inequalities, PhysicalLimits, inequalities
 from graphdyn.identification.consistent.log_cholesky import PRIOR_STRENGTH, log_cholesky_fit
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
@@ -102,6 +103,20 @@ class _Program:
     def bodies(self) -> Bodies:
         return unknown_bodies(self.problem.torque_model, self.prior)
 
+    @cached_property
+    def body_limits(self) -> BodyLimits:
+        return self.limits.of(self.bodies)
+
+    @cached_property
+    def inequalities(self) -> Inequalities:
+        names = [column.name for column in self.problem.torque_model.columns]
+        return inequalities(self.body_limits, self.bodies, names)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was changed in the prior, and which limits CAD does not give."""
+        return self.bodies.remarks + self.body_limits.remarks
+
     def coordinates(self, equations: CompressedEquations, noise: Array) -> PriorCoordinates:
         """The equations, weighted by the noise σ_g (n,), in coordinates in which the prior is the unit matrix."""
         informed = equations.informed(noise)
@@ -109,9 +124,8 @@ class _Program:
 
     def convex(self, equations: CompressedEquations, noise: Array) -> ConsistentProblem:
         """The program, to be solved with one or many strengths."""
-        names = [column.name for column in self.problem.torque_model.columns]
-        limits = inequalities(self.limits, self.bodies, names)
-        return ConsistentProblem(self.coordinates(equations, noise), limits, metric=self.metric, margin=self.margin)
+        coordinates = self.coordinates(equations, noise)
+        return ConsistentProblem(coordinates, self.inequalities, metric=self.metric, margin=self.margin)
 
     def strength(
         self, given: float | None, tried: Sequence[float], noise: Array, folds: Sequence[CompressedEquations]
@@ -136,7 +150,7 @@ CONE_SOLVER = ("clarabel",)
 class ConsistentLeastSquares:
     """Weighted least squares over physically consistent bodies, by linear matrix inequalities.
 
-    limits: on masses and centers of mass
+    limits: on masses, centers of mass and sizes; by default those of CAD
     prior: for parameters that the data do not determine, and reference of the margin; the model's parameters if left
         out
     margin: fraction of the prior's inertia that every body keeps
@@ -156,7 +170,8 @@ class ConsistentLeastSquares:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
         program = _Program(problem, self.prior, "pullback", self.margin, self.limits)
         noise = joint_noise(problem.equations)
-        return program.convex(problem.equations, noise).solve().told(noise, {}, *program.bodies.remarks)
+        found = program.convex(problem.equations, noise).solve().told(noise, {}, *program.remarks)
+        return replace(found, limits=program.body_limits)
 
 
 PRIOR_STRENGTHS = (1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
@@ -205,7 +220,8 @@ class ConsistentWithPrior:
         noise = joint_noise(problem.equations)
         strength, remarks = program.strength(self.strength, self.strengths, noise, problem.folds)
         fit = program.convex(problem.equations, noise).solve(strength)
-        return fit.told(noise, {"strength": strength}, *program.bodies.remarks, *remarks)
+        found = fit.told(noise, {"strength": strength}, *program.remarks, *remarks)
+        return replace(found, limits=program.body_limits)
 
 
 MAX_TORQUE_CHANGE = 1e-2
@@ -257,8 +273,8 @@ class RobustConsistent:
         settings = {"strength": strength} if self.metric else {}
         settings["mean weight"] = state.mean_weight
         fit = program.convex(merged(state.blocks), ones).solve(strength)
-        found = fit.told(state.scale, settings, *program.bodies.remarks, *remarks)
-        return replace(found, covariance=None, iterations=iterations)
+        found = fit.told(state.scale, settings, *program.remarks, *remarks)
+        return replace(found, covariance=None, iterations=iterations, limits=program.body_limits)
 
     def _settled(self, program: _Program, residuals: Array, strength: float) -> _State:
         """Iterate from these residuals until the fit converges."""
@@ -301,13 +317,15 @@ class LogCholesky:
     prior: the model's parameters if left out
     starts: number of starts; the first from the prior, the others drawn around it
     strength: of the quadratic prior, > 0
-    margin: as in ConsistentLeastSquares
+    limits, margin: as in ConsistentLeastSquares; if the result would leave the limits, the convex problem with the same
+        cost is solved within them
     seed: of the starts
     """
 
     prior: Prior | None = None
     starts: int = 3
     strength: float = PRIOR_STRENGTH
+    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
     margin: float = PRIOR_MARGIN
     seed: int = 0
     name: str = "log-Cholesky"
@@ -318,7 +336,7 @@ class LogCholesky:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput without a start or with a strength of 0."""
-        program = _Program(problem, self.prior, "pullback", self.margin)
+        program = _Program(problem, self.prior, "pullback", self.margin, self.limits)
         bodies, noise = program.bodies, joint_noise(problem.equations)
         nonnegative = np.array([name in bodies.nonnegative for name in bodies.further], dtype=bool)
         try:
@@ -332,17 +350,27 @@ class LogCholesky:
             )
         except EstimationFailed as failure:
             return self._fallback(program, noise, failure)
+        left = program.inequalities.violated(fit.parameters)
+        if left:
+            return self._fallback(
+                program, noise, EstimationFailed(f"log-Cholesky leaves its limits ({'; '.join(left)})")
+            )
         missed = self.starts - fit.agreeing
         remarks = (f"{missed} of {self.starts} starts ended higher",) if missed else ()
         settings = {"strength": self.strength, "starts that agree": float(fit.agreeing)}
         evaluations = sum(start.evaluations for start in fit.starts)
-        return fit.estimate(noise, evaluations, settings, *bodies.remarks, *remarks)
+        found = fit.estimate(noise, evaluations, settings, *program.remarks, *remarks)
+        return replace(found, limits=program.body_limits)
 
     def _fallback(self, program: _Program, noise: Array, failure: EstimationFailed) -> Estimate:
         """Solution of the convex program with the same cost."""
         try:
-            fit = program.convex(program.problem.equations, noise).solve(self.strength)
+            convex = program.convex(program.problem.equations, noise)
+            fit = convex.solve()
+            if not fit.best_fit:
+                fit = convex.solve(self.strength)
         except EstimationFailed as second:
             raise EstimationFailed(f"{failure}; and the convex fallback failed: {second}") from second
         remark = f"{failure}; this is the answer of the convex program with the same cost"
-        return fit.told(noise, {"strength": self.strength}, *program.bodies.remarks, remark)
+        found = fit.told(noise, {"strength": self.strength}, *program.remarks, remark)
+        return replace(found, limits=program.body_limits)

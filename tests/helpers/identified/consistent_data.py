@@ -8,8 +8,9 @@ from identified import torque_data
 import graphdyn
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.algebra.compressed import joint_noise
-from graphdyn.identification.consistent.bodies import PhysicalLimits, inequalities, unknown_bodies
+from graphdyn.identification.consistent.bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import prior_coordinates
+from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
 from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -61,14 +62,18 @@ def poor_problem(seed=0):
     return Problem(torque_model(), noisy(100, seed, 20.0, 0.15), n_blocks=4)
 
 
-def coordinates(problem):
+UNLIMITED = PhysicalLimits(cad_factor=np.inf, in_boxes=False)
+"""Bodies need only be real."""
+
+
+def coordinates(problem, limits=UNLIMITED):
     """The problem in the coordinates of the prior, and its inequalities."""
     bodies = unknown_bodies(problem.torque_model, None)
     reduced, right = problem.equations.weighted(joint_noise(problem.equations))
     names = [column.name for column in problem.torque_model.columns]
     return (
         prior_coordinates(problem.base, reduced, right, bodies.prior, bodies.columns),
-        inequalities(PhysicalLimits(), bodies, names),
+        inequalities(limits.of(bodies), bodies, names),
     )
 
 

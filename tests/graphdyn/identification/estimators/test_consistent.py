@@ -1,6 +1,7 @@
 """The physically consistent estimators: exact where they must be, real bodies always, and honest about failures."""
 
 import dataclasses
+import re
 import subprocess
 import sys
 
@@ -27,6 +28,7 @@ from graphdyn.identification.consistent import fit as fitting
 from graphdyn.identification.consistent import semidefinite
 from graphdyn.identification.consistent.coordinates import MAX_TRUSTED_DEVIATIONS
 from graphdyn.identification.consistent.fit import PRIOR_MARGIN, ConsistentProblem
+from graphdyn.identification.consistent.limits import CAD_FACTOR
 from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT
 from graphdyn.identification.estimators.consistent import MAX_TORQUE_CHANGE
 from graphdyn.identification.terms import Coulomb, KnownBodies, Payload, RigidBodies, Viscous
@@ -190,7 +192,7 @@ class TestLimits:
         return estimate.parameters[0:60:10], estimate.parameters[:60].reshape(6, 10)
 
     def test_mass_and_center(self):
-        free, bodies = self.masses(PhysicalLimits())
+        free, bodies = self.masses(data.UNLIMITED)
         low, high = free[3] * 1.5, free[3] * 2
         box = bodies[2, 1:4] / bodies[2, 0] + np.array([[0.05, 0.05, 0.05], [0.2, 0.2, 0.2]])
         limits = PhysicalLimits(
@@ -220,11 +222,86 @@ class TestLimits:
             (PhysicalLimits(mass={"B1": 3.0}), r"limits of the mass of 'B1' are 3.0; \[lower, upper\] of shape \(2,\)"),
             (PhysicalLimits(total_mass=(np.nan, 1)), r"limits of the total mass are \[nan, 1.0\]"),
             (PhysicalLimits(center={"B1": [[1, 0, 0], [0, 0, 0]]}), "center of mass of 'B1': the lower limit"),
+            (PhysicalLimits(cad_factor=0.5), "CAD factor of 'B1' is 0.5; give a number of 1 or more, inf for none"),
+            (PhysicalLimits(cad_factors={"B9": 2.0}), "CAD factor limits of 'B9', which is not an unknown body"),
+            (PhysicalLimits(box={"B2": [[0, 0, 0]]}), r"limits of the box of 'B2' are \[\[0.0, 0.0, 0.0\]\]"),
         ],
     )
     def test_senseless(self, limits, message):
         with pytest.raises(InvalidInput, match=message):
             ConsistentLeastSquares(limits).estimate(data.poor_problem())
+
+
+class TestPlausibleByDefault:
+    """Masses within a factor of CAD, their sum within its root, matter within reach: for every method."""
+
+    @pytest.fixture(params=[*ESTIMATORS, RobustConsistent()], ids=[*IDS, "Huber"])
+    def limited(self, request):
+        return request.param
+
+    def tight(self, method):
+        return dataclasses.replace(method, limits=PhysicalLimits(cad_factor=1.2))
+
+    def test_the_free_fit_is_not(self):
+        """Else the test below would show nothing."""
+        problem = data.poor_problem(1)
+        x = ConsistentLeastSquares(data.UNLIMITED).estimate(problem).parameters[:60].reshape(6, 10)
+        cad = problem.torque_model.model.inertial_parameters.reshape(6, 10)[:, 0]
+        assert np.max(np.abs(np.log(x[:, 0] / cad))) > np.log(CAD_FACTOR)
+
+    @pytest.mark.parametrize("factor", [CAD_FACTOR, 1.2])
+    def test_bodies_stay_near_cad_and_in_their_boxes(self, limited, factor):
+        problem = data.poor_problem(1)
+        estimate = (limited if factor == CAD_FACTOR else self.tight(limited)).estimate(problem)
+        x = estimate.parameters[:60].reshape(6, 10)
+        cad = problem.torque_model.model.inertial_parameters.reshape(6, 10)[:, 0]
+        assert np.abs(np.log(x[:, 0] / cad)).max() <= np.log(factor) + 1e-5
+        assert abs(np.log(x[:, 0].sum() / cad.sum())) <= np.log(factor) / 2 + 1e-5
+        boxes, center = estimate.limits.box, x[:, 1:4] / x[:, :1]
+        assert np.all((center >= boxes[:, 0] - 1e-5) & (center <= boxes[:, 1] + 1e-5))
+        matrices = pseudo_inertia_from_parameters(x)
+        spread = np.einsum("nkk->nk", matrices[:, :3, :3]) / x[:, :1] - center**2
+        room = (center - boxes[:, 0]) * (boxes[:, 1] - center)
+        assert np.all(spread <= room + 1e-5)
+
+    def test_a_box_of_its_own(self):
+        problem = data.poor_problem(1)
+        reach = ConsistentLeastSquares().estimate(problem).limits
+        box = np.array([[-2.0, -2.0, -0.1], [2.0, 2.0, 3.0]])
+        own = ConsistentLeastSquares(PhysicalLimits(box={"B2": box})).estimate(problem).limits
+        assert np.array_equal(own.box[[0, 2, 3, 4, 5]], reach.box[[0, 2, 3, 4, 5]])
+        assert np.all(own.box[1, 0] <= box[0])  # widened for the prior
+        assert np.array_equal(own.box[1, :, :2], box[:, :2])
+
+    def test_what_stands_behind_cad(self):
+        problem, cad = data.poor_problem(1), data.torque_model().model.inertial_parameters[::10]
+        limits = ConsistentLeastSquares(PhysicalLimits(cad_factors={"B2": 1.2, "B5": np.inf})).estimate(problem).limits
+        assert limits.mass[1] == pytest.approx([cad[1] / 1.2, 1.2 * cad[1]])
+        assert np.array_equal(limits.mass[4], [0.0, np.inf])
+        assert limits.total_mass[1] == np.inf
+
+    def test_placeholders_limit_no_mass_and_say_so(self):
+        model = data.torque_model()
+        same = np.tile([2.0, 0, 0, 0, 0.1, 0, 0.1, 0, 0, 0.1], 6)
+        problem = Problem(
+            dataclasses.replace(model, model=model.model.with_inertial_parameters(same)), data.exact(400, 0)
+        )
+        estimate = ConsistentLeastSquares().estimate(problem)
+        assert "all bodies of CAD have the same mass and tensor, placeholders: they limit no mass" in estimate.remarks
+        assert np.array_equal(estimate.limits.mass, [[0.0, np.inf]] * 6)
+
+    def test_a_body_without_mass_has_no_limit_of_its_own(self):
+        mean = data.torque_model().prior()
+        mean[30:40] = 0.0
+        method = ConsistentLeastSquares(prior=Prior(mean, np.ones_like(mean)))
+        estimate = method.estimate(Problem(data.torque_model(), data.exact(400, 0)))
+        assert "CAD has no mass of B4: only the total mass limits it" in estimate.remarks
+        assert np.array_equal(estimate.limits.mass[3], [0.0, np.inf])
+        assert np.isfinite(estimate.limits.total_mass).all()
+
+    def test_log_cholesky_says_which_limit_it_left(self):
+        *_, said, _ = self.tight(LogCholesky()).estimate(data.poor_problem(1)).remarks
+        assert re.match("log-Cholesky left (mass|total mass|matter) .*kg.*; this is the answer of the convex program", said)
 
 
 class TestBodies:
@@ -345,7 +422,8 @@ class TestSolver:
             ConsistentProblem(*poor, metric="pullback").solve()
 
     def test_imported_only_where_used(self):
-        code = "import sys, graphdyn.identification; sys.exit('clarabel' in sys.modules or 'scipy.optimize' in sys.modules)"
+        late = ("clarabel", "scipy.optimize")
+        code = f"import sys, graphdyn.identification; sys.exit(not sys.modules.keys().isdisjoint({late}))"
         assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -1,0 +1,235 @@
+"""Limits on what bodies may be: masses near those of CAD, all of their matter within a box.
+
+A positive mass is not yet a plausible one. Base parameters leave most masses of an arm open, and a torque model that
+lacks something drives them anywhere that the cone of real bodies allows. By default a mass stays within CAD_FACTOR of
+CAD, the sum of all masses within its root, because errors of single masses do not all go the same way.
+
+Matter between two planes, low ≤ x ≤ high, has ∫ (x - low)(high - x) dm ≥ 0, which is linear in the inertial parameters:
+
+    (low + high) m c - ∫ x² dm - low high m ≥ 0
+
+It bounds the center of mass and the second moments about it at once, (c - low)(high - c) ≥ ∫ (x - c)² dm / m, and three
+of them hold a body in a box (the ellipsoid of Wensing, Kim and Slotine, IEEE Robotics and Automation Letters 3(1),
+2018, section IV, flattened to planes).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.consistent.bodies import PAYLOAD, Bodies
+from graphdyn.identification.consistent.reach import extents, joined
+from graphdyn.layout import Array
+from graphdyn.model.inertia import parameters_from_pseudo_inertia
+
+CAD_FACTOR = 3.0
+"""Largest ratio of a mass and that of CAD, in both directions. Drawings without motors, gears or cables are wrong by a
+factor of two; by more only where CAD is of another robot, or a placeholder."""
+
+VIOLATION_TOLERANCE = 1e-6
+"""Largest violation of an inequality, relative to the size of its terms."""
+
+MIN_EQUAL_BODIES = 3
+"""Number of bodies from which equal masses and tensors are placeholders."""
+
+
+@dataclass(frozen=True, eq=False)
+class PhysicalLimits:
+    """Bounds on the bodies, by name ("payload" for an unknown payload).
+
+    mass: lowest and highest mass (2,) of a body, in place of those by CAD      [kg]
+    center: box that holds the center of mass of a body, lower and upper corner in link axes from the link origin (2, 3)
+                                                            [m]
+    total_mass: lowest and highest sum of the unknown masses (2,), in place of those by CAD     [kg]
+    cad_factor: largest ratio of a mass and that of the prior; infinity for none
+    cad_factors: the same of single bodies
+    box: boxes that hold all matter of a body (2, 3), from its meshes; in place of its reach, by the kinematics     [m]
+    in_boxes: whether matter stays within the boxes
+    """
+
+    mass: Mapping[str, ArrayLike] = field(default_factory=dict)
+    center: Mapping[str, ArrayLike] = field(default_factory=dict)
+    total_mass: ArrayLike | None = None
+    cad_factor: float = CAD_FACTOR
+    cad_factors: Mapping[str, float] = field(default_factory=dict)
+    box: Mapping[str, ArrayLike] = field(default_factory=dict)
+    in_boxes: bool = True
+
+    def of(self, bodies: Bodies) -> BodyLimits:
+        """The limits of these bodies. Boxes are widened to hold the prior.
+
+        Raises InvalidInput, naming the body, for an unknown body, a wrong shape, a lower bound above the upper one, a
+        factor below 1.
+        """
+        names = bodies.names
+        given = {"mass": self.mass, "center": self.center, "CAD factor": self.cad_factors, "box": self.box}
+        for what, named in given.items():
+            for name in named:
+                _refuse_unknown(bodies, name, what)
+        factors = np.array([_factor(name, self.cad_factors.get(name, self.cad_factor)) for name in names])
+        cad, remarks = _trusted(bodies, factors)
+        known = np.isfinite(cad)
+        mass = np.where(known[:, None], np.stack([cad / factors, cad * factors], axis=1), [0.0, np.inf])
+        # a body that CAD does not know counts in the sum with the mass of its lifted prior, a load does not
+        light, root = bodies.prior[:, 3, 3], np.sqrt(factors)
+        parts = np.stack([np.where(known, light / root, 0.0), light * root], axis=1)
+        for name, bounds in self.mass.items():
+            k = names.index(name)
+            mass[k] = parts[k] = _bounds(f"mass of '{name}'", bounds, (2,), "kg")
+        counted = np.array([name != PAYLOAD for name in names])
+        total = parts[counted].sum(axis=0) if known.any() else np.array([0.0, np.inf])
+        if self.total_mass is not None:
+            counted, total = np.full(len(names), True), _bounds("total mass", self.total_mass, (2,), "kg")
+        center = np.tile([[-np.inf], [np.inf]], (len(names), 1, 3))
+        for name, box in self.center.items():
+            center[names.index(name)] = _bounds(f"center of mass of '{name}'", box, (2, 3), "m")
+        boxes = np.tile([[-np.inf], [np.inf]], (len(names), 1, 3))
+        if self.in_boxes:
+            boxes = bodies.reach.copy()
+            for name, box in self.box.items():
+                k = names.index(name)
+                boxes[k] = joined(_bounds(f"box of '{name}'", box, (2, 3), "m"), extents(bodies.prior)[k])
+        return BodyLimits(names, mass, center, total, counted, boxes, cad, remarks)
+
+
+def _factor(name: str, factor: float) -> float:
+    if not factor >= 1:
+        raise InvalidInput(f"CAD factor of '{name}' is {factor:g}; give a number of 1 or more, inf for none")
+    return float(factor)
+
+
+def _trusted(bodies: Bodies, factors: Array) -> tuple[Array, tuple[str, ...]]:
+    """Masses of CAD that limit something, NaN for the others (n,), and why some do not."""
+    cad = np.where(np.isfinite(factors), bodies.cad_mass, np.nan)
+    own = np.array([name != PAYLOAD for name in bodies.names])
+    tensors = parameters_from_pseudo_inertia(_central(bodies.prior[own]))
+    if len(tensors) >= MIN_EQUAL_BODIES and np.ptp(tensors, axis=0).max() <= 1e-9 * np.abs(tensors).max():
+        remark = "all bodies of CAD have the same mass and tensor, placeholders: they limit no mass"
+        return np.full(len(cad), np.nan), (remark,)
+    without = [name for name, mass in zip(bodies.names, bodies.cad_mass, strict=True) if np.isnan(mass)]
+    massless = [name for name in without if name != PAYLOAD]
+    if massless:
+        return cad, (f"CAD has no mass of {', '.join(massless)}: only the total mass limits it",)
+    return cad, ()
+
+
+def _central(matrices: Array) -> Array:
+    """Pseudo-inertia matrices about the centers of mass."""
+    moved = matrices.copy()
+    center = matrices[:, :3, 3] / matrices[:, 3, 3, None]
+    moved[:, :3, :3] -= matrices[:, 3, 3, None, None] * center[:, :, None] * center[:, None, :]
+    moved[:, :3, 3] = moved[:, 3, :3] = 0.0
+    return moved
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLimits:
+    """Limits of the unknown bodies of a torque model; infinite where there is none.
+
+    names (n,)
+    mass: lowest and highest                                (n, 2)  [kg]
+    center: box of the center of mass, in link axes         (n, 2, 3)  [m]
+    total_mass: lowest and highest sum of those counted     (2,)    [kg]
+    counted: bodies of this sum                             (n,)
+    box: box of all matter, in link axes                    (n, 2, 3)  [m]
+    cad_mass: mass of CAD that limits, NaN if none does     (n,)    [kg]
+    remarks: why CAD limits nothing, in sentences
+    """
+
+    names: tuple[str, ...]
+    mass: Array
+    center: Array
+    total_mass: Array
+    counted: NDArray[np.bool_]
+    box: Array
+    cad_mass: Array
+    remarks: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Inequalities:
+    """G x ≥ h of the parameters x of a torque model.
+
+    matrix: G (m, p); right: h (m,); names: each as text    (m,)
+    """
+
+    matrix: Array
+    right: Array
+    names: tuple[str, ...]
+
+    def violated(self, x: Array) -> tuple[str, ...]:
+        """Names of the rows that x (p,) does not keep."""
+        short = self.right - self.matrix @ x
+        size = np.maximum(np.abs(self.right), np.abs(self.matrix) @ np.abs(x))
+        return tuple(
+            name for name, broken in zip(self.names, short > VIOLATION_TOLERANCE * size, strict=True) if broken
+        )
+
+
+def inequalities(limits: BodyLimits, bodies: Bodies, columns: Sequence[str]) -> Inequalities:
+    """The limits as inequalities, with the columns that cannot be negative. columns: names of all p."""
+    rows: list[tuple[dict[int, float], float, str]] = []
+
+    def mass_between(masses: Sequence[int], bounds: Array, what: str) -> None:
+        low, high = bounds
+        if low > 0:  # the cone keeps a mass positive
+            rows.append((dict.fromkeys(masses, 1.0), low, f"{what} ≥ {low:.4g} kg"))
+        rows.append((dict.fromkeys(masses, -1.0), -high, f"{what} ≤ {high:.4g} kg"))
+
+    for name, columns_of, mass, center, box in zip(
+        bodies.names, bodies.columns, limits.mass, limits.center, limits.box, strict=True
+    ):
+        first = columns_of.start
+        mass_between([first], mass, f"mass of '{name}'")
+        for axis in range(3):
+            moment, along = first + 1 + axis, f"in {'xyz'[axis]}"
+            low, high = center[:, axis]
+            if np.isfinite(low):  # m c ≥ low m
+                rows.append(({moment: 1.0, first: -low}, 0.0, f"center of mass of '{name}' {along} ≥ {low:g} m"))
+            if np.isfinite(high):
+                rows.append(({moment: -1.0, first: high}, 0.0, f"center of mass of '{name}' {along} ≤ {high:g} m"))
+            low, high = box[:, axis]
+            if np.isfinite(low) and np.isfinite(high):
+                of_square = {first + k: -share for k, share in _SQUARES[axis].items()}
+                rows.append(
+                    (
+                        {moment: low + high, first: -low * high, **of_square},
+                        0.0,
+                        f"matter of '{name}' {along} from {low:.3g} to {high:.3g} m",
+                    )
+                )
+    counted = [part.start for part, counts in zip(bodies.columns, limits.counted, strict=True) if counts]
+    mass_between(counted, limits.total_mass, "total mass")
+    rows.extend(({columns.index(name): 1.0}, 0.0, f"{name} ≥ 0") for name in bodies.nonnegative)
+
+    given = [row for row in rows if np.isfinite(row[1])]
+    matrix = np.zeros((len(given), len(columns)))
+    for line, (coefficients, _, _) in zip(matrix, given, strict=True):
+        line[list(coefficients)] = list(coefficients.values())
+    return Inequalities(matrix, np.array([right for _, right, _ in given]), tuple(name for _, _, name in given))
+
+
+_SQUARES = ({4: -0.5, 6: 0.5, 9: 0.5}, {4: 0.5, 6: -0.5, 9: 0.5}, {4: 0.5, 6: 0.5, 9: -0.5})
+"""∫ x² dm, ∫ y² dm and ∫ z² dm in the ten parameters: ∫ x² dm = (I_yy + I_zz - I_xx) / 2."""
+
+
+def _refuse_unknown(bodies: Bodies, name: str, bounded: str) -> None:
+    if name not in bodies.names:
+        raise InvalidInput(
+            f"{bounded} limits of '{name}', which is not an unknown body; known: {', '.join(bodies.names)}"
+        )
+
+
+def _bounds(what: str, given: ArrayLike, shape: tuple[int, ...], unit: str) -> Array:
+    bounds = as_floats(what, given)
+    if bounds.shape != shape or np.any(np.isnan(bounds)):
+        raise InvalidInput(f"limits of the {what} are {bounds.tolist()}; [lower, upper] of shape {shape} needed")
+    if np.any(bounds[0] > bounds[1]):
+        raise InvalidInput(f"{what}: the lower limit {bounds[0]} is above the upper limit {bounds[1]} {unit}")
+    return bounds

@@ -1,0 +1,47 @@
+"""Boxes that hold the links of a robot without meshes, from its kinematics.
+
+A link reaches from its joint to the joints that it carries, and about as far again in every direction: drives, flanges
+and counterweights lie beyond the axes, and the origin of a frame may lie anywhere on its axis.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel
+
+UNIFORM_EXTENT = np.sqrt(3.0)
+"""Half the extent of a uniform rod in units of the root mean square distance from its center."""
+
+
+def reach_boxes(model: RobotModel) -> Array:
+    """Lower and upper corner of a box per body, in link axes from the link origin (n, 2, 3) [m].
+
+    The box holds the origins of the own joint and of those that the body carries, and on every side a margin: the
+    longest distance of these joints and of the one before, at least the mean over the robot.
+    """
+    own = np.array([np.linalg.norm(joint.placement.translation) for joint in model.joints])
+    least = own[own > 0].mean() if np.any(own > 0) else 0.0
+    boxes = np.empty((model.n_bodies, 2, 3))
+    for i in range(model.n_bodies):
+        ahead = [joint.placement.translation for joint in model.joints if joint.inside == i + 1]
+        margin = max([least, own[i], *(float(np.linalg.norm(place)) for place in ahead)])
+        points = np.array([np.zeros(3), *ahead])
+        boxes[i] = points.min(axis=0) - margin, points.max(axis=0) + margin
+    return boxes
+
+
+def extents(pseudo_inertia: Array) -> Array:
+    """Boxes of uniform bodies with these pseudo-inertia matrices (n, 4, 4), lower and upper corners (n, 2, 3) [m]."""
+    mass = pseudo_inertia[:, 3, 3, None]
+    center = pseudo_inertia[:, :3, 3] / mass
+    spread = np.sqrt(np.einsum("nkk->nk", pseudo_inertia[:, :3, :3]) / mass - center**2)
+    return np.stack([center - UNIFORM_EXTENT * spread, center + UNIFORM_EXTENT * spread], axis=1)
+
+
+def joined(boxes: Array, others: Array) -> Array:
+    """The smallest boxes that hold both (…, 2, 3)."""
+    return np.stack(
+        [np.minimum(boxes[..., 0, :], others[..., 0, :]), np.maximum(boxes[..., 1, :], others[..., 1, :])], axis=-2
+    )
