@@ -10,8 +10,8 @@ from graphdyn.identification.algebra.base_parameters import BaseParameters, base
 from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, joint_noise, weighted_solution
 from graphdyn.identification.algebra.least_squares import LeastSquares, one_thread, ordinary_least_squares
 from graphdyn.identification.algebra.rank_revealing import ParameterEstimate
+from graphdyn.identification.bodies import BodyLimits, PhysicalLimits
 from graphdyn.identification.closed_loop import ClosedLoop
-from graphdyn.identification.consistent import PhysicalLimits
 from graphdyn.identification.data.samples import Partitioned, RowFilter, Samples
 from graphdyn.identification.estimation.comparison import (
     CHECKED_POSES,
@@ -62,6 +62,7 @@ __all__ = [
     "PRINCIPAL_PARAMETER_NAMES",
     "Accumulator",
     "BaseParameters",
+    "BodyLimits",
     "ClosedLoop",
     "CompressedEquations",
     "Estimate",

@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
+from graphdyn.identification.bodies.limits import VIOLATION_TOLERANCE, Inequalities
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
-from graphdyn.identification.consistent.limits import VIOLATION_TOLERANCE, Inequalities
 from graphdyn.identification.consistent.polishing import Cost, Metric, polished, suboptimality
 from graphdyn.identification.consistent.semidefinite import (
     INFEASIBLE,

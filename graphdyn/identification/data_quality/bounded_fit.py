@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis, triangle
-from graphdyn.identification.consistent.bodies import NONNEGATIVE_TERMS
+from graphdyn.identification.bodies.unknown_bodies import NONNEGATIVE_TERMS
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import Payload, RigidBodies

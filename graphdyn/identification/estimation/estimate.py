@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from graphdyn.identification.consistent.limits import BodyLimits
+from graphdyn.identification.bodies.limits import BodyLimits
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array

@@ -65,14 +65,14 @@ import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, merged, weighted_solution
-from graphdyn.identification.consistent.bodies import Bodies, unknown_bodies
+from graphdyn.identification.bodies.limits import BodyLimits, Inequalities, PhysicalLimits, inequalities
+from graphdyn.identification.bodies.unknown_bodies import Bodies, unknown_bodies
 from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
 from graphdyn.identification.consistent.fit import (
     PRIOR_MARGIN,
     WEAK_STRENGTH,
     ConsistentProblem,
 )
-from graphdyn.identification.consistent.limits import BodyLimits, Inequalities, PhysicalLimits, inequalities
 from graphdyn.identification.consistent.log_cholesky import PRIOR_STRENGTH, log_cholesky_fit
 from graphdyn.identification.consistent.polishing import Metric
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
@@ -350,11 +350,8 @@ class LogCholesky:
             )
         except EstimationFailed as failure:
             return self._fallback(program, noise, failure)
-        left = program.inequalities.violated(fit.parameters)
-        if left:
-            return self._fallback(
-                program, noise, EstimationFailed(f"log-Cholesky leaves its limits ({'; '.join(left)})")
-            )
+        if left := program.inequalities.violated(fit.parameters):
+            return self._fallback(program, noise, EstimationFailed(f"log-Cholesky left {' and '.join(left)}"))
         missed = self.starts - fit.agreeing
         remarks = (f"{missed} of {self.starts} starts ended higher",) if missed else ()
         settings = {"strength": self.strength, "starts that agree": float(fit.agreeing)}

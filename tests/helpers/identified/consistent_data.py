@@ -8,9 +8,9 @@ from identified import torque_data
 import graphdyn
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.algebra.compressed import joint_noise
-from graphdyn.identification.consistent.bodies import unknown_bodies
+from graphdyn.identification.bodies.limits import PhysicalLimits, inequalities
+from graphdyn.identification.bodies.unknown_bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import prior_coordinates
-from graphdyn.identification.consistent.limits import PhysicalLimits, inequalities
 from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Viscous
 from graphdyn.motion_laws import FourierSeries
 

@@ -8,7 +8,7 @@ import scipy.linalg
 from identified import consistent_data
 
 from graphdyn import InvalidInput
-from graphdyn.identification.consistent.bodies import (
+from graphdyn.identification.bodies.unknown_bodies import (
     MIN_PRIOR_MASS_SHARE,
     MIN_PRIOR_RADIUS,
     MIN_PRIOR_THINNESS,

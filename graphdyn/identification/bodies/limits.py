@@ -23,8 +23,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.errors import InvalidInput
-from graphdyn.identification.consistent.bodies import PAYLOAD, Bodies
-from graphdyn.identification.consistent.reach import extents, joined
+from graphdyn.identification.bodies.reach import extents, joined
+from graphdyn.identification.bodies.unknown_bodies import PAYLOAD, Bodies
 from graphdyn.layout import Array
 from graphdyn.model.inertia import parameters_from_pseudo_inertia
 

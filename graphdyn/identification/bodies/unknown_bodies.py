@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.consistent.reach import extents, joined, reach_boxes
+from graphdyn.identification.bodies.reach import extents, joined, reach_boxes
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
