@@ -10,7 +10,7 @@ from graphdyn.identification.algebra.base_parameters import BaseParameters, base
 from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, joint_noise, weighted_solution
 from graphdyn.identification.algebra.least_squares import LeastSquares, one_thread, ordinary_least_squares
 from graphdyn.identification.algebra.rank_revealing import ParameterEstimate
-from graphdyn.identification.bodies import BodyLimits, PhysicalLimits
+from graphdyn.identification.bodies import BodyLimits, PhysicalLimits, ReachedLimit
 from graphdyn.identification.closed_loop import ClosedLoop
 from graphdyn.identification.data.samples import Partitioned, RowFilter, Samples
 from graphdyn.identification.estimation.comparison import (
@@ -79,6 +79,7 @@ __all__ = [
     "Plausibility",
     "Prior",
     "Problem",
+    "ReachedLimit",
     "RecursiveLeastSquares",
     "ResidualSizes",
     "ResidualStatistics",

@@ -15,7 +15,7 @@ of them hold a body in a box (the ellipsoid of Wensing, Kim and Slotine, IEEE Ro
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,14 +26,15 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.bodies.reach import extents, joined
 from graphdyn.identification.bodies.unknown_bodies import PAYLOAD, Bodies
 from graphdyn.layout import Array
-from graphdyn.model.inertia import parameters_from_pseudo_inertia
+from graphdyn.model.inertia import parameters_from_pseudo_inertia, pseudo_inertia_from_parameters
 
 CAD_FACTOR = 3.0
 """Largest ratio of a mass and that of CAD, in both directions. Drawings without motors, gears or cables are wrong by a
 factor of two; by more only where CAD is of another robot, or a placeholder."""
 
-VIOLATION_TOLERANCE = 1e-6
-"""Largest violation of an inequality, relative to the size of its terms."""
+AT_LIMIT_SHARE = 0.02
+"""Distance from a limit, relative to a mass or to the side of a box, within which the limit holds a value, and not the
+recording."""
 
 MIN_EQUAL_BODIES = 3
 """Number of bodies from which equal masses and tensors are placeholders."""
@@ -95,7 +96,7 @@ class PhysicalLimits:
             for name, box in self.box.items():
                 k = names.index(name)
                 boxes[k] = joined(_bounds(f"box of '{name}'", box, (2, 3), "m"), extents(bodies.prior)[k])
-        return BodyLimits(names, mass, center, total, counted, boxes, cad, remarks)
+        return BodyLimits(names, bodies.columns, mass, center, total, counted, boxes, cad, remarks)
 
 
 def _factor(name: str, factor: float) -> float:
@@ -128,11 +129,35 @@ def _central(matrices: Array) -> Array:
     return moved
 
 
+@dataclass(frozen=True)
+class ReachedLimit:
+    """A value within AT_LIMIT_SHARE of its limit: the recording does not determine it, or contradicts the limit.
+
+    body: empty for the total mass
+    quantity: "mass", "total mass", "center of mass in x", "radius of gyration in x" (root mean square distance from the
+        center)
+    value, limit: [kg or m]
+    """
+
+    body: str
+    quantity: str
+    value: float
+    limit: float
+
+
+def _near_ratio(value: float, bounds: Array) -> list[float]:
+    """The bound that a mass comes near."""
+    low, high = map(float, bounds)
+    if value <= low * (1 + AT_LIMIT_SHARE):
+        return [low]
+    return [high] if value >= high * (1 - AT_LIMIT_SHARE) else []
+
+
 @dataclass(frozen=True, eq=False)
 class BodyLimits:
     """Limits of the unknown bodies of a torque model; infinite where there is none.
 
-    names (n,)
+    names (n,), columns (n,): their ten parameters
     mass: lowest and highest                                (n, 2)  [kg]
     center: box of the center of mass, in link axes         (n, 2, 3)  [m]
     total_mass: lowest and highest sum of those counted     (2,)    [kg]
@@ -143,6 +168,7 @@ class BodyLimits:
     """
 
     names: tuple[str, ...]
+    columns: tuple[slice, ...]
     mass: Array
     center: Array
     total_mass: Array
@@ -151,72 +177,33 @@ class BodyLimits:
     cad_mass: Array
     remarks: tuple[str, ...]
 
-
-@dataclass(frozen=True, eq=False)
-class Inequalities:
-    """G x ≥ h of the parameters x of a torque model.
-
-    matrix: G (m, p); right: h (m,); names: each as text    (m,)
-    """
-
-    matrix: Array
-    right: Array
-    names: tuple[str, ...]
-
-    def violated(self, x: Array) -> tuple[str, ...]:
-        """Names of the rows that x (p,) does not keep."""
-        short = self.right - self.matrix @ x
-        size = np.maximum(np.abs(self.right), np.abs(self.matrix) @ np.abs(x))
-        return tuple(
-            name for name, broken in zip(self.names, short > VIOLATION_TOLERANCE * size, strict=True) if broken
-        )
-
-
-def inequalities(limits: BodyLimits, bodies: Bodies, columns: Sequence[str]) -> Inequalities:
-    """The limits as inequalities, with the columns that cannot be negative. columns: names of all p."""
-    rows: list[tuple[dict[int, float], float, str]] = []
-
-    def mass_between(masses: Sequence[int], bounds: Array, what: str) -> None:
-        low, high = bounds
-        if low > 0:  # the cone keeps a mass positive
-            rows.append((dict.fromkeys(masses, 1.0), low, f"{what} ≥ {low:.4g} kg"))
-        rows.append((dict.fromkeys(masses, -1.0), -high, f"{what} ≤ {high:.4g} kg"))
-
-    for name, columns_of, mass, center, box in zip(
-        bodies.names, bodies.columns, limits.mass, limits.center, limits.box, strict=True
-    ):
-        first = columns_of.start
-        mass_between([first], mass, f"mass of '{name}'")
-        for axis in range(3):
-            moment, along = first + 1 + axis, f"in {'xyz'[axis]}"
-            low, high = center[:, axis]
-            if np.isfinite(low):  # m c ≥ low m
-                rows.append(({moment: 1.0, first: -low}, 0.0, f"center of mass of '{name}' {along} ≥ {low:g} m"))
-            if np.isfinite(high):
-                rows.append(({moment: -1.0, first: high}, 0.0, f"center of mass of '{name}' {along} ≤ {high:g} m"))
-            low, high = box[:, axis]
-            if np.isfinite(low) and np.isfinite(high):
-                of_square = {first + k: -share for k, share in _SQUARES[axis].items()}
-                rows.append(
-                    (
-                        {moment: low + high, first: -low * high, **of_square},
-                        0.0,
-                        f"matter of '{name}' {along} from {low:.3g} to {high:.3g} m",
-                    )
-                )
-    counted = [part.start for part, counts in zip(bodies.columns, limits.counted, strict=True) if counts]
-    mass_between(counted, limits.total_mass, "total mass")
-    rows.extend(({columns.index(name): 1.0}, 0.0, f"{name} ≥ 0") for name in bodies.nonnegative)
-
-    given = [row for row in rows if np.isfinite(row[1])]
-    matrix = np.zeros((len(given), len(columns)))
-    for line, (coefficients, _, _) in zip(matrix, given, strict=True):
-        line[list(coefficients)] = list(coefficients.values())
-    return Inequalities(matrix, np.array([right for _, right, _ in given]), tuple(name for _, _, name in given))
-
-
-_SQUARES = ({4: -0.5, 6: 0.5, 9: 0.5}, {4: 0.5, 6: -0.5, 9: 0.5}, {4: 0.5, 6: 0.5, 9: -0.5})
-"""∫ x² dm, ∫ y² dm and ∫ z² dm in the ten parameters: ∫ x² dm = (I_yy + I_zz - I_xx) / 2."""
+    def reached(self, parameters: Array) -> tuple[ReachedLimit, ...]:
+        """The limits that these parameters (p,) of the torque model come near: within AT_LIMIT_SHARE."""
+        ten = np.array([parameters[part] for part in self.columns])
+        mass = ten[:, 0]
+        found = []
+        for name, value, bounds in zip(self.names, mass, self.mass, strict=True):
+            found += [ReachedLimit(name, "mass", value, limit) for limit in _near_ratio(value, bounds)]
+        total = float(mass[self.counted].sum())
+        found += [ReachedLimit("", "total mass", total, limit) for limit in _near_ratio(total, self.total_mass)]
+        matrices = pseudo_inertia_from_parameters(ten)
+        centers = ten[:, 1:4] / mass[:, None]
+        spreads = np.einsum("nkk->nk", matrices[:, :3, :3]) / mass[:, None] - centers**2
+        lower, upper = (np.maximum(self.center[:, 0], self.box[:, 0]), np.minimum(self.center[:, 1], self.box[:, 1]))
+        for i, name in enumerate(self.names):
+            for k, axis in enumerate("xyz"):
+                low, high, center = lower[i, k], upper[i, k], float(centers[i, k])
+                if not np.isfinite(low) or not np.isfinite(high):
+                    continue
+                near = AT_LIMIT_SHARE * (high - low)
+                room = (center - self.box[i, 0, k]) * (self.box[i, 1, k] - center)
+                if not low + near < center < high - near:
+                    limit = float(low if center - low < high - center else high)
+                    found.append(ReachedLimit(name, f"center of mass in {axis}", center, limit))
+                elif spreads[i, k] >= (1 - AT_LIMIT_SHARE) ** 2 * room:
+                    sizes = float(np.sqrt(spreads[i, k])), float(np.sqrt(room))
+                    found.append(ReachedLimit(name, f"radius of gyration in {axis}", *sizes))
+        return tuple(found)
 
 
 def _refuse_unknown(bodies: Bodies, name: str, bounded: str) -> None:

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.errors import EstimationFailed
-from graphdyn.identification.bodies.limits import VIOLATION_TOLERANCE, Inequalities
+from graphdyn.identification.bodies.inequalities import VIOLATION_TOLERANCE, Inequalities
 from graphdyn.identification.consistent.coordinates import PriorCoordinates
 from graphdyn.identification.consistent.polishing import Cost, Metric, polished, suboptimality
 from graphdyn.identification.consistent.semidefinite import (
@@ -173,19 +173,30 @@ class ConsistentProblem:
             self._programs[metric] = SemidefiniteProgram(
                 self._coordinates, (self._g, self._h), metric=metric, margin=self._margin
             )
-        answer = self._programs[metric].solve(strength)
-        if answer.status == INFEASIBLE:
-            raise EstimationFailed(self._contradiction())
-        if answer.u is None:
-            raise EstimationFailed(f"Clarabel gives no answer: {answer.status}")
+        refused = ""
+        # in variances of the residuals; or, if limits cost millions of them, relative to the squares of all torques
+        for unit in (1.0, float(np.linalg.norm(self._coordinates.right)) ** 2):
+            answer = self._programs[metric].solve(strength, max(1.0, unit))
+            if answer.status == INFEASIBLE:
+                raise EstimationFailed(self._contradiction())
+            if answer.u is None:
+                refused = refused or f"Clarabel gives no answer: {answer.status}"
+                continue
+            fit, problems = self._polished(cost, answer)
+            if not problems:
+                return fit
+            refused = refused or f"Clarabel's answer ({answer.status}) is not good enough: {'; '.join(problems)}"
+        raise EstimationFailed(refused)
+
+    def _polished(self, cost: Cost, answer: ConicAnswer) -> tuple[ConicFit, tuple[str, ...]]:
+        """The fit after fast steps from an answer of the solver, and what is wrong with it."""
+        assert answer.u is not None
         u, multipliers = polished(cost, answer.u, answer.multipliers, (self._g, self._h), self._margin)
         above = suboptimality(cost, u, self._g, self._h, multipliers, self._margin)
         problems = self._violations(u)
         if not above <= MAX_COST_EXCESS * max(1.0, answer.objective):
             problems += (f"its cost {answer.objective:.4g} may be {above:.2g} above the minimum",)
-        if problems:
-            raise EstimationFailed(f"Clarabel's answer ({answer.status}) is not good enough: {'; '.join(problems)}")
-        return ConicFit(self._coordinates, u, False, above, answer)
+        return ConicFit(self._coordinates, u, False, above, answer), problems
 
     def _by_newton(self, cost: Cost) -> ConicFit | None:
         """The minimum from the last one, at first from the prior; None if Newton's method does not find it."""

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.bodies.limits import VIOLATION_TOLERANCE
+from graphdyn.identification.bodies.inequalities import VIOLATION_TOLERANCE
 from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, PriorCoordinates, upper_factor
 from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, ConsistentFit
 from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT, Cost, polished, suboptimality

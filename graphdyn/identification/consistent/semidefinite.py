@@ -86,28 +86,19 @@ class SemidefiniteProgram:
         self._distance = _Distance(c, metric)
         self._constraints = _constraints(c, inequalities, metric, margin)
 
-    def solve(self, strength: float) -> ConicAnswer:
-        """Solve at SOLVER_TOLERANCE, and once more at the solver's own default if it does not reach that."""
-        answer = self._solve(
-            strength, tol_gap_abs=SOLVER_TOLERANCE, tol_gap_rel=SOLVER_TOLERANCE, tol_feas=SOLVER_TOLERANCE
-        )
-        if answer.status in (OPTIMAL, INFEASIBLE):
-            return answer
-        # where SOLVER_TOLERANCE is out of reach, the default may not be
-        again = self._solve(strength)
-        return again if again.status == OPTIMAL or answer.u is None else answer
-
-    def _solve(self, strength: float, **settings: float) -> ConicAnswer:
+    def solve(self, strength: float, unit: float = 1.0) -> ConicAnswer:
+        """Solve to SOLVER_TOLERANCE. unit: of the cost; the solver's tolerances count in it."""
         p, size, helpers, r = len(self._offset), self._basis.shape[1], len(self._distance.helpers), len(self._data)
+        weight = strength / unit
         # x: y, helpers, residuals A basis y. Their squares as an own variable keep the digits that AᵀA loses
         quadratic = np.zeros((size + helpers + r, size + helpers + r))
-        quadratic[:size, :size] = strength * (self._basis.T * self._distance.curvature) @ self._basis
+        quadratic[:size, :size] = weight * (self._basis.T * self._distance.curvature) @ self._basis
         quadratic[size + helpers :, size + helpers :] = 2 * np.eye(r)
         slope = self._basis.T @ self._distance.slope(self._offset)
-        linear = np.concatenate([strength * slope, strength * self._distance.helpers, np.zeros(r)])
+        linear = weight * np.concatenate([slope, self._distance.helpers, np.zeros(r)])
         matrix, right, cones = self._constraints
         of_u, of_helpers = matrix[:, :p], matrix[:, p:]
-        residuals = np.hstack([self._data, np.zeros((r, helpers)), -np.eye(r)])
+        residuals = np.hstack([self._data / np.sqrt(unit), np.zeros((r, helpers)), -np.eye(r)])
         bounded = np.hstack([of_u @ self._basis, of_helpers, np.zeros((len(matrix), r))])
         found = solved(
             quadratic,
@@ -115,17 +106,16 @@ class SemidefiniteProgram:
             np.vstack([residuals, bounded]),
             np.concatenate([np.zeros(r), right - of_u @ self._offset]),
             [*([("zero", r)] if r else []), *cones],
-            settings,
         )
         if isinstance(found, str):
             return ConicAnswer(None, np.zeros(0), found, np.nan, 0)
         x, dual, status, iterations = found
         usable = status in USABLE and bool(np.all(np.isfinite(x)))
-        cost = x @ quadratic @ x / 2 + linear @ x + strength * self._distance.constant(self._offset)
+        cost = unit * (x @ quadratic @ x / 2 + linear @ x) + strength * self._distance.constant(self._offset)
         return ConicAnswer(
             u=self._offset + self._basis @ x[:size] if usable else None,
             # the solver's multipliers of an inactive row may be slightly negative
-            multipliers=np.maximum(dual[r : r + self._n_limits], 0.0) if usable else np.zeros(0),
+            multipliers=unit * np.maximum(dual[r : r + self._n_limits], 0.0) if usable else np.zeros(0),
             status=status,
             objective=float(cost) if usable else np.nan,
             iterations=iterations,
@@ -246,7 +236,6 @@ def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, A
         np.vstack([not_negative, with_short]),
         np.concatenate([np.zeros(m), right]),
         [("nonnegative", m), *cones],
-        {},
     )
     if isinstance(found, str):
         raise EstimationFailed(found)
@@ -254,12 +243,7 @@ def least_violations(coordinates: PriorCoordinates, inequalities: tuple[Array, A
 
 
 def solved(
-    quadratic: Array,
-    linear: Array,
-    matrix: Array,
-    right: Array,
-    cones: list[tuple[str, int]],
-    settings: dict[str, float],
+    quadratic: Array, linear: Array, matrix: Array, right: Array, cones: list[tuple[str, int]]
 ) -> tuple[Array, Array, str, int] | str:
     """x and the multipliers of the rows, the status and the number of iterations; the message if the solver fails."""
     from scipy import sparse
@@ -273,8 +257,7 @@ def solved(
     }
     options = clarabel.DefaultSettings()
     options.verbose, options.max_iter = False, MAX_SOLVER_ITERATIONS
-    for name, value in settings.items():
-        setattr(options, name, value)
+    options.tol_gap_abs = options.tol_gap_rel = options.tol_feas = SOLVER_TOLERANCE
     try:
         solver = clarabel.DefaultSolver(
             sparse.csc_matrix(np.triu(quadratic)),

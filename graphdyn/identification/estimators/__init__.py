@@ -7,6 +7,7 @@ from graphdyn.identification.estimators.consistent import (
     LogCholesky,
     RobustConsistent,
 )
+from graphdyn.identification.estimators.contradicted_masses import ContradictedMass, contradicted_masses
 from graphdyn.identification.estimators.generalized import GeneralizedLeastSquares
 from graphdyn.identification.estimators.least_squares import (
     EssentialParameters,
@@ -22,6 +23,7 @@ __all__ = [
     "ClosedLoopOutputError",
     "ConsistentLeastSquares",
     "ConsistentWithPrior",
+    "ContradictedMass",
     "DirectInverse",
     "EssentialParameters",
     "GeneralizedLeastSquares",
@@ -34,4 +36,5 @@ __all__ = [
     "RobustConsistent",
     "TotalLeastSquares",
     "WeightedLeastSquares",
+    "contradicted_masses",
 ]

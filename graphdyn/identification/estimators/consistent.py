@@ -58,24 +58,20 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, merged, weighted_solution
-from graphdyn.identification.bodies.limits import BodyLimits, Inequalities, PhysicalLimits, inequalities
-from graphdyn.identification.bodies.unknown_bodies import Bodies, unknown_bodies
-from graphdyn.identification.consistent.coordinates import PriorCoordinates, prior_coordinates
+from graphdyn.identification.bodies.limits import PhysicalLimits
 from graphdyn.identification.consistent.fit import (
     PRIOR_MARGIN,
     WEAK_STRENGTH,
-    ConsistentProblem,
 )
 from graphdyn.identification.consistent.log_cholesky import PRIOR_STRENGTH, log_cholesky_fit
 from graphdyn.identification.consistent.polishing import Metric
-from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
+from graphdyn.identification.consistent.program import ConsistentProgram
 from graphdyn.identification.estimation.estimate import Estimate
 from graphdyn.identification.estimators.reweighted import (
     HUBER_THRESHOLD,
@@ -87,60 +83,6 @@ from graphdyn.identification.estimators.reweighted import (
 from graphdyn.identification.problem.prior import Prior
 from graphdyn.identification.problem.problem import Problem, together
 from graphdyn.layout import Array
-
-
-@dataclass(frozen=True, eq=False)
-class _Program:
-    """The convex program of a problem, for all of its equations or for some folds of them."""
-
-    problem: Problem
-    prior: Prior | None
-    metric: Metric
-    margin: float
-    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
-
-    @cached_property
-    def bodies(self) -> Bodies:
-        return unknown_bodies(self.problem.torque_model, self.prior)
-
-    @cached_property
-    def body_limits(self) -> BodyLimits:
-        return self.limits.of(self.bodies)
-
-    @cached_property
-    def inequalities(self) -> Inequalities:
-        names = [column.name for column in self.problem.torque_model.columns]
-        return inequalities(self.body_limits, self.bodies, names)
-
-    @property
-    def remarks(self) -> tuple[str, ...]:
-        """What was changed in the prior, and which limits CAD does not give."""
-        return self.bodies.remarks + self.body_limits.remarks
-
-    def coordinates(self, equations: CompressedEquations, noise: Array) -> PriorCoordinates:
-        """The equations, weighted by the noise σ_g (n,), in coordinates in which the prior is the unit matrix."""
-        informed = equations.informed(noise)
-        return prior_coordinates(self.problem.base, *informed, self.bodies.prior, self.bodies.columns)
-
-    def convex(self, equations: CompressedEquations, noise: Array) -> ConsistentProblem:
-        """The program, to be solved with one or many strengths."""
-        coordinates = self.coordinates(equations, noise)
-        return ConsistentProblem(coordinates, self.inequalities, metric=self.metric, margin=self.margin)
-
-    def strength(
-        self, given: float | None, tried: Sequence[float], noise: Array, folds: Sequence[CompressedEquations]
-    ) -> tuple[float, tuple[str, ...]]:
-        """The given strength of the prior, or that of cross-validation over the folds, with remarks on the choice."""
-        if given is not None:
-            return given, ()
-
-        def trained(equations: CompressedEquations) -> Trained:
-            program = self.convex(equations, noise)
-            return lambda strength: program.solve(strength).parameters
-
-        choice = cross_validation(self.problem, noise, tried, trained, folds=folds)
-        return choice.best, choice.remarks
-
 
 CONE_SOLVER = ("clarabel",)
 """Packages without which a convex program has no answer."""
@@ -168,7 +110,7 @@ class ConsistentLeastSquares:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
-        program = _Program(problem, self.prior, "pullback", self.margin, self.limits)
+        program = ConsistentProgram(problem, self.prior, "pullback", self.margin, self.limits)
         noise = joint_noise(problem.equations)
         found = program.convex(problem.equations, noise).solve().told(noise, {}, *program.remarks)
         return replace(found, limits=program.body_limits)
@@ -216,7 +158,7 @@ class ConsistentWithPrior:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
-        program = _Program(problem, self.prior, self.metric, self.margin, self.limits)
+        program = ConsistentProgram(problem, self.prior, self.metric, self.margin, self.limits)
         noise = joint_noise(problem.equations)
         strength, remarks = program.strength(self.strength, self.strengths, noise, problem.folds)
         fit = program.convex(problem.equations, noise).solve(strength)
@@ -258,7 +200,7 @@ class RobustConsistent:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput for limits that make no sense."""
-        program = _Program(problem, self.prior, self.metric or "pullback", self.margin, self.limits)
+        program = ConsistentProgram(problem, self.prior, self.metric or "pullback", self.margin, self.limits)
         start, _ = weighted_solution(problem.equations)
         # weights without a prior first, so that cross-validation compares strengths with the same outliers left out
         state = self._settled(program, residuals_of(problem, start.x), WEAK_STRENGTH)
@@ -276,7 +218,7 @@ class RobustConsistent:
         found = fit.told(state.scale, settings, *program.remarks, *remarks)
         return replace(found, covariance=None, iterations=iterations, limits=program.body_limits)
 
-    def _settled(self, program: _Program, residuals: Array, strength: float) -> _State:
+    def _settled(self, program: ConsistentProgram, residuals: Array, strength: float) -> _State:
         """Iterate from these residuals until the fit converges."""
         problem, norm, ones = program.problem, huber(self.threshold), np.ones(program.problem.n_joints)
         used = problem.base.rank / problem.equations.counts.sum()
@@ -336,7 +278,7 @@ class LogCholesky:
 
     def estimate(self, problem: Problem) -> Estimate:
         """Estimate of a problem. Raises EstimationFailed, and InvalidInput without a start or with a strength of 0."""
-        program = _Program(problem, self.prior, "pullback", self.margin, self.limits)
+        program = ConsistentProgram(problem, self.prior, "pullback", self.margin, self.limits)
         bodies, noise = program.bodies, joint_noise(problem.equations)
         nonnegative = np.array([name in bodies.nonnegative for name in bodies.further], dtype=bool)
         try:
@@ -359,7 +301,7 @@ class LogCholesky:
         found = fit.estimate(noise, evaluations, settings, *program.remarks, *remarks)
         return replace(found, limits=program.body_limits)
 
-    def _fallback(self, program: _Program, noise: Array, failure: EstimationFailed) -> Estimate:
+    def _fallback(self, program: ConsistentProgram, noise: Array, failure: EstimationFailed) -> Estimate:
         """Solution of the convex program with the same cost."""
         try:
             convex = program.convex(program.problem.equations, noise)

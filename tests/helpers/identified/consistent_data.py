@@ -8,7 +8,8 @@ from identified import torque_data
 import graphdyn
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.algebra.compressed import joint_noise
-from graphdyn.identification.bodies.limits import PhysicalLimits, inequalities
+from graphdyn.identification.bodies.inequalities import inequalities
+from graphdyn.identification.bodies.limits import PhysicalLimits
 from graphdyn.identification.bodies.unknown_bodies import unknown_bodies
 from graphdyn.identification.consistent.coordinates import prior_coordinates
 from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Viscous

@@ -301,9 +301,7 @@ class TestPlausibleByDefault:
 
     def test_log_cholesky_says_which_limit_it_left(self):
         *_, said, _ = self.tight(LogCholesky()).estimate(data.poor_problem(1)).remarks
-        assert re.match(
-            "log-Cholesky left (mass|total) .*; this is the answer of the convex program", said
-        )
+        assert re.match("log-Cholesky left (mass|total) .*; this is the answer of the convex program", said)
 
 
 class TestBodies:
@@ -342,8 +340,8 @@ class TestSolver:
         coordinates, inequalities = poor
         real = semidefinite.SemidefiniteProgram.solve
 
-        def solve(program, strength):
-            answer = real(program, strength)
+        def solve(program, strength, unit=1.0):
+            answer = real(program, strength, unit)
             return dataclasses.replace(answer, u=answer.u + shift, status=status) if answer.u is not None else answer
 
         monkeypatch.setattr(semidefinite.SemidefiniteProgram, "solve", solve)
