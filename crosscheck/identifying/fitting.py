@@ -10,6 +10,7 @@ import numpy as np
 
 from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.identifying.methods.candidate_models import CandidateModel
+from crosscheck.identifying.methods.link_limits import with_limits
 from crosscheck.identifying.methods.loop_methods import in_loop, with_exogeneity
 from crosscheck.identifying.methods.methods import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
@@ -24,6 +25,7 @@ from graphdyn.identification import (
     Estimator,
     MethodComparison,
     MethodResult,
+    PhysicalLimits,
     Problem,
     ResidualStatistics,
     compare_methods,
@@ -44,17 +46,19 @@ def identified_model(
     *,
     loop: ClosedLoop | None,
     poses: int,
+    limits: PhysicalLimits,
     progress: Callable[[str], None],
     ladder: Ladder | None = None,
 ) -> IdentifiedModel:
     """The model with the results of every method on the rows of the fit, and on those of every trial.
 
     loop: as prepared, for the methods that simulate it
+    limits: for the methods that keep any
     progress: called with the name of every method that begins
     ladder: how the terms of the drives were chosen
     """
     torque_model = candidate.of(subject.model)
-    estimators = _with_pinocchio(in_loop(candidate.estimators, loop), subject)
+    estimators = with_limits(_with_pinocchio(in_loop(candidate.estimators, loop), subject), limits)
 
     def say(what: str) -> None:
         progress(f"{candidate.name}: {what}" if candidate.name else what)
@@ -82,6 +86,7 @@ def identified_model(
         settings=settings,
         exogeneity=exogeneity,
         ladder=ladder,
+        limits=limits,
     )
 
 

@@ -11,6 +11,7 @@ from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.fitting import identified_model
 from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, LongRecordings, Progress
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.methods.link_limits import link_limits
 from crosscheck.identifying.methods.loop_methods import as_prepared
 from crosscheck.identifying.methods.methods import STANDARD_METHODS, without_wrenches
 from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
@@ -21,7 +22,7 @@ from crosscheck.identifying.results.result import Identified, identified
 from crosscheck.recordings import PartitionedRecording, Recording
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, refuse_chords, subject
 from graphdyn import InvalidInput
-from graphdyn.identification import CHECKED_POSES, ClosedLoop, Estimator
+from graphdyn.identification import CHECKED_POSES, ClosedLoop, Estimator, PhysicalLimits
 from graphdyn.identification.terms import KnownTerm, RigidBodies, Term
 from urdf import Reading, ReadingKeywords
 
@@ -38,6 +39,7 @@ def identify(
     loop: ClosedLoop | None = None,
     poses: int = CHECKED_POSES,
     models: Sequence[CandidateModel] = (),
+    limits: PhysicalLimits | None = None,
     progress: Progress | None = None,
     **reading: Unpack[ReadingKeywords],
 ) -> Identified:
@@ -58,6 +60,8 @@ def identify(
     poses: random poses in which the mass matrix is tested
     models: torque models to compare, each with terms, known terms and methods of its own, in place of `terms`, `known`
         and `methods`; the result is that of the first one, and contains the others
+    limits: of the links, for methods that keep any and were given no others; by default masses within a factor of CAD,
+        and matter within the meshes or the reach of a link
     progress: called with the name of the next step and 1: three times, once if terms are chosen, and once for every
         method of the fit and of every fold; for a PartitionedRecording with the name of a step and a number of rows
 
@@ -74,8 +78,10 @@ def identify(
     methods = methods or _standard_methods(recordings)
     asked = models or [_model(terms, known, methods)]
     with_links_of_cad(asked)  # refuses what cannot be compared before anything is read
+    limits = link_limits(compared, limits)
     if isinstance(recordings, PartitionedRecording):
-        return LongRecordings.of(compared, asked, recordings, held_out, preparation, loop).identified(poses, progress)
+        long = LongRecordings.of(compared, asked, recordings, held_out, preparation, loop, limits)
+        return long.identified(poses, progress)
     if isinstance(held_out, PartitionedRecording):
         raise InvalidInput("a PartitionedRecording can be predicted from another one only; load it as a Recording")
     recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
@@ -112,6 +118,7 @@ def identify(
                 preparation,
                 loop=loop,
                 poses=poses,
+                limits=limits,
                 progress=say,
                 ladder=ladders.get(candidate.name),
             )

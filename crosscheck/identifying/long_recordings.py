@@ -12,6 +12,7 @@ from crosscheck.identifying.choosing.chosen import with_chosen_drives
 from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.identifying.data_quality.data_quality import DataQuality, data_quality
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
+from crosscheck.identifying.methods.link_limits import with_limits
 from crosscheck.identifying.methods.loop_methods import CLOSED_LOOP_METHODS
 from crosscheck.identifying.methods.methods import WithPinocchio
 from crosscheck.identifying.methods.wrench_method import FromWrenches
@@ -30,6 +31,7 @@ from graphdyn.identification import (
     Estimator,
     GeneralizedLeastSquares,
     MaximumLikelihood,
+    PhysicalLimits,
     Problem,
     ReweightedLeastSquares,
     RobustConsistent,
@@ -79,6 +81,7 @@ class LongRecordings:
     ladders: how terms of the drives were chosen, from the beginnings of the fitted logs, by the name of the model
     begun, begun_ahead: beginnings of the logs as they were read
     division: the same prepared, for curves
+    limits: for the methods that keep any
     """
 
     compared: Subject
@@ -90,6 +93,7 @@ class LongRecordings:
     begun_ahead: list[Recording]
     division: Division
     preparation: Preparation
+    limits: PhysicalLimits
 
     @classmethod
     def of(
@@ -100,6 +104,7 @@ class LongRecordings:
         held_out: HeldOut | PartitionedRecording | None,
         preparation: Preparation | None,
         loop: ClosedLoop | None,
+        limits: PhysicalLimits,
     ) -> LongRecordings:
         """The parts, with the joints of the robot if they name none. Raises InvalidInput for what needs all samples."""
         preparation = preparation or Preparation(cutoff=data.cutoff)
@@ -123,7 +128,7 @@ class LongRecordings:
         # friction with memory needs whole runs, which the fit of all parts does not have
         chosen, ladders = with_chosen_drives(candidates, compared.model, begin, preparation, memory=False)
         candidates = with_links_of_cad(chosen)
-        return cls(compared, candidates, ladders, fitted, predicted, begun, begun_ahead, division, preparation)
+        return cls(compared, candidates, ladders, fitted, predicted, begun, begun_ahead, division, preparation, limits)
 
     def identified(self, poses: int, progress: Progress | None) -> Identified:
         """The results of all torque models."""
@@ -170,7 +175,7 @@ class LongRecordings:
         name, division, preparation = candidate.name or "torque model", self.division, self.preparation
         steps = (f"{name}: fit", f"{name}: prediction")
         fit, ahead = self._problems(torque_model, preparation.min_speed, steps, progress)
-        comparison = compare_methods(fit, candidate.estimators, ahead, poses=poses)
+        comparison = compare_methods(fit, with_limits(candidate.estimators, self.limits), ahead, poses=poses)
 
         def prediction(problem: Problem, excerpt: Recording, of: str) -> PredictedParts:
             answered = [result for result in comparison.results if result.estimate is not None]
@@ -187,6 +192,7 @@ class LongRecordings:
             trials=(prediction(ahead, division.trials[0].test, "held_out"),),
             comparison=comparison,
             exogeneity=EXOGENEITY_NEEDS_ROWS,
+            limits=self.limits,
             name=candidate.name,
             cad_of=candidate.cad_of,
             ladder=self.ladders.get(candidate.name),

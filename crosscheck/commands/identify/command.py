@@ -28,7 +28,8 @@ from graphdyn.errors import counted
 if TYPE_CHECKING:
     from crosscheck.distributing import Workers
     from crosscheck.identifying import CandidateModel, Identified, Preparation
-    from graphdyn.identification import ClosedLoop, MethodResult
+    from graphdyn.identification import ClosedLoop, MethodResult, PhysicalLimits
+    from urdf import Finding, Reading
 
 DEFAULT_ROBOT = "ur5"
 """The robot that `graphdyn identify` without arguments simulates."""
@@ -84,7 +85,7 @@ def run(options: IdentifyOptions) -> None:
 
     with warnings_shown():
         way = simulated if not options.logs else from_parts if in_parts else from_recordings
-        found = way(options, robot, Asked(models, preparation, options.poses, loop))
+        found = way(options, robot, Asked(models, preparation, options.poses, loop, options.limits))
     shown = found.shown(None if options.choose is None else method_shown(options.choose))
     deliver(identify_report(found, shown), options, lambda: [recorded(found)])
     if options.urdf_file is not None and not written(found, shown, robot, options.urdf_file.path, options):
@@ -99,6 +100,7 @@ class Asked(NamedTuple):
     preparation: Preparation
     poses: int
     loop: ClosedLoop | None
+    limits: PhysicalLimits
 
 
 def from_recordings(options: IdentifyOptions, robot: str, asked: Asked) -> Identified:
@@ -205,6 +207,7 @@ def written(found: Identified, shown: MethodResult | None, robot: str, path: Pat
     if shown is None:
         return False
     import urdf
+    from crosscheck.identifying.results.link_findings import link_findings
     from crosscheck.identifying.results.recommending import real
 
     model = found.model_of(shown)
@@ -215,4 +218,20 @@ def written(found: Identified, shown: MethodResult | None, robot: str, path: Pat
     update = urdf.update(robot, path, model.body_parameters(shown), reading=options.reading)
     for line in (f"{path}: {counted(len(update.changed), 'link')} with the inertials of {name}", *update.notes):
         out.print(Text(printable(line)), soft_wrap=True)
+    for each in link_findings(found, shown):
+        say(f"{each.message}; {each.remedy}", "yellow")
+    for finding in new_warnings(robot, path, options.reading):
+        say(f"inspect warns of {path}, and did not of {robot}: {finding.text}", "yellow")
     return True
+
+
+def new_warnings(robot: str, path: Path, reading: Reading) -> list[Finding]:
+    """Warnings and errors about a written file that its original has not."""
+    import urdf
+
+    known = {(finding.code, finding.element) for finding in urdf.inspect(robot, reading=reading).findings}
+    return [
+        finding
+        for finding in urdf.inspect(path, reading=reading).findings
+        if finding.severity != "note" and (finding.code, finding.element) not in known
+    ]

@@ -9,6 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from crosscheck.identifying import Identified, IdentifiedModel, TorqueCurve
+from crosscheck.identifying.results.link_findings import link_findings
 from crosscheck.identifying.results.parameters import BaseRow, base_rows, body_rows, correlation_of, deviations_of
 from crosscheck.report.pictures.parameter_rows import put_key, put_rows, size
 from crosscheck.report.pictures.svg import CURVES, FAINT_COLOR, INK, picture
@@ -17,6 +18,8 @@ from crosscheck.report.report import (
     NO_VALUE,
     WIDE_LINE_CHARACTERS,
     Column,
+    Note,
+    Notes,
     Panel,
     Picture,
     Plot,
@@ -177,6 +180,7 @@ def parameters_section(found: Identified, shown: MethodResult) -> Section:
             Picture(lambda key: parameter_bars(key, rows, _torque_sizes(found.model_of(shown))), caption),
             _base_parameters(rows, source, virtual=found.truth is not None),
             _links(found, shown),
+            *_link_findings(found, shown),
         ),
     )
 
@@ -231,6 +235,15 @@ def _links(found: Identified, shown: MethodResult) -> Table:
         title="Links",
         caption="beyond the base parameters the values are those of CAD, or of the method's prior",
     )
+
+
+def _link_findings(found: Identified, shown: MethodResult) -> tuple[Notes, ...]:
+    """What a limit holds, and what the recording has against CAD."""
+    notes = tuple(
+        Note(f"{each.message}; {each.remedy}", state="disagrees" if each.code == "cad-mass" else "undecided")
+        for each in link_findings(found, shown)
+    )
+    return (Notes(notes, title="What the limits of the links hold"),) if notes else ()
 
 
 def _position_text(position: Array) -> str:

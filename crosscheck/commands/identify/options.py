@@ -32,7 +32,7 @@ from crosscheck.commands.program.settings import refuse
 if TYPE_CHECKING:
     from crosscheck.identifying import CandidateModel, HeldOut, Preparation
     from crosscheck.recordings import Recording
-    from graphdyn.identification import ClosedLoop, Estimator
+    from graphdyn.identification import ClosedLoop, Estimator, PhysicalLimits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -347,6 +347,15 @@ class IdentifyOptions(
             help="Show and write this result instead of the recommended one.",
         ),
     ] = None
+    cad_factor: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X|LINK=X,…",
+            show_default="3",
+            rich_help_panel=RESULT_PANEL,
+            help="Keep masses within this factor of CAD, that of all links or of some: 3,wrist=10; inf for no limit.",
+        ),
+    ] = None
     urdf_file: Annotated[
         OutputFile | None,
         typer.Option("--urdf", metavar="OUT", parser=OutputFile.robot, help="Write the robot with new inertials."),
@@ -370,6 +379,13 @@ class IdentifyOptions(
     @property
     def _drives_chosen(self) -> bool:
         return bool(self.logs) and super()._drives_chosen  # the terms of a simulated robot are known
+
+    @property
+    def limits(self) -> PhysicalLimits:
+        """Limits of the links. Raises typer.BadParameter for what is no factor."""
+        from graphdyn.identification import PhysicalLimits
+
+        return PhysicalLimits(**_factors(self.cad_factor)) if self.cad_factor is not None else PhysicalLimits()
 
     @property
     def in_parts(self) -> bool:
@@ -418,6 +434,26 @@ class IdentifyOptions(
         if not self.logs:
             raise typer.BadParameter("--jobs and --scheduler need LOGs; a simulated robot is identified without them")
         refuse(self, OF_MEMORY, "needs the recording in memory; leave it out with --jobs and --scheduler")
+
+
+def _factors(text: str) -> dict[str, Any]:
+    """X or LINK=X, separated by commas. Raises typer.BadParameter."""
+    found: dict[str, Any] = {"cad_factors": {}}
+    for part in text.split(","):
+        link, equals, number = (piece.strip() for piece in part.rpartition("="))
+        try:
+            factor = float(number)
+        except ValueError:
+            factor = math.nan
+        if not factor >= 1 or bool(equals) != bool(link):
+            raise typer.BadParameter(
+                f"--cad-factor {text}: give a number of 1 or more, LINK=NUMBER, or inf for no limit"
+            )
+        if link:
+            found["cad_factors"][link] = factor
+        else:
+            found["cad_factor"] = factor
+    return found
 
 
 def _interval(option: str, text: str) -> tuple[float, float]:

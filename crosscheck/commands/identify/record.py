@@ -13,6 +13,12 @@ from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.identifying.choosing.residual_causes import ResidualCause
 from crosscheck.identifying.data_quality.data_quality import DataQuality
 from crosscheck.identifying.results.identified_model import Candidate, HeldOutPrediction, IdentifiedModel
+from crosscheck.identifying.results.link_findings import (
+    LinkFinding,
+    contradicted_masses,
+    link_findings,
+    reached_limits,
+)
 from crosscheck.identifying.results.parameters import (
     BaseRow,
     BodyRow,
@@ -25,7 +31,7 @@ from crosscheck.identifying.results.recommending import joint_errors, mean_error
 from crosscheck.identifying.results.result import Identified
 from crosscheck.recordings import RecordingFinding
 from crosscheck.report.records.record import CommandRecord, Keywords, Number, Numbers, Record, attribute, written
-from graphdyn.identification import MethodComparison, MethodResult, ResidualSizes
+from graphdyn.identification import ContradictedMass, MethodComparison, MethodResult, ReachedLimit, ResidualSizes
 from graphdyn.identification.currents import gain_deviations
 from graphdyn.identification.data_quality import Excitation, excitation
 from graphdyn.layout import Array
@@ -205,6 +211,18 @@ class IdentifyBodyRecord(Record, of=BodyRow, only=("name",)):
     pseudo_inertia_eigenvalue = attribute("eigenvalue")
 
 
+class ContradictedMassRecord(Record, of=ContradictedMass):
+    """A mass of CAD that the recording contradicts; an empty body for all masses together, whose sums these are."""
+
+
+class ReachedLimitRecord(Record, of=ReachedLimit):
+    """A value within 2 % of its limit: the recording does not determine it; an empty body for the total mass."""
+
+
+class LinkFindingRecord(Record, of=LinkFinding):
+    """A finding about a link, or about all for an empty link, in words."""
+
+
 class ShownRecord(Record):
     """The result in the tables: the chosen one, else the recommended one, else the one that predicts best; null where
     no method has an answer.
@@ -217,6 +235,9 @@ class ShownRecord(Record):
     lower_bound: block deviations are a lower bound: fewer than 80 correlation times; null without them
     base_parameters: of the recording
     bodies: links
+    reached_limits: values that the limits of the links hold
+    contradicted_masses: masses of CAD that the recording contradicts
+    link_findings: both in words
     """
 
     name: str
@@ -227,6 +248,9 @@ class ShownRecord(Record):
     lower_bound: bool | None
     base_parameters: Sequence[ShownParameterRecord]
     bodies: Sequence[IdentifyBodyRecord]
+    reached_limits: Sequence[ReachedLimitRecord]
+    contradicted_masses: Sequence[ContradictedMassRecord]
+    link_findings: Sequence[LinkFindingRecord]
 
 
 class IdentifyRecord(
@@ -380,6 +404,9 @@ def _shown(found: Identified, result: MethodResult) -> dict[str, Any]:
             written(IdentifyBodyRecord, row, cad=_named(row.cad_parameters), identified=_named(row.parameters))
             for row in body_rows(found, result)
         ],
+        reached_limits=reached_limits(found, result),
+        contradicted_masses=contradicted_masses(found, result),
+        link_findings=link_findings(found, result),
     )
 
 

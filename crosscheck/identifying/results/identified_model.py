@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
@@ -15,13 +15,17 @@ from crosscheck.recordings import PartitionedRecording
 from crosscheck.reference.subject import Subject
 from graphdyn.identification import (
     MIN_MOVING_SPEED,
+    ContradictedMass,
     MethodComparison,
     MethodResult,
     Partitioned,
+    PhysicalLimits,
     Problem,
     ResidualStatistics,
     TorqueModel,
     Tuned,
+    contradicted_masses,
+    one_thread,
     own_rows,
 )
 from graphdyn.identification.terms import CarriesKnownBodies, KnownPayload
@@ -129,6 +133,7 @@ class IdentifiedModel:
         None for a model that was asked for
     settings: of its terms that were found together with the parameters, from all fitted rows
     ladder: how the terms of its drives were chosen; None where they were given
+    limits: of the links, for methods that keep any
     """
 
     subject: Subject
@@ -142,6 +147,7 @@ class IdentifiedModel:
     cad_of: str | None = None
     settings: tuple[Tuned, ...] = ()
     ladder: Ladder | None = None
+    limits: PhysicalLimits = field(default_factory=PhysicalLimits)
 
     @property
     def problem(self) -> Problem:
@@ -152,6 +158,12 @@ class IdentifiedModel:
     def prior_base_values(self) -> Array:
         """Base parameters of the robot as given; zero for those of the drives (r,)."""
         return self.problem.base.values(self.torque_model.prior())
+
+    @cached_property
+    def contradicted_masses(self) -> tuple[ContradictedMass, ...]:
+        """Masses of CAD that the recording contradicts; none for known links."""
+        with one_thread():
+            return contradicted_masses(self.problem, self.limits)
 
     def fitted_errors(self, result: MethodResult) -> Array:
         """‖e‖ / ‖τ‖ per joint over the rows that were fitted (n,); the result must have an estimate."""

@@ -62,6 +62,12 @@ class PhysicalLimits:
     box: Mapping[str, ArrayLike] = field(default_factory=dict)
     in_boxes: bool = True
 
+    @property
+    def stated(self) -> bool:
+        """Whether anything differs from what holds by default."""
+        given = self.mass or self.center or self.cad_factors or self.box or self.total_mass is not None
+        return bool(given) or self.cad_factor != CAD_FACTOR or not self.in_boxes
+
     def of(self, bodies: Bodies) -> BodyLimits:
         """The limits of these bodies. Boxes are widened to hold the prior.
 

@@ -173,10 +173,10 @@ class ConsistentProblem:
             self._programs[metric] = SemidefiniteProgram(
                 self._coordinates, (self._g, self._h), metric=metric, margin=self._margin
             )
-        refused = ""
-        # in variances of the residuals; or, if limits cost millions of them, relative to the squares of all torques
-        for unit in (1.0, float(np.linalg.norm(self._coordinates.right)) ** 2):
-            answer = self._programs[metric].solve(strength, max(1.0, unit))
+        refused, size = "", max(1.0, float(np.linalg.norm(self._coordinates.right)))
+        # in variances of the residuals; or, if limits cost millions of them, in more, up to the squares of all torques
+        for unit in (1.0, size, size**2):
+            answer = self._programs[metric].solve(strength, unit)
             if answer.status == INFEASIBLE:
                 raise EstimationFailed(self._contradiction())
             if answer.u is None:

@@ -27,6 +27,9 @@ MIN_DEVIATIONS = 3.0
 MIN_GAIN = 0.02
 """Smallest part of the squared prediction error that vanishes: less may be a term that the torque model lacks."""
 
+MAX_LEFT = 0.8
+"""Largest part of the error that one mass alone leaves, if all together count: several masses of CAD are then wrong."""
+
 
 @dataclass(frozen=True)
 class ContradictedMass:
@@ -65,16 +68,23 @@ def contradicted_masses(problem: Problem, limits: PhysicalLimits) -> tuple[Contr
 def _contradicted(problem: Problem, limits: PhysicalLimits) -> tuple[ContradictedMass, ...]:
     bounded = _Fits.of(problem, limits)
     reached = bounded.at_limit
-    found = [each for name in reached if name and (each := _tested(problem, bounded, limits, name))]
     together = _tested(problem, bounded, limits, "") if reached else None
-    if together and together.gain > MIN_GAIN + max((each.gain for each in found), default=0.0):
-        found.append(together)
+    if together is None:
+        return ()
+    names = [name for name in reached if name]
+    found = [each for name in names if (each := _tested(problem, bounded, limits, name))]
+    left = 1 - max((each.gain for each in found), default=0.0)
+    if 1 - together.gain < MAX_LEFT * left:
+        return (together,)
     return tuple(sorted(found, key=lambda each: -each.gain))
 
 
 def _tested(problem: Problem, bounded: _Fits, limits: PhysicalLimits, name: str) -> ContradictedMass | None:
     """What the recording has against this mass of CAD, or against all together; None if nothing."""
-    free = _Fits.of(problem, _without(limits, name))
+    try:
+        free = _Fits.of(problem, _without(limits, name))
+    except EstimationFailed:  # the other limits cost so much that their fit is at the precision of the solver
+        return None
     gain, deviation = bounded.gain_of(free)
     (mass, spread), (limit, _) = free.mass_of(name), bounded.mass_of(name)
     if not (gain > max(MIN_GAIN, MIN_DEVIATIONS * deviation) and abs(mass - limit) > MIN_DEVIATIONS * spread):
