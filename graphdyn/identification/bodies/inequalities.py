@@ -45,8 +45,9 @@ def inequalities(limits: BodyLimits, bodies: Bodies, columns: Sequence[str]) -> 
             rows.append((dict.fromkeys(masses, 1.0), low, f"{what} ≥ {low:.4g} kg"))
         rows.append((dict.fromkeys(masses, -1.0), -high, f"{what} ≤ {high:.4g} kg"))
 
-    for name, columns_of, mass, center, box in zip(
-        bodies.names, bodies.columns, limits.mass, limits.center, limits.box, strict=True
+    for name, columns_of, mass, center, box, radius, about in zip(
+        *(bodies.names, bodies.columns, limits.mass, limits.center, limits.box, limits.radius, limits.about),
+        strict=True,
     ):
         first = columns_of.start
         mass_between([first], mass, f"mass of '{name}'")
@@ -67,6 +68,10 @@ def inequalities(limits: BodyLimits, bodies: Bodies, columns: Sequence[str]) -> 
                         f"matter of '{name}' {along} from {low:.3g} to {high:.3g} m",
                     )
                 )
+        if np.isfinite(radius):  # ∫ |x - about|² dm ≤ radius² m, which bounds moments about the center of mass too
+            of_place = {first: radius**2 - float(about @ about)} | {first + 1 + k: 2 * about[k] for k in range(3)}
+            of_squares = {first + k: -0.5 for k in (4, 6, 9)}
+            rows.append((of_place | of_squares, 0.0, f"radius of gyration of '{name}' ≤ {radius:.3g} m"))
     counted = [part.start for part, counts in zip(bodies.columns, limits.counted, strict=True) if counts]
     mass_between(counted, limits.total_mass, "total mass")
     rows.extend(({columns.index(name): 1.0}, 0.0, f"{name} ≥ 0") for name in bodies.nonnegative)

@@ -8,9 +8,9 @@ Matter between two planes, low ≤ x ≤ high, has ∫ (x - low)(high - x) dm �
 
     (low + high) m c - ∫ x² dm - low high m ≥ 0
 
-It bounds the center of mass and the second moments about it at once, (c - low)(high - c) ≥ ∫ (x - c)² dm / m, and three
-of them hold a body in a box (the ellipsoid of Wensing, Kim and Slotine, IEEE Robotics and Automation Letters 3(1),
-2018, section IV, flattened to planes).
+It bounds the center of mass and the second moments about it at once, (c - low)(high - c) ≥ ∫ (x - c)² dm / m. Three of
+them hold a body in a box, and ∫ |x - c₀|² dm ≤ r² m bounds its radius of gyration (Wensing, Kim and Slotine, IEEE
+Robotics and Automation Letters 3(1), 2018, section IV, with planes in place of an ellipsoid).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class PhysicalLimits:
     cad_factor: largest ratio of a mass and that of the prior; infinity for none
     cad_factors: the same of single bodies
     box: boxes that hold all matter of a body (2, 3), from its meshes; in place of its reach, by the kinematics     [m]
-    in_boxes: whether matter stays within the boxes
+    in_boxes: whether matter stays within the boxes, and its spread within the size of the link
     """
 
     mass: Mapping[str, ArrayLike] = field(default_factory=dict)
@@ -102,7 +102,9 @@ class PhysicalLimits:
             for name, box in self.box.items():
                 k = names.index(name)
                 boxes[k] = joined(_bounds(f"box of '{name}'", box, (2, 3), "m"), extents(bodies.prior)[k])
-        return BodyLimits(names, bodies.columns, mass, center, total, counted, boxes, cad, remarks)
+        radius = bodies.radius if self.in_boxes else np.full(len(names), np.inf)
+        about = bodies.prior[:, :3, 3] / bodies.prior[:, 3, 3, None]
+        return BodyLimits(names, bodies.columns, mass, center, total, counted, boxes, radius, about, cad, remarks)
 
 
 def _factor(name: str, factor: float) -> float:
@@ -142,7 +144,7 @@ class ReachedLimit:
     body: empty for the total mass
     quantity: "mass", "total mass", "center of mass in x", "radius of gyration in x" (root mean square distance from the
         center)
-    value, limit: [kg or m]
+    value, limit: the value and its limit [kg or m]
     """
 
     body: str
@@ -169,6 +171,8 @@ class BodyLimits:
     total_mass: lowest and highest sum of those counted     (2,)    [kg]
     counted: bodies of this sum                             (n,)
     box: box of all matter, in link axes                    (n, 2, 3)  [m]
+    radius: root mean square distance of the matter from the point `about`      (n,)    [m]
+    about: the center of mass of the prior, in link axes    (n, 3)  [m]
     cad_mass: mass of CAD that limits, NaN if none does     (n,)    [kg]
     remarks: why CAD limits nothing, in sentences
     """
@@ -180,6 +184,8 @@ class BodyLimits:
     total_mass: Array
     counted: NDArray[np.bool_]
     box: Array
+    radius: Array
+    about: Array
     cad_mass: Array
     remarks: tuple[str, ...]
 
@@ -189,7 +195,7 @@ class BodyLimits:
         mass = ten[:, 0]
         found = []
         for name, value, bounds in zip(self.names, mass, self.mass, strict=True):
-            found += [ReachedLimit(name, "mass", value, limit) for limit in _near_ratio(value, bounds)]
+            found += [ReachedLimit(name, "mass", float(value), limit) for limit in _near_ratio(value, bounds)]
         total = float(mass[self.counted].sum())
         found += [ReachedLimit("", "total mass", total, limit) for limit in _near_ratio(total, self.total_mass)]
         matrices = pseudo_inertia_from_parameters(ten)

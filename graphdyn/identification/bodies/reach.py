@@ -32,12 +32,39 @@ def reach_boxes(model: RobotModel) -> Array:
     return boxes
 
 
+MAX_GYRATION_RATIO, MIN_LINK_SIZE, MAX_GYRATION_RADIUS = 5.0, 0.1, 2.0
+"""A radius of gyration beyond MAX_GYRATION_RATIO times the size of a link, and no link counts as smaller than
+MIN_LINK_SIZE, or beyond MAX_GYRATION_RADIUS [m] does not fit its mass: where `urdf.inspect` warns."""
+
+
+def gyration_radii(model: RobotModel) -> Array:
+    """Largest radius of gyration of every body by its joints (n,) [m]."""
+    sizes = np.full(model.n_bodies, MIN_LINK_SIZE)
+    for joint in model.joints:
+        if joint.inside > 0:
+            far = float(np.linalg.norm(joint.placement.translation))
+            sizes[joint.inside - 1] = max(sizes[joint.inside - 1], far)
+    return np.minimum(MAX_GYRATION_RATIO * sizes, MAX_GYRATION_RADIUS)
+
+
 def extents(pseudo_inertia: Array) -> Array:
     """Boxes of uniform bodies with these pseudo-inertia matrices (n, 4, 4), lower and upper corners (n, 2, 3) [m]."""
+    center, squares = _moments(pseudo_inertia)
+    half = UNIFORM_EXTENT * np.sqrt(squares)
+    return np.stack([center - half, center + half], axis=1)
+
+
+def spreads(pseudo_inertia: Array) -> Array:
+    """Root mean square distance of the matter of each body from its center (n,) [m], at least the radius of
+    gyration about any axis."""
+    return np.asarray(np.sqrt(_moments(pseudo_inertia)[1].sum(axis=1)))
+
+
+def _moments(pseudo_inertia: Array) -> tuple[Array, Array]:
+    """Centers of mass (n, 3), and mean squares of the distance from them along each axis (n, 3)."""
     mass = pseudo_inertia[:, 3, 3, None]
     center = pseudo_inertia[:, :3, 3] / mass
-    spread = np.sqrt(np.einsum("nkk->nk", pseudo_inertia[:, :3, :3]) / mass - center**2)
-    return np.stack([center - UNIFORM_EXTENT * spread, center + UNIFORM_EXTENT * spread], axis=1)
+    return center, np.einsum("nkk->nk", pseudo_inertia[:, :3, :3]) / mass - center**2
 
 
 def joined(boxes: Array, others: Array) -> Array:

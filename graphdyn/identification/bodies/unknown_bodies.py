@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.errors import EstimationFailed, InvalidInput
-from graphdyn.identification.bodies.reach import extents, joined, reach_boxes
+from graphdyn.identification.bodies.reach import extents, gyration_radii, joined, reach_boxes, spreads
 from graphdyn.identification.problem.prior import Prior, model_prior
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
@@ -45,6 +45,7 @@ class Bodies:
     prior: pseudo-inertia matrices, positive definite       (n, 4, 4)
     cad_mass: mass that CAD, or another prior, gives; NaN for a body that it does not know    (n,) [kg]
     reach: boxes that hold the bodies, by the kinematics and the prior, in link axes    (n, 2, 3) [m]
+    radius: largest radius of gyration, by the kinematics and the prior     (n,)    [m]
     further: names of the columns that belong to no body, in their order      (k,)
     nonnegative: those of them that cannot be negative
     remarks: changes of the prior, in sentences
@@ -55,6 +56,7 @@ class Bodies:
     prior: Array
     cad_mass: Array
     reach: Array
+    radius: Array
     further: tuple[str, ...]
     nonnegative: tuple[str, ...]
     remarks: tuple[str, ...]
@@ -96,8 +98,8 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
         if not ten[payload].any():
             ten[payload] = model.bodies[carrier].parameters
     inside, lifted = inertial_prior(ten)
-    boxes = dict(zip(model.body_names, reach_boxes(model), strict=True))
-    reach = np.array([boxes[model.body_names[carriers[k]] if k in carriers else name] for k, name in enumerate(names)])
+    numbers = [carriers[k] if k in carriers else model.body_names.index(name) for k, name in enumerate(names)]
+    reach, radius = reach_boxes(model)[numbers], gyration_radii(model)[numbers]
     moved = ", ".join(name for name, light in zip(names, lifted, strict=True) if light)
     further = tuple(column.name for k, column in enumerate(torque_model.columns) if k not in in_bodies)
     remark = f"no real body has the prior inertia of {moved}; it was made heavier or thicker" if moved else ""
@@ -107,6 +109,7 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
         inside,
         cad_mass,
         joined(reach, extents(inside)),
+        np.maximum(radius, spreads(inside)),
         further,
         tuple(nonnegative),
         (remark,) if remark else (),
