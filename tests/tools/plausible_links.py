@@ -1,4 +1,4 @@
-"""Whether recommended links are plausible, and what the limits cost: python tests/tools plausible_links [SEED…|real].
+"""Whether recommended links are plausible, and what the limits cost: python tests/tools plausible_links [SEED…].
 
 Makers' arms and those of example-robot-data are simulated with friction, noise, and CAD masses and centers that are
 wrong by up to 30 %. Every second one has springs and Stribeck friction that the torque model lacks, which drives links
@@ -7,8 +7,8 @@ of the links inside of their limits; those told as undetermined, and those that 
 determined mass and that of CAD; the held-out error of the recommended result relative to the best without limits; and
 warnings of inspect about the written file that the file with the CAD values does not have.
 
-`real` does the same for the recordings of docs/industrial_arms.md, one row for every method, errors relative to those
-with --cad-factor inf.
+`recordings` in place of seeds does the same for the recordings of docs/industrial_arms.md, one row for every method,
+errors relative to those with --cad-factor inf.
 """
 
 import json
@@ -161,7 +161,7 @@ def simulations(seeds):
 METHODS = "consistent,entropic,consistent-huber,entropic-huber"
 
 
-def real():
+def recordings():
     print(f"{'arm':6} {'method':34} {'error %':>8} {'cost %':>7} {'masses [kg]':44} told")
     with tempfile.TemporaryDirectory() as folder:
         for arm in industrial_arms.COMMANDS:
@@ -190,7 +190,7 @@ def _error(record):
 
 
 def main():
-    if sys.argv[1:] == ["real"]:
-        real()
+    if sys.argv[1:] == ["recordings"]:
+        recordings()
         return
     simulations([int(seed) for seed in sys.argv[1:]] or TUNED)

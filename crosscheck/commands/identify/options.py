@@ -447,7 +447,7 @@ def _factors(text: str) -> dict[str, Any]:
             factor = math.nan
         if not factor >= 1 or bool(equals) != bool(link):
             raise typer.BadParameter(
-                f"--cad-factor {text}: give a number of 1 or more, LINK=NUMBER, or inf for no limit"
+                f"--cad-factor {text}: give numbers of 1 or more, LINK=NUMBER, or inf for no limit"
             )
         if link:
             found["cad_factors"][link] = factor

@@ -114,7 +114,7 @@ class _Fits:
 
     @classmethod
     def of(cls, problem: Problem, limits: PhysicalLimits) -> _Fits:
-        """With the weakest prior of the methods, which leaves most to the recording."""
+        """Fit with the weakest prior of the methods, which leaves most to the recording."""
         program = ConsistentProgram(problem, None, "entropic", limits=limits)
         noise, folds, strength = joint_noise(problem.equations), problem.folds, PRIOR_STRENGTHS[0]
         if len(folds) < 2:

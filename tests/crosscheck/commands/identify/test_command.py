@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
 from jsonschema import Draft202012Validator
 from planting import mixed_tree
 from shared_data import REPOSITORY
@@ -17,6 +18,7 @@ from typer.testing import CliRunner
 import urdf
 from crosscheck.commands import app
 from crosscheck.commands.identify import command
+from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.identifying import friction_terms, virtual_robot
@@ -222,6 +224,22 @@ class TestFiles:
         assert "is not written: OLS is not physically consistent" in said
         assert not (tmp_path / "out.urdf").exists()
 
+    def test_a_mass_that_a_limit_holds_is_told_where_it_is_written(self, program, two_files, tmp_path):
+        """In the table of links, in JSON, on the page, and beside the written file."""
+        files = [tmp_path / f"found.{suffix}" for suffix in ("json", "html", "urdf")]
+        outputs = [word for file in files for word in (f"--{file.suffix[1:]}", file)]
+        limited = ("--cad-factor", "1.001,body2=inf", "--methods", "consistent", "--choose", "consistent")
+        _, said = program(*two_files, "--cutoff", 10, *limited, *outputs, *QUICK)
+        shown = json.loads(files[0].read_text("utf-8"))["shown"]
+        reached = [each for each in shown["reached_limits"] if each["quantity"] == "mass"]
+        assert {each["body"] for each in reached} == {body["name"] for body in shown["bodies"]} - {"body2"}
+        for each in reached:
+            told = f"mass of {each['body']} is {each['value']:.3g} kg, held by its limit of {each['limit']:.3g} kg"
+            assert said.count(told) == 2  # below the links, and where the file is written
+            assert told in files[1].read_text("utf-8")
+            assert any(finding["message"].startswith(told) for finding in shown["link_findings"])
+        assert "undetermined by this recording" in said
+
     def test_the_folder_must_exist(self, program, two_files):
         code, said = program(*two_files, "--urdf", "nowhere/out.urdf")
         assert code == 2
@@ -240,6 +258,25 @@ noise = [2, 1, 1]
 known_torques = ["own.py:nothing"]
 known_bodies = true
 """
+
+
+class TestLimits:
+    def test_factors(self):
+        limits = IdentifyOptions(robot="arm.urdf", cad_factor="2, wrist=inf,elbow=1.5").limits
+        assert (limits.cad_factor, limits.cad_factors) == (2.0, {"wrist": np.inf, "elbow": 1.5})
+        assert IdentifyOptions(robot="arm.urdf", cad_factor="inf").limits.cad_factor == np.inf
+        assert not IdentifyOptions(robot="arm.urdf").limits.stated
+
+    @pytest.mark.parametrize("text", ["0.5", "x", "wrist=", "=2", "wrist=0", "nan", "2,"])
+    def test_no_factors(self, text):
+        message = f"--cad-factor {text}: give numbers of 1 or more, LINK=NUMBER, or inf for no limit"
+        with pytest.raises(typer.BadParameter, match=re.escape(message)):
+            _ = IdentifyOptions(robot="arm.urdf", cad_factor=text).limits
+
+    def test_unknown_link(self, program, two_files):
+        code, said = program(*two_files, "--cad-factor", "wrist=2", *QUICK)
+        assert code == 2
+        assert "there is no link 'wrist' to limit" in said
 
 
 class TestModels:
