@@ -109,11 +109,15 @@ def unknown_bodies(torque_model: TorqueModel, prior: Prior | None) -> Bodies:
         inside,
         cad_mass,
         joined(reach, extents(inside)),
-        np.maximum(radius, spreads(inside)),
+        np.where(spreads(inside) > radius, WIDE_PRIOR_FACTOR * spreads(inside), radius),
         further,
         tuple(nonnegative),
         (remark,) if remark else (),
     )
+
+
+WIDE_PRIOR_FACTOR = 1.5
+"""Largest radius of gyration relative to that of a prior that is itself wider than its link should be."""
 
 
 MIN_PRIOR_RADIUS = 1e-3
