@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import comb
 from typing import Literal
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -124,8 +125,18 @@ def derivative(values: Array, rate: float) -> Array:
     return np.asarray(savgol_filter(values, STENCIL_ROWS, STENCIL_ROWS - 1, deriv=1, delta=1 / rate, axis=0))
 
 
+_chosen: WeakKeyDictionary[Recording, float] = WeakKeyDictionary()
+"""Cutoffs that were chosen, as long as their recordings exist: data quality and fit ask for the same one."""
+
+
 def chosen_cutoff(recording: Recording) -> float:
     """The largest cutoff [Hz] that residual analysis chooses for a joint's position, in the longest block."""
+    if recording not in _chosen:
+        _chosen[recording] = _analyzed(recording)
+    return _chosen[recording]
+
+
+def _analyzed(recording: Recording) -> float:
     rows = max(recording.block_slices, key=lambda rows: rows.stop - rows.start)
     rate = sampling_rate(recording)
     moving = [q for q in recording.q[rows].T if np.ptp(q) > 0]

@@ -22,6 +22,7 @@ from crosscheck.recordings import (
     sampling_rate,
 )
 from crosscheck.recordings.mapping.mapping import Channel, ColumnMapping
+from crosscheck.recordings.preparation import derivatives
 from crosscheck.recordings.preparation.derivatives import white_noise
 from crosscheck.recordings.preparation.filtering import BORDER_DECAY, PADDING_ROWS, TorqueFilter, border, rows_needed
 from crosscheck.recordings.preparation.resampling import with_delays_undone
@@ -197,6 +198,15 @@ def test_cutoffs_that_cannot_be_chosen():
     still = Recording(("a",), T, np.ones((len(T), 1)))
     with pytest.raises(InvalidInput, match=r"no joint moves, so no cutoff can be chosen; give the cutoff"):
         chosen_cutoff(still)
+
+
+def test_a_cutoff_is_chosen_once_per_recording(monkeypatch):
+    asked = []
+    real = derivatives.residual_analysis
+    monkeypatch.setattr(derivatives, "residual_analysis", lambda *given: asked.append(given) or real(*given))
+    one, other = (record(np.arange(2_000) / RATE) for _ in range(2))
+    assert chosen_cutoff(one) == chosen_cutoff(one) == chosen_cutoff(other)
+    assert len(asked) == 2 * one.n_joints
 
 
 def test_white_noise_of_positions():
