@@ -25,7 +25,7 @@ from shared_data import ARMS
 import urdf
 from crosscheck.commands.identify.command import new_warnings
 from crosscheck.identifying import OtherRecordings, Preparation, friction_terms, identify, virtual_robot
-from crosscheck.identifying.methods.methods import Labeled
+from crosscheck.identifying.methods.methods import Labeled, method_named
 from crosscheck.identifying.results.link_findings import link_findings
 from crosscheck.identifying.results.recommending import mean_error, recommendation
 from crosscheck.identifying.virtual import as_in_cad
@@ -158,6 +158,9 @@ def simulations(seeds):
     )
 
 
+MODEL_NAMES = {"ur10": "smooth: "}
+"""What stands before the names of methods where the torque model has a name."""
+
 METHODS = "consistent,entropic,consistent-huber,entropic-huber"
 
 
@@ -180,8 +183,11 @@ def _record(folder, arm, method, more):
     path = folder / "found.json"
     command = [sys.executable, "-m", "crosscheck", "identify", *industrial_arms.COMMANDS[arm], "--methods", method]
     environment = {**os.environ, "KR300_JSON": str(industrial_arms.KR300 / "kr300.json")}
-    wanted = [*command, *more, "--poses", "100", "--choose", method, "--json", path]
-    subprocess.run(list(map(str, wanted)), cwd=folder, env=environment, check=False, capture_output=True)
+    name = f"{MODEL_NAMES.get(arm, '')}{method_named(method).name}"
+    wanted = [*command, *more, "--poses", "100", "--choose", name, "--json", path]
+    done = subprocess.run(list(map(str, wanted)), cwd=folder, env=environment, check=False, capture_output=True)
+    if done.returncode not in (0, 1):
+        raise SystemExit(done.stderr.decode())
     return json.loads(path.read_text(encoding="utf-8"))
 
 
