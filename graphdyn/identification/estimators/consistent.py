@@ -5,8 +5,8 @@
 P_i is the 4×4 pseudo-inertia matrix of body i, linear in its ten parameters. It is positive definite if and only if
 some distribution of mass has these parameters: positive mass, positive definite tensor, triangle inequalities. P₀ is
 that of the prior. The margin keeps the solution off the boundary, where a mass matrix is singular in some pose. Masses
-and centers of mass may be bounded. If the data determine less than all parameters, the solution nearest to the prior is
-taken (see consistent.fit).
+stay near those of CAD and matter within the reach of its link (bodies.limits). If the data determine less than all
+parameters, the solution nearest to the prior is taken (see consistent.fit).
 
 Sousa and Cortesão, "Physical feasibility of robot base inertial parameter identification: a linear matrix inequality
 approach", International Journal of Robotics Research 33(6), 2014. Wensing, Kim and Slotine, "Linear matrix inequalities
@@ -47,8 +47,8 @@ LogCholesky needs no constraints: it is nonlinear least squares in log-Cholesky 
 Every θ is a physically consistent body, so that no cone solver is needed. In return the cost is not convex. It is
 minimized from several starts around the prior, with the analytic Jacobian, and the result states how many of them
 agree. The quadratic prior keeps directions finite that the data do not determine. If the cheapest start does not pass
-the certificate of the convex problem with the same cost, the convex problem is solved instead (it needs cvxpy and
-Clarabel), and a remark says so.
+the certificate of the convex problem with the same cost, or leaves a limit of the bodies, the convex problem is solved
+instead (it needs Clarabel), and a remark says so.
 
 Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Robotics and Automation Letters 7(2), 2022.
 """
@@ -117,8 +117,9 @@ class ConsistentLeastSquares:
 
 
 PRIOR_STRENGTHS = (1e2, 1e3, 1e4, 1e5, 1e6, 1e7)
-"""Strengths among which cross-validation chooses. A weaker prior never predicts much better, and a short recording
-prefers it by chance: a hundred makes a link that the recording does not show cost as much as a hundred variances."""
+"""Strengths among which cross-validation chooses. The weakest trusts the entries of a body to 14 %: folds of a short
+recording prefer less by chance, and other rows do not (TX40: 13.0 % without this floor, 12.9 % with it; UR10 with
+Huber's weights: 7.5 and 7.6 %)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -395,9 +395,9 @@ class TestMissing:
     """What fails for want of a package or a file is no result."""
 
     def test_a_package_that_a_method_always_needs(self, folder, tmp_path, monkeypatch):
-        monkeypatch.setattr(running, "find_spec", lambda name: None if name == "cvxpy" else name)
+        monkeypatch.setattr(running, "find_spec", lambda name: None if name == "clarabel" else name)
         study = study_of(folder, "[study]\nmethods = ['ols', 'consistent']\n", small.ROBOT)
-        with pytest.raises(InvalidInput, match=r"consistent in methods needs cvxpy, which is not installed; .*pip"):
+        with pytest.raises(InvalidInput, match=r"consistent in methods needs clarabel, which is not installed; .*pip"):
             run_study(study, tmp_path / "out", InThisProcess())
         assert not (tmp_path / "out").exists()
 
