@@ -82,9 +82,9 @@ _TOP = ("joints", "rate", "prismatic", "delimiter", "decimal", "topic", "time", 
 _MOVING = ("side", "sign")
 _CHANNEL = ("columns", "unit", "file")
 _ONLY_IN = {
-    "q": (*_MOVING, "offset", "offset_unit"),
-    "v": _MOVING,
-    "a": _MOVING,
+    "q": (*_MOVING, "gain", "offset", "offset_unit"),
+    "v": (*_MOVING, "gain"),
+    "a": (*_MOVING, "gain"),
     "tau": (*_MOVING, "gain", "delay"),
     "temperature": (),
 }
@@ -116,7 +116,8 @@ class Channel:
 class TimeColumn:
     """The column of the time.
 
-    factor: seconds per number
+    factor: seconds per number: unit and gain
+    gain: true time per time of the clock
     nanoseconds: a second column, of ROS stamps, whose nanoseconds are added to the seconds
     """
 
@@ -124,6 +125,7 @@ class TimeColumn:
     factor: float = 1.0
     file: str = "*"
     nanoseconds: str | int | None = None
+    gain: float = 1.0
 
     @property
     def columns(self) -> tuple[str | int, ...]:
@@ -276,15 +278,17 @@ def _channel(name: str, table: Mapping[str, Any], joints: tuple[str, ...], where
 
 
 def _time(table: Mapping[str, Any], where: str) -> TimeColumn:
-    refuse_unknown(table, ("column", "unit", "file", "nanoseconds"), where)
+    refuse_unknown(table, ("column", "unit", "gain", "file", "nanoseconds"), where)
     column = toml_column(table, "column", where)
     nanoseconds = toml_column(table, "nanoseconds", where) if "nanoseconds" in table else None
     unit = toml_text(table, "unit", where) or "s"
     if nanoseconds is not None and unit != "s":
         raise BadMapping(f"{where}: unit is {unit!r}, but beside nanoseconds the column holds seconds; leave it out")
-    return TimeColumn(
-        column, known_unit("time", unit, where).factor, toml_text(table, "file", where) or "*", nanoseconds
-    )
+    gain = float(toml_numbers(table, "gain", 1, 1.0, where)[0])
+    if not gain > 0:
+        raise BadMapping(f"{where}: gain is {gain:g}; give the true time per recorded time, above zero")
+    factor, file = gain * known_unit("time", unit, where).factor, toml_text(table, "file", where) or "*"
+    return TimeColumn(column, factor, file, nanoseconds, gain)
 
 
 def _transmission(table: Mapping[str, Any], n: int, where: str) -> Transmission:
