@@ -77,8 +77,11 @@ app = typer.Typer(
     "1 disagreement found, 2 bad input, 3 error of the program itself, 4 further questions written, 130 interrupted, "
     "143 terminated.",
 )
+CLASSES = {"identify": identify.IdentifyCommand}
+"""Commands whose arguments are read in a way of their own."""
+
 for function, name, epilog in COMMANDS:
-    app.command(name, cls=Command, epilog=epilog)(as_command(function))
+    app.command(name, cls=CLASSES.get(name, Command), epilog=epilog)(as_command(function))
 
 
 @app.callback(invoke_without_command=True)

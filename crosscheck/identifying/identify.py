@@ -8,6 +8,7 @@ from typing import Literal, Unpack
 
 from crosscheck.identifying.choosing.chosen import with_chosen_drives
 from crosscheck.identifying.data_quality.data_quality import data_quality
+from crosscheck.identifying.data_quality.free_gravity import mounted
 from crosscheck.identifying.fitting import identified_model
 from crosscheck.identifying.long_recordings import STANDARD_METHODS_OF_SUMS, LongRecordings, Progress
 from crosscheck.identifying.methods.candidate_models import CandidateModel, with_links_of_cad
@@ -40,6 +41,7 @@ def identify(
     poses: int = CHECKED_POSES,
     models: Sequence[CandidateModel] = (),
     limits: PhysicalLimits | None = None,
+    free_gravity: bool = False,
     progress: Progress | None = None,
     **reading: Unpack[ReadingKeywords],
 ) -> Identified:
@@ -62,6 +64,8 @@ def identify(
         and `methods`; the result is that of the first one, and contains the others
     limits: of the links, for methods that keep any and were given no others; by default masses within a factor of CAD,
         and matter within the meshes or the reach of a link
+    free_gravity: find the direction of gravity, and so the mounting of the robot, from the recordings first; not of a
+        PartitionedRecording
     progress: called with the name of the next step and 1: three times, once if terms are chosen, and once for every
         method of the fit and of every fold; for a PartitionedRecording with the name of a step and a number of rows
 
@@ -73,6 +77,8 @@ def identify(
     """
     compared = subject(robot, Reading.of(identify, reading))
     refuse_chords(compared.model, IDENTIFY_CLOSED)
+    if free_gravity and isinstance(recordings, PartitionedRecording):
+        raise InvalidInput("gravity is found from recordings in memory only; give it, or load one of them first")
     if models and (terms is not None or known):
         raise InvalidInput("terms or known are given beside models; give them as parts of the models")
     methods = methods or _standard_methods(recordings)
@@ -86,6 +92,9 @@ def identify(
         raise InvalidInput("a PartitionedRecording can be predicted from another one only; load it as a Recording")
     recordings = [recordings] if isinstance(recordings, Recording) else list(recordings)
     preparation = preparation or Preparation()
+    gravity = None
+    if free_gravity:
+        compared, gravity = mounted(compared, asked[0], recordings, preparation)
     first = asked[0].of(compared.model)
     loop = as_prepared(loop, preparation, recordings[0])
 
@@ -128,6 +137,7 @@ def identify(
         division=division,
         preparation=preparation,
         constant=constant_errors(compared.model, preparation, division),
+        gravity=gravity,
         data_quality=found_quality,
         validation_data_quality=quality_of_others,
     )

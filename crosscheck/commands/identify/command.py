@@ -6,8 +6,9 @@ import glob
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import typer
 from rich.text import Text
@@ -18,7 +19,7 @@ from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.identify.rehearsal.command import rehearsed
 from crosscheck.commands.program.console import out, progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver, recorded
-from crosscheck.commands.program.exits import AGREED, DISAGREED
+from crosscheck.commands.program.exits import AGREED, DISAGREED, Command
 from crosscheck.commands.program.options import EXAMPLES
 from crosscheck.commands.program.reading_options import reading_arguments
 from crosscheck.commands.program.recording_options import naming_recording_command, show_findings
@@ -45,6 +46,18 @@ EPILOG = f"""{EXAMPLES}  graphdyn identify --robot ur5 --methods wls,consistent,
 """
 
 
+class IdentifyCommand(Command):
+    """The command, which takes a word in place of the three numbers of gravity."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> Any:
+        """The parameters; --gravity free is --free-gravity."""
+        for k, pair in enumerate(pairwise(args)):
+            if pair == ("--gravity", "free"):
+                args = [*args[:k], "--free-gravity", *args[k + 2 :]]
+                break
+        return super().parse_args(ctx, args)
+
+
 def run(options: IdentifyOptions) -> None:
     """Find a robot's parameters from recordings.
 
@@ -57,9 +70,10 @@ def run(options: IdentifyOptions) -> None:
     quarter is held out. Without a LOG the robot is simulated with friction, noise and wrong CAD values, and the truth
     is shown.
 
-    Before any fit the recording is examined: reversed signs, exchanged columns, degrees, zeros, units, delays. Each
-    finding comes with lines for --mapping. Nothing is recommended from a recording with a fault, nor a model that
-    predicts some joint badly, or worse than CAD with fitted drives.
+    Before any fit the recording is examined: the mounting of the robot, signs, exchanged columns, units, zeros, gear
+    ratios, delays, the clock, what changed in between. Each finding comes with lines for --mapping or an option.
+    Nothing is recommended from a recording with a fault, nor a model that predicts some joint badly, or worse than CAD
+    with fitted drives.
 
     With --currents the LOGs hold motor currents. Their gains are found first, with standard deviations, and convert
     them to torques. What nothing fixes is refused: a gain scales together with all links that its joint moves.
@@ -128,7 +142,15 @@ def from_recordings(options: IdentifyOptions, robot: str, asked: Asked) -> Ident
         recordings, unseen = ([as_torques(recording, found) for recording in group] for group in (recordings, unseen))
     held_out = options.held_out(unseen)
     with progress("identify", number_of_steps(asked.models, held_out)) as advance:
-        result = identify(robot, recordings, held_out=held_out, progress=advance, reading=reading, **asked._asdict())
+        result = identify(
+            robot,
+            recordings,
+            held_out=held_out,
+            free_gravity=options.free_gravity,
+            progress=advance,
+            reading=reading,
+            **asked._asdict(),
+        )
     return replace(result, currents=found)
 
 

@@ -295,7 +295,7 @@ class SimulationOptions:
 
 OF_MEMORY = (
     *("drop", "derive_velocity", "decimate", "split", "split_rows", "folds", "controller", "control_rate"),
-    *("torque_hold", "currents"),
+    *("torque_hold", "currents", "free_gravity"),
 )
 """Options that need every sample of a recording in memory."""
 
@@ -339,6 +339,13 @@ class IdentifyOptions(
             f"{FUNCTION_FORM} of your own.",
         ),
     ] = None
+    free_gravity: Annotated[
+        bool,
+        typer.Option(
+            "--free-gravity",
+            help="Find the direction of gravity from the LOGs: the mounting of the robot. Also --gravity free.",
+        ),
+    ] = False
     choose: Annotated[
         str | None,
         typer.Option(
@@ -407,9 +414,11 @@ class IdentifyOptions(
             of_logs = (
                 *("validate", "split", "split_rows", "folds", "mapping", "rate", "drop", "known_torque"),
                 *("known_bodies", "payload", "payload_on", "models", "controller", "control_rate", "torque_hold"),
-                "currents",
+                *("currents", "free_gravity"),
             )
             refuse(self, of_logs, "needs a LOG; without one the robot is simulated")
+        if self.free_gravity and self.gravity is not None:
+            raise typer.BadParameter("--gravity X Y Z and --gravity free exclude each other; give one of them")
         if self.in_parts:
             self._refuse_in_parts()
         self.check_currents()

@@ -24,6 +24,7 @@ def data_quality_section(found: Identified) -> Section:
         blocks = (
             _joints(data_quality.measures),
             *_findings(data_quality),
+            *_visible(data_quality.measures),
             *_of_predicted(found),
             Notes(
                 tuple(map(Note, data_quality.unseen)),
@@ -72,6 +73,44 @@ def _joints(measures: RecordingQuality) -> Table:
         tuple(rows),
         caption=caption,
     )
+
+
+def _visible(measures: RecordingQuality) -> tuple[Block, ...]:
+    """The smallest faults that the recording would show, joint by joint, and of the whole arm."""
+    sizes = measures.visible
+    if sizes is None:
+        return ()
+    clock, load = _least(100 * sizes.clock, " %"), _least(sizes.load, " kg")
+    whole = (
+        f"a mounting turned by {_least(sizes.tilt, '°')}, a clock wrong by {clock}, a load of {load} attached halfway"
+    )
+    caption = (
+        "the smallest faults that this recording would show, planted in it: a smaller one, or any where there is a –, "
+        f"is not found, and changes the result. Of the whole arm: {whole}"
+    )
+    columns = [100 * sizes.gear_ratios, 100 * sizes.torque_gains, 100 * sizes.torque_drifts, 1e3 * sizes.delays]
+    rows = tuple(
+        Row((name, *(float(x) if np.isfinite(x) else None for x in own)))
+        for name, *own in zip(measures.joint_names, sizes.zeros, *columns, strict=True)
+    )
+    return (
+        Table(
+            (
+                Column("joint", "name"),
+                Column("zero", "number", "°", ".2g"),
+                Column("gear ratio", "number", "%", ".2g"),
+                Column("torque", "number", "%", ".2g", meaning="gain of this torque against the others"),
+                Column("drift", "number", "%", ".2g", meaning="of this torque from begin to end"),
+                Column("delay", "number", "ms", ".2g", meaning="of this torque behind the others"),
+            ),
+            rows,
+            caption=caption,
+        ),
+    )
+
+
+def _least(value: float, unit: str) -> str:
+    return f"{value:.2g}{unit}" if np.isfinite(value) else "any size (none shows)"
 
 
 def _gain(numbers: tuple[float, float, float]) -> str:

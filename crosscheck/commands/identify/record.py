@@ -33,7 +33,7 @@ from crosscheck.recordings import RecordingFinding
 from crosscheck.report.records.record import CommandRecord, Keywords, Number, Numbers, Record, attribute, written
 from graphdyn.identification import ContradictedMass, MethodComparison, MethodResult, ReachedLimit, ResidualSizes
 from graphdyn.identification.currents import gain_deviations
-from graphdyn.identification.data_quality import Excitation, excitation
+from graphdyn.identification.data_quality import Excitation, VisibleSizes, excitation
 from graphdyn.layout import Array
 from graphdyn.model import PARAMETER_NAMES
 
@@ -114,6 +114,27 @@ class ModelRecord(TorqueModelRecord, of=IdentifiedModel, only=("name", "exogenei
     cad_links: bool
 
 
+class VisibleSizesRecord(Record, of=VisibleSizes):
+    """The smallest faults that a recording shows, null where it shows none of the sizes that were planted.
+
+    zeros: of joints [°]
+    gear_ratios, torque_gains, torque_drifts: of joints, relative; a drift from begin to end
+    delays: of single torques [s]
+    tilt: of the mounting, about the horizontal axis that shows it least [°]
+    clock: of its rate, relative
+    load: attached in the middle, at the origin of the last link [kg]
+    """
+
+    zeros: Numbers
+    gear_ratios: Numbers
+    torque_gains: Numbers
+    torque_drifts: Numbers
+    delays: Numbers
+    tilt: Number
+    clock: Number
+    load: Number
+
+
 class DataQualityRecord(Record, of=DataQuality, leave_out=("measures",)):
     """What the recordings of the fit show of themselves."""
 
@@ -129,6 +150,7 @@ class DataQualityRecord(Record, of=DataQuality, leave_out=("measures",)):
     free_residual: Numbers = attribute("measures.free_errors")
     standstill: Numbers = attribute("measures.channels.standstill")
     clipped: Numbers = attribute("measures.channels.clipped")
+    visible: VisibleSizesRecord | None = attribute("measures.visible")
 
 
 class LadderRecord(Record, of=Ladder, leave_out=("model",)):
@@ -263,6 +285,8 @@ class IdentifyRecord(
     """Parameters of a robot from recordings by several methods, and which one to trust.
 
     joint_names: order of all numbers per joint
+    gravity: found from the recordings, in world axes [m/s²]; null where it was given
+    gravity_deviation: standard deviation of its direction [°]
     data_quality: what the recordings of the fit show of themselves; null where they are too short
     excitation: how well they excite each group of parameters
     recording: what was fitted and predicted
@@ -290,6 +314,8 @@ class IdentifyRecord(
     reason = attribute("recommendation.reason")
     best = attribute("recommendation.best")
     rejection_reasons = attribute("recommendation.rejection_reasons")
+    gravity: Sequence[float] | None = attribute("gravity.gravity")
+    gravity_deviation: Number = attribute("gravity.deviation")
     data_quality: DataQualityRecord | None
     excitation: Sequence[Excitation]
     ladder: LadderRecord | None

@@ -79,6 +79,7 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
         (
             ("fitted", f"{counted(found.fit.n_rows, 'row')} of {', '.join(fit.files)}"),
             ("held out", f"{found.division.words}, {counted(held_out_rows, 'row')}"),
+            *_gravity(found),
             *(("" if k else "prepared", step) for k, step in enumerate(fit.steps)),
             (
                 f"parameters{of_model}",
@@ -96,6 +97,16 @@ def _overview(found: Identified, shown: MethodResult | None) -> Facts:
             ("exogeneity", _model(found, shown).exogeneity),
         )
     )
+
+
+def _gravity(found: Identified) -> tuple[tuple[str, str], ...]:
+    """Gravity, if it was found from the recordings."""
+    if found.gravity is None:
+        return ()
+    vector = " ".join(f"{g:.4g}" for g in found.gravity.gravity)
+    before, after = (100 * np.exp(np.mean(np.log(errors))) for errors in (found.gravity.before, found.gravity.after))
+    words = f"{vector} m/s² in world axes, direction ± {found.gravity.deviation:.2g}°, found from the recordings"
+    return (("gravity", f"{words}: the equations fit with {after:.3g} % instead of {before:.3g} %"),)
 
 
 def _nearly_undetermined(comparison: MethodComparison) -> tuple[tuple[str, str], ...]:

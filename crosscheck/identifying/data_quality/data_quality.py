@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
+from crosscheck.identifying.data_quality.causes import cause_in_words, remedy_of
 from crosscheck.identifying.data_quality.finding import QualityFinding, finding_of
 from crosscheck.identifying.data_quality.halves_and_delays import findings_of_halves, hints_of_delays
 from crosscheck.identifying.data_quality.mapping_lines import mapping_lines, recorded_columns
 from crosscheck.identifying.data_quality.remedies import change_in_words
+from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
@@ -26,6 +29,9 @@ from graphdyn.identification.terms import AsymmetricCoulomb, Coulomb, Drift
 
 MIN_CLIPPED_SHARE = 0.01
 """Share of clipped rows from which there is a warning."""
+
+MAX_CLIPPED_SHARE = 0.05
+"""Share of clipped rows up to which a recording may be used: more of them distort friction and gravity."""
 
 MIN_STANDSTILL_SHARE = 0.9
 """Share of standstill from which a joint counts as hardly moving."""
@@ -74,7 +80,7 @@ def data_quality(
         return None
     try:
         found = assess_recording(
-            _row_by_row(torque_model),
+            row_by_row(torque_model),
             [piece for pieces, _ in parts for piece in pieces],
             torques=[tau for _, torques in parts for tau in torques],
             columns=recorded_columns(recordings[0]),
@@ -82,7 +88,12 @@ def data_quality(
         )
     except TooShort:
         return None
-    said = [*_faults(found, recordings[0]), *_of_channels(found)]
+    said = [
+        *clock_findings(found),
+        *_faults(found, recordings[0]),
+        *held_findings(recordings),
+        *_of_channels(found),
+    ]
     sound = not any(finding.severity == "fault" for finding in said)  # else gains and fits suffer from it
     said += findings_of_halves(found)
     if sound:
@@ -91,7 +102,7 @@ def data_quality(
     return DataQuality(found, tuple(said), _unseen(found))
 
 
-def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
+def row_by_row(torque_model: TorqueModel) -> TorqueModel:
     """The torque model with Coulomb friction in place of friction with memory, and without drifts: rows are
     independent.
 
@@ -105,14 +116,19 @@ def _row_by_row(torque_model: TorqueModel) -> TorqueModel:
 
 
 def _faults(found: RecordingQuality, recording: Recording) -> Iterator[QualityFinding]:
-    lines = mapping_lines([fault.change for fault in found.faults], recording)
-    for fault, own_lines in zip(found.faults, lines, strict=True):
-        remedy = "correct it in the mapping"
+    """Faults in the order of their correction, and hints."""
+    changes = [fault.change for fault in found.faults if isinstance(fault.change, Change)]
+    lines = dict(zip(map(id, changes), mapping_lines(changes, recording), strict=True))
+    for fault in found.faults:
+        remedy = remedy_of(fault.change)
         if fault.instead:
-            others = "; or ".join(dict.fromkeys(change_in_words(other, found.joint_names) for other in fault.instead))
-            remedy += f", unless {others}, which would fit about as well"
+            words = (cause_in_words(replace(fault, change=x), found.joint_names, found.gravity) for x in fault.instead)
+            remedy += f", unless {'; or '.join(dict.fromkeys(words))}, which would fit about as well"
         when = "undone after those above" if fault is not found.faults[0] else "undone"
-        yield finding_of(found, fault, "fault", f"{{what}}: {when}", remedy, own_lines)
+        yield finding_of(found, fault, "fault", f"{{what}}: {when}", remedy, lines.get(id(fault.change), ()))
+    for fault in found.hints:
+        remedy = "no reason to refuse the recording; check it where you can"
+        yield finding_of(found, fault, "hint", "perhaps {what}: undone", remedy)
 
 
 def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
@@ -125,9 +141,14 @@ def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
         message = f"the torque of {names[j]} does not change"
         remedy = "name the right column, or lock the joint"
         yield QualityFinding("constant-torque", "fault", (names[j],), message, remedy)
-    explained = {j for fault in found.faults for j in fault.change.joints if fault.change.alone}
+    explained = {
+        j
+        for fault in found.faults
+        for j in fault.change.joints
+        if isinstance(fault.change, Change) and fault.change.alone
+    }
     for j, gain in enumerate(raw.velocity_gain):
-        if abs(gain - 1) > MAX_RATE_GAIN_ERROR and j not in explained:
+        if abs(gain - 1) > MAX_RATE_GAIN_ERROR and j not in explained and np.isnan(clock_rate(found)):
             message = f"v of {names[j]} is {gain:.3g} times the rate of q"
             remedy = "correct unit, sign or column of [v] or [q], or leave [v] out"
             yield QualityFinding("velocity", "fault", (names[j],), message, remedy)
@@ -135,7 +156,8 @@ def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
         if j in raw.constant_torques:
             continue
         message = f"the torque of {names[j]} is held at an end of its range in {100 * raw.clipped[j]:.0f} % of the rows"
-        yield QualityFinding("clipped", "warning", (names[j],), message, "use --drop saturation")
+        severity: Literal["fault", "warning"] = "fault" if raw.clipped[j] > MAX_CLIPPED_SHARE else "warning"
+        yield QualityFinding("clipped", severity, (names[j],), message, "use --drop saturation")
     for j in np.flatnonzero(raw.standstill > MIN_STANDSTILL_SHARE).tolist():
         message = f"{names[j]} stands still in {100 * raw.standstill[j]:.0f} % of the rows"
         yield QualityFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it")

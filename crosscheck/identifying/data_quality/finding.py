@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.identifying.data_quality.remedies import change_in_words
+from crosscheck.identifying.data_quality.causes import cause_in_words, code_of
 from graphdyn.identification.data_quality import DataFault, RecordingQuality
 
 
@@ -45,9 +45,9 @@ def finding_of(
 ) -> QualityFinding:
     """The finding of a fault. words: with {what} in place of the fault, before what its correction gains"""
     names = tuple(found.joint_names[j] for j in fault.change.joints)
-    what = change_in_words(fault.change, found.joint_names, fault.deviation)
+    what = cause_in_words(fault, found.joint_names, found.gravity)
     message = f"{words.format(what=what)}, the equations of motion fit with {errors_in_words(fault)}"
-    return QualityFinding(fault.change.kind.replace(" ", "-"), severity, names, message, remedy, lines)
+    return QualityFinding(code_of(fault.change), severity, names, message, remedy, lines)
 
 
 def errors_in_words(fault: DataFault) -> str:

@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crosscheck.recordings import ColumnMapping, Recording
-from crosscheck.recordings.mapping.mapping import MAPPED_QUANTITIES, Channel
+from crosscheck.recordings.mapping.mapping import MAPPED_QUANTITIES, Channel, Transmission
 from crosscheck.recordings.mapping.units import SLIDING_UNITS, TURNING_UNITS
 from graphdyn.identification.data_quality import Change, RecordedColumns
 from graphdyn.layout import Array
 
-FACTOR_ROUNDING = 1e-9
+UNIT_TOLERANCE = 1e-9
 """Largest relative difference between a factor and that of its unit: rounding."""
 
 
@@ -72,6 +73,10 @@ def _corrected(
     """The mapping after the change of its columns. original: the mapping with which the recording was read"""
     to_mapping = [joint_names.index(joint) for joint in mapping.joints]
     both = np.ix_(to_mapping, to_mapping)
+    if change.kind in ("coupled positions", "coupled joints"):
+        return _coupled(mapping, change, both)
+    if change.kind == "time scale":
+        return _slower(mapping, change.factor)
     matrices = {"q": change.position, "v": change.velocity, "a": change.velocity, "tau": change.torque}
     channels = dict(mapping.channels)
     for name, matrix in matrices.items():
@@ -87,6 +92,33 @@ def _corrected(
         late = np.isin(to_mapping, change.joints) * change.factor
         channels["tau"] = replace(channels["tau"], delays=channels["tau"].delays + late)
     return replace(mapping, channels=channels)
+
+
+def _slower(mapping: ColumnMapping, factor: float) -> ColumnMapping:
+    """The mapping with the times multiplied by a factor."""
+    if mapping.time is None:
+        return replace(mapping, rate=None if mapping.rate is None else mapping.rate / factor)
+    time = mapping.time
+    return replace(mapping, time=replace(time, factor=time.factor * factor, gain=time.gain * factor))
+
+
+def _coupled(mapping: ColumnMapping, change: Change, both: tuple[NDArray[np.intp], ...]) -> ColumnMapping:
+    """The mapping with columns that a transmission couples."""
+    assert change.position is not None
+    n = len(mapping.joints)
+    motor = {name: channel.motor for name, channel in mapping.channels.items()}
+    given = mapping.transmission or Transmission(np.eye(n), np.eye(n))
+    torque_matrix = given.torque_matrix if motor.get("tau") else np.eye(n)
+    if change.torque is not None:
+        torque_matrix = torque_matrix @ change.torque[both]
+    matrix: Array = np.asarray(np.linalg.solve(change.position[both], given.matrix if motor["q"] else np.eye(n)))
+    channels = {
+        name: replace(channel, motor=name in ("q", "v", "a") or change.torque is not None or channel.motor)
+        if name != "temperature"
+        else channel
+        for name, channel in mapping.channels.items()
+    }
+    return replace(mapping, channels=channels, transmission=Transmission(matrix, torque_matrix))
 
 
 def _multiplied(channel: Channel, matrix: Array) -> Channel:
@@ -105,6 +137,10 @@ def _multiplied(channel: Channel, matrix: Array) -> Channel:
 def _lines(before: ColumnMapping, after: ColumnMapping) -> tuple[str, ...]:
     """The lines that make one mapping the other."""
     lines: list[str] = []
+    if after.rate != before.rate:
+        lines.append(f"rate = {after.rate:.9g}")
+    if after.time is not None and after.time != before.time:
+        lines += ["[time]", f"gain = {after.time.gain:.6g}"]
     for name in MAPPED_QUANTITIES:
         if name not in after.channels:
             continue
@@ -113,6 +149,9 @@ def _lines(before: ColumnMapping, after: ColumnMapping) -> tuple[str, ...]:
             return ()
         if keys:
             lines += [f"[{name}]", *(f"{key} = {value}" for key, value in keys.items())]
+    if after.transmission is not None and after.transmission is not before.transmission:
+        matrix, torque_matrix = after.transmission.matrix, after.transmission.torque_matrix
+        lines += ["[transmission]", f"matrix = {_matrix(matrix)}", f"torque_matrix = {_matrix(torque_matrix)}"]
     return tuple(lines)
 
 
@@ -120,7 +159,7 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
     """Keys of a table with new values; None if no key has the value that is needed."""
     keys: dict[str, str] = {}
     sizes = after.factor * after.signs
-    resized = not np.allclose(sizes, before.factor * before.signs, rtol=FACTOR_ROUNDING, atol=0)
+    resized = not np.allclose(sizes, before.factor * before.signs, rtol=UNIT_TOLERANCE, atol=0)
     with_gain = resized and name == "tau"
     if before.columns != after.columns:
         keys["columns"] = "[" + ", ".join(_toml(column) for column in after.columns) + "]"
@@ -128,6 +167,8 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
         units = [
             _unit(name, 1.0 if with_gain else size, slides) for size, slides in zip(sizes, after.slides, strict=True)
         ]
+        if None in units and name != "temperature":
+            with_gain, units = True, [_unit(name, 1.0, slides) for slides in after.slides]
         if None in units:
             return None
         quoted = [f'"{unit}"' for unit in units]
@@ -136,9 +177,11 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
         keys["sign"] = _numbers(after.signs)
     if with_gain:
         keys["gain"] = _numbers(sizes)
+    if before.motor != after.motor:
+        keys["side"] = '"motor"'
     if not np.array_equal(before.offset, after.offset):
         degrees = np.rad2deg(after.offset)
-        in_degrees = np.where(np.abs(degrees - 360) < FACTOR_ROUNDING, 0.0, degrees)
+        in_degrees = np.where(np.abs(degrees - 360) < UNIT_TOLERANCE, 0.0, degrees)
         keys["offset"] = _numbers(after.offset if any(after.slides) else in_degrees)
         keys["offset_unit"] = '"rad"' if any(after.slides) else '"deg"'
     if not np.array_equal(before.delays, after.delays):
@@ -149,13 +192,17 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
 def _unit(name: str, size: float, slides: bool | None) -> str | None:
     """The unit with this factor; None if there is none."""
     units = SLIDING_UNITS[name] if slides else TURNING_UNITS[name]
-    return next((unit for unit, factor in units.items() if abs(size / factor - 1) < FACTOR_ROUNDING), None)
+    return next((unit for unit, factor in units.items() if abs(size / factor - 1) < UNIT_TOLERANCE), None)
 
 
 def _toml(column: str | int) -> str:
     if isinstance(column, int):
         return str(column)
     return '"' + column.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def _matrix(values: Array) -> str:
+    return "[" + ", ".join(map(_numbers, values)) + "]"
 
 
 def _numbers(values: Array) -> str:

@@ -9,9 +9,20 @@ import numpy as np
 from graphdyn.identification.data_quality import Change
 from graphdyn.layout import Array
 
+MIN_TILT = 0.5
+"""Angle [°] from which gravity has another direction than that of the model."""
 
-def change_in_words(change: Change, joint_names: Sequence[str], deviation: float = float("nan")) -> str:
-    """The fault as text, such as "the torque of elbow is reversed". deviation: of a lag [s]."""
+SAME_DIRECTION = 1e-6
+"""Relative difference of vectors below which they are the same up to rounding."""
+
+
+def change_in_words(
+    change: Change, joint_names: Sequence[str], deviation: float = float("nan"), gravity: Array | None = None
+) -> str:
+    """The fault as text, such as "the torque of elbow is reversed".
+
+    deviation: of the size that was found: a delay [s], an angle [°], a factor; gravity: that of the model (3,) [m/s²]
+    """
     names = " and ".join(joint_names[j] for j in change.joints)
     alone = {"": "", "position": " (velocity right)", "velocity": " in its velocity alone"}[change.alone]
     turned = ""
@@ -35,12 +46,29 @@ def change_in_words(change: Change, joint_names: Sequence[str], deviation: float
         case "all positions reversed":
             return "all positions are reversed"
         case "degrees":
-            return f"the positions are in degrees{alone}"
+            return f"the {_positions(change, names)} in degrees{alone}"
         case "radians":
-            return f"the positions are in rad, and were taken for degrees{alone}"
+            return f"the {_positions(change, names)} in rad, and taken for degrees{alone}"
         case "zero":
-            degrees = float(np.rad2deg(change.zero[list(change.joints)][0]))  # type: ignore[index]
-            return f"the zero of {names} is {-degrees:g}° away from that of the model"
+            degrees = -float(np.rad2deg(change.zero[list(change.joints)][0]))  # type: ignore[index]
+            size = f"{degrees:.3g} ± {deviation:.2g}" if np.isfinite(deviation) else f"{degrees:g}"
+            return f"the zero of {names} is {size}° away from that of the model"
+        case "gear ratio":
+            torques = "" if change.torque is None else f", and its torque {change.factor:.4g} times"
+            size = f"{1 / change.factor:.4g}{_plus_minus(deviation / change.factor**2)}"
+            return f"the position of {names} is {size} times the right one{torques}, as with another gear ratio"
+        case "time scale":
+            size = f"{1 / change.factor:.4g}{_plus_minus(deviation / change.factor**2)}"
+            return f"the clock runs at {size} times the right rate, or gravity has another size than in the model"
+        case "gravity":
+            return _mounting(np.asarray(change.gravity), gravity, deviation)
+        case "gravity subtracted":
+            return "the torques hold no gravity; it was subtracted before they were recorded"
+        case "coupled positions" | "coupled joints":
+            driven, driving = (joint_names[j] for j in change.joints)
+            sign = "plus" if change.factor > 0 else "minus"
+            torques = ", and its torque acts on both" if change.torque is not None else ""
+            return f"the angle of {driven} is its column {sign} that of {driving}{torques}"
         case "scaled torque":
             if len(change.joints) > 1:
                 return f"all torques are {change.factor:.3g} times those of CAD and drives, as in another unit"
@@ -51,6 +79,37 @@ def change_in_words(change: Change, joint_names: Sequence[str], deviation: float
             return f"{who} recorded {1e3 * abs(change.factor):.1f} ± {1e3 * deviation:.1f} ms {when}"
 
 
+def _positions(change: Change, names: str) -> str:
+    """Whose positions a unit concerns, with the verb."""
+    return "positions are" if len(change.joints) > 1 else f"position of {names} is"
+
+
+def _plus_minus(deviation: float) -> str:
+    return f" ± {deviation:.1g}" if np.isfinite(deviation) else ""
+
+
 def _with_factors(matrix: Array | None) -> str:
     """Whether the factors of exchanged columns stay with the joints."""
     return "" if matrix is None or np.all((matrix == 0) | (matrix == 1)) else ", their signs and gains are not"
+
+
+def _mounting(found: Array, gravity: Array | None, deviation: float) -> str:
+    """Direction and size of gravity against those of the model."""
+    told = f"gravity is ({', '.join(f'{g:.3g}' for g in found)}) m/s² in world axes"
+    if gravity is None or not np.any(gravity):
+        return told
+    size, given = float(np.linalg.norm(found)), float(np.linalg.norm(gravity))
+    cosine = float(np.clip(found @ gravity / (size * given), -1, 1))
+    angle = float(np.rad2deg(np.arccos(cosine)))
+    if angle > MIN_TILT:
+        axis = np.cross(found, gravity)
+        told += f", {angle:.3g} ± {deviation:.2g}° from that of the model"
+        if np.linalg.norm(axis) > SAME_DIRECTION * size * given:  # turned the other way than gravity in its frame
+            told += f": the robot is mounted turned by this angle about ({_unit(axis)})"
+    if abs(size / given - 1) > SAME_DIRECTION:
+        told += f", {size / given:.3g} times its size"
+    return told
+
+
+def _unit(axis: Array) -> str:
+    return ", ".join(f"{x + 0:.2g}" for x in np.round(axis / np.linalg.norm(axis), 2))

@@ -21,6 +21,7 @@ from crosscheck.identifying.results.rejection_reasons import rejection_reasons
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import MethodResult, ResidualStatistics
+from graphdyn.identification.data_quality import FoundGravity
 from graphdyn.layout import Array
 
 
@@ -34,6 +35,7 @@ class Identified(IdentifiedModel):
     division: which rows were fitted and which predicted
     others: further torque models on the same rows: those that were asked for, and the links of CAD with fitted drives
     constant: errors of a constant torque on the predicted rows
+    gravity: gravity that was found from the recordings; None where it was given
     data_quality: data quality of the recordings of the fit; None where they are too short to tell
     validation_data_quality: of every recording that is predicted and not fitted, likewise
     truth: the true parameters of a virtual robot           (p,)
@@ -45,6 +47,7 @@ class Identified(IdentifiedModel):
     preparation: Preparation
     others: tuple[IdentifiedModel, ...] = ()
     constant: ResidualStatistics
+    gravity: FoundGravity | None = None
     data_quality: DataQuality | None = None
     validation_data_quality: tuple[DataQuality | None, ...] = ()
     truth: Array | None = None

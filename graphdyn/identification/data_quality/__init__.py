@@ -1,8 +1,10 @@
 """Data quality of a recording before the identification: its faults, and faults that it cannot reveal."""
 
+from graphdyn.identification.data_quality.additions import Addition
 from graphdyn.identification.data_quality.bounded_fit import contradictions
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels
+from graphdyn.identification.data_quality.held_channels import HeldValues, held_values
 from graphdyn.identification.data_quality.measured_torque import Gains
 from graphdyn.identification.data_quality.recording_quality import (
     Excitation,
@@ -10,24 +12,36 @@ from graphdyn.identification.data_quality.recording_quality import (
     assess_recording,
     excitation,
 )
-from graphdyn.identification.data_quality.searching import MAX_RATE_GAIN_ERROR, DataFault
+from graphdyn.identification.data_quality.searching import (
+    MAX_RATE_GAIN_ERROR,
+    DataFault,
+    FoundGravity,
+    found_gravity,
+)
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
 from graphdyn.identification.data_quality.torque_delays import MIN_DELAY, Lag
+from graphdyn.identification.data_quality.visible import VisibleSizes
 
 __all__ = [
     "MAX_RATE_GAIN_ERROR",
     "MIN_DELAY",
+    "Addition",
     "Change",
     "Channels",
     "DataFault",
     "Excitation",
+    "FoundGravity",
     "Gains",
+    "HeldValues",
     "Lag",
     "Piece",
     "RecordedColumns",
     "RecordingQuality",
     "TooShort",
+    "VisibleSizes",
     "assess_recording",
     "contradictions",
     "excitation",
+    "found_gravity",
+    "held_values",
 ]

@@ -58,6 +58,13 @@ class Bounds:
                 nonnegative[columns] = True
         return cls(matrix, nonnegative)
 
+    def extended(self, columns: int, *, body: bool) -> Bounds:
+        """The bounds with further parameters, which are free but for the mass of a body, the first of them."""
+        p = len(self.nonnegative)
+        matrix, nonnegative = np.eye(p + columns), np.zeros(p + columns, dtype=bool)
+        matrix[:p, :p], nonnegative[:p], nonnegative[p] = self.to_parameters, self.nonnegative, body
+        return Bounds(matrix, nonnegative)
+
 
 class BoundedFit:
     """The equations of a torque model over N samples, fitted to one measured torque after another.
@@ -97,9 +104,14 @@ class BoundedFit:
         known = np.split(torque_model.known_torque(samples), len(motions))
         return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
 
-    def part(self, rows: slice | NDArray[np.intp]) -> BoundedFit:
+    def part(self, rows: slice | NDArray[np.intp] | NDArray[np.bool_]) -> BoundedFit:
         """The fit of some of the samples."""
         return BoundedFit(self.matrix[rows], self.known[rows], self.kept[rows], self._bounds)
+
+    def extended(self, columns: Array, *, body: bool) -> BoundedFit:
+        """The fit with further columns (N, n, c); of a body the first is that of its mass, which is not negative."""
+        matrix = np.concatenate([self.matrix, columns], axis=-1)
+        return BoundedFit(matrix, self.known, self.kept, self._bounds.extended(columns.shape[-1], body=body))
 
     def errors(self, tau: Array, *, bounded: bool = True) -> Array:
         """‖e_j‖ / ‖τ_j‖ of every joint (n,), not below MIN_RESIDUAL. tau: measured torque (N, n)."""

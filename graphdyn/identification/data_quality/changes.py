@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 
@@ -55,6 +56,12 @@ ChangeKind = Literal[
     "zero",
     "scaled torque",
     "late torque",
+    "gear ratio",
+    "coupled positions",
+    "coupled joints",
+    "time scale",
+    "gravity",
+    "gravity subtracted",
 ]
 
 MAX_PAIRED_JOINTS = 10
@@ -76,10 +83,12 @@ class Change:
 
     joints: those that it concerns                          (k,)
     position, torque: factors of the columns, None for no change   (n, n)
-    velocity: of those of v and a                           (n, n)
+    velocity: of those of v, and of a unless it has its own (n, n)
     zero: added to joint positions                          (n,) [rad]
     alone: position or velocity is changed without the other, because they contradict each other as recorded
     factor: of a scale; delay of the torque [s], of a lag
+    acceleration: factors of the columns of a               (n, n)
+    gravity: in place of that of the model, in world axes   (3,) [m/s²]
     """
 
     kind: ChangeKind
@@ -90,11 +99,20 @@ class Change:
     zero: Array | None = None
     alone: Literal["", "position", "velocity"] = ""
     factor: float = 1.0
+    acceleration: Array | None = None
+    gravity: Array | None = None
 
     @property
     def moves(self) -> bool:
-        """Whether the change affects the motion, so that the equations change."""
-        return self.position is not None or self.velocity is not None or self.zero is not None
+        """Whether the equations change, with the motion or with gravity."""
+        of_motion = (self.position, self.velocity, self.acceleration, self.zero, self.gravity)
+        return any(part is not None for part in of_motion)
+
+    def under_gravity(self, torque_model: TorqueModel) -> TorqueModel:
+        """The torque model under the gravity of the change; itself for a change of columns."""
+        if self.gravity is None:
+            return torque_model
+        return replace(torque_model, model=torque_model.model.with_gravity(self.gravity))
 
     def followed(self, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Rows that count for each joint (N, n), after its standstill has moved to another column."""
@@ -108,8 +126,10 @@ class Change:
         if self.zero is not None:
             q = q + self.zero
         if self.velocity is not None:
-            matrix = _conjugated(self.velocity, columns.position).T
-            v, a = v @ matrix, a @ matrix
+            v = v @ _conjugated(self.velocity, columns.position).T
+        of_a = self.velocity if self.acceleration is None else self.acceleration
+        if of_a is not None:
+            a = a @ _conjugated(of_a, columns.position).T
         if self.torque is not None:
             tau = tau @ _conjugated(self.torque, columns.torque).T
         return replace(samples, q=q, v=v, a=a, tau=tau)
@@ -140,6 +160,11 @@ def changes(
             yield Change("exchanged positions", pair, velocity=swap, alone="velocity")
         if columns is not None:
             yield from _exchanged_alone(swap, pair, columns)
+    for i, j in _pairs(n, slides):
+        if j == i + 1:
+            yield from _coupled(n, i, j)
+            yield from _coupled(n, j, i)
+    yield Change("gravity subtracted", tuple(range(n)), gravity=np.zeros(3))
     everywhere = -np.eye(n)
     yield Change("all torques reversed", tuple(range(n)), torque=everywhere)
     yield Change("all positions reversed", tuple(range(n)), position=everywhere, velocity=everywhere)
@@ -194,7 +219,7 @@ def _reversed_positions(j: int, n: int, slides: bool, contradicting: Sequence[in
         yield Change("reversed position", (j,), velocity=signs, alone="velocity")
     yield Change("reversed joint", (j,), position=signs, velocity=signs, torque=signs)
     if not slides:
-        half = _zero(n, j, 180.0)
+        half = moved_zero(n, j, 180.0)
         yield Change("reversed position", (j,), position=signs, velocity=signs, zero=half)
         yield Change("reversed joint", (j,), position=signs, velocity=signs, torque=signs, zero=half)
 
@@ -203,6 +228,11 @@ def _angles(turning: Sequence[int], n: int, contradicting: Sequence[int]) -> Ite
     if not turning:
         return
     for kind, factor in (("degrees", np.pi / 180), ("radians", 180 / np.pi)):
+        for j in turning:
+            scale = np.eye(n)
+            scale[j, j] = factor
+            alone: Literal["", "position"] = "position" if j in contradicting else ""
+            yield Change(kind, (j,), position=scale, velocity=None if alone else scale, alone=alone)  # type: ignore[arg-type]
         scale = np.eye(n)
         scale[turning, turning] = factor
         if set(contradicting) & set(turning):
@@ -211,7 +241,7 @@ def _angles(turning: Sequence[int], n: int, contradicting: Sequence[int]) -> Ite
             yield Change(kind, tuple(turning), position=scale, velocity=scale)  # type: ignore[arg-type]
     for j in turning:
         for degrees in TRIAL_ZERO_OFFSETS:
-            yield Change("zero", (j,), zero=_zero(n, j, degrees))
+            yield Change("zero", (j,), zero=moved_zero(n, j, degrees))
 
 
 def _pairs(n: int, slides: Sequence[bool]) -> Iterator[tuple[int, int]]:
@@ -226,13 +256,25 @@ def _signs(n: int, joints: Sequence[int]) -> Array:
     return signs
 
 
+def _coupled(n: int, driven: int, driving: int) -> Iterator[Change]:
+    """A joint whose column is its angle to the link before last, or that turns with another joint's motor."""
+    for factor in (1.0, -1.0):
+        position = np.eye(n)
+        position[driven, driving] = factor
+        pair = (driven, driving)
+        yield Change("coupled positions", pair, position=position, velocity=position, factor=factor)
+        torque: Array = np.asarray(np.linalg.inv(position).T, dtype=float)
+        yield Change("coupled joints", pair, position=position, velocity=position, torque=torque, factor=factor)
+
+
 def _exchange(n: int, i: int, j: int) -> Array:
     order = np.arange(n)
     order[[i, j]] = j, i
     return np.eye(n)[order]
 
 
-def _zero(n: int, j: int, degrees: float) -> Array:
+def moved_zero(n: int, j: int, degrees: float) -> Array:
+    """The zero of one joint moved, for Change.zero (n,) [rad]."""
     zero = np.zeros(n)
     zero[j] = np.deg2rad(degrees)
     return zero

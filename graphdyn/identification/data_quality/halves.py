@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
+from graphdyn.identification.data_quality.additions import Addition
 from graphdyn.identification.data_quality.changes import Change
 from graphdyn.identification.data_quality.searching import DataFault
 from graphdyn.identification.data_quality.thinning import Piece, TooShort
@@ -72,6 +73,6 @@ def halved(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
     return first, second
 
 
-def _kind(change: Change) -> tuple[str, tuple[int, ...], str]:
+def _kind(change: Change | Addition) -> tuple[str, tuple[int, ...], str]:
     """What makes two changes the same, whatever their sizes are."""
-    return change.kind, tuple(sorted(change.joints)), change.alone
+    return change.kind, tuple(sorted(change.joints)), change.alone if isinstance(change, Change) else ""

@@ -1,8 +1,7 @@
-"""Held-out error of a recording with and without a change of its torques: blocks predicted by a fit on the others."""
+"""Held-out error of a recording with and without a change: blocks predicted by a fit of the others."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,24 +32,25 @@ class HeldOutGain(NamedTuple):
 NOT_ASKED = HeldOutGain(float("nan"), float("nan"))
 
 
-def held_out_gain(fit: BoundedFit, before: Array, after: Array) -> HeldOutGain:
-    """Gain of torques (N, n) after a change over those before it. fit: of the same rows"""
-    blocks = np.array_split(np.arange(len(before)), HELD_OUT_BLOCKS)
-    squares = np.array([_squares(fit, (before, after), block) for block in blocks])
-    size = np.sum(np.where(fit.kept, before, 0.0) ** 2, axis=0)
-    floor = MIN_RESIDUAL**2 * np.where(size > 0, size, 1.0)
+def held_out_squares(fit: BoundedFit, tau: Array) -> Array:
+    """‖e_j‖² of every block, predicted by a fit of the others, relative to ‖τ_j‖² (blocks, n). tau: measured (N, n)."""
+    squares = []
+    for block in np.array_split(np.arange(len(tau)), HELD_OUT_BLOCKS):
+        rest = np.delete(np.arange(len(tau)), block)
+        x = fit.part(rest).parameters(tau[rest])
+        squares.append(np.nansum(fit.part(block).residual(tau[block], x) ** 2, axis=0))
+    size = np.sum(np.where(fit.kept, tau, 0.0) ** 2, axis=0)
+    return np.array(squares) / np.where(size > 0, size, 1.0)
 
-    def gained(some: Array) -> float:
-        first, second = np.maximum(some.sum(axis=0), floor)
+
+def held_out_gain(before: Array, after: Array) -> HeldOutGain:
+    """Gain from the errors before a change to those after it, as of held_out_squares (blocks, n)."""
+
+    def gained(kept: NDArray[np.intp]) -> float:
+        first, second = (np.maximum(squares[kept].sum(axis=0), MIN_RESIDUAL**2) for squares in (before, after))
         return float(np.sum(np.log(first / second)) / 2)
 
-    others = np.array([gained(np.delete(squares, k, axis=0)) for k in range(HELD_OUT_BLOCKS)])
-    variance = (HELD_OUT_BLOCKS - 1) / HELD_OUT_BLOCKS * np.sum((others - others.mean()) ** 2)
-    return HeldOutGain(gained(squares), float(np.sqrt(variance)))
-
-
-def _squares(fit: BoundedFit, torques: Sequence[Array], block: NDArray[np.intp]) -> list[Array]:
-    """Sum of the squared residuals of each joint (n,) in a block that the other rows predict, for each torque."""
-    rest = np.delete(np.arange(len(torques[0])), block)
-    others, own = fit.part(rest), fit.part(block)
-    return [np.nansum(own.residual(tau[block], others.parameters(tau[rest])) ** 2, axis=0) for tau in torques]
+    every = np.arange(len(before))
+    others = np.array([gained(np.delete(every, k)) for k in every])
+    variance = (len(every) - 1) / len(every) * np.sum((others - others.mean()) ** 2)
+    return HeldOutGain(gained(every), float(np.sqrt(variance)))

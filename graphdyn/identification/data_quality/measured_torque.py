@@ -40,8 +40,8 @@ class Gains:
     without_gain: Array
 
 
-def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains:
-    """Gains of these samples. fit: of the same samples."""
+def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit, further: Array | None = None) -> Gains:
+    """Gains of these samples. fit: of the same samples; further: columns that belong to no body (N, n, c)."""
     prior = torque_model.prior()
     model = fit.matrix @ prior + fit.known
     drives = drive_columns(torque_model)
@@ -50,6 +50,8 @@ def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Gains
     for j in range(n):
         kept = fit.kept[:, j]
         own = np.column_stack([fit.matrix[kept, j][:, drives], samples.a[kept, j]])
+        if further is not None:
+            own = np.column_stack([own, further[kept, j]])
         own = own[:, np.any(own != 0, axis=0)]
         tau, predicted = samples.tau[kept, j], model[kept, j]
         size = np.linalg.norm(tau)

@@ -15,14 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.identification.algebra.least_squares import one_thread
+from graphdyn.identification.data_quality.additions import Addition
 from graphdyn.identification.data_quality.bounded_fit import BoundedFit, contradictions, halves_apart
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels import Channels, channels
 from graphdyn.identification.data_quality.halves import FaultsByHalves, faults_by_halves
 from graphdyn.identification.data_quality.measured_torque import Gains, gains
-from graphdyn.identification.data_quality.searching import DataFault, corrected, examined, search, variation
+from graphdyn.identification.data_quality.searching import MIN_CHANGE_GAIN, DataFault, Examined, search
 from graphdyn.identification.data_quality.thinning import Piece
 from graphdyn.identification.data_quality.torque_delays import Lag
+from graphdyn.identification.data_quality.trials import variation
+from graphdyn.identification.data_quality.visible import VisibleSizes, visible_sizes
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import RigidBodies
@@ -85,10 +88,13 @@ def _words(name: str) -> str:
 class RecordingQuality:
     """Data quality of a recording with n joints, those that no others drive.
 
+    gravity: of the model, in world axes                    (3,) [m/s²]
     faults: in the order of their correction; none are searched if a channel holds no signal of its own
+    hints: what would gain a little
     half_faults: of the first half alone, and of the second, if the halves contradict each other
     doubtful: what else the whole of such a recording shows, or one half
     unseen: changes after which the recording would fit equally well, so that it cannot reveal them
+    visible: the smallest faults that it would reveal; None if no faults were searched
     errors: ‖e_j‖ / ‖τ_j‖ of the fit within bounds, as recorded                      (n,)
     free_errors: the same without bounds                                             (n,)
     sign_costs: rise of Σ log ‖e_j‖ with the torque of each joint reversed           (n,)
@@ -100,10 +106,13 @@ class RecordingQuality:
     """
 
     joint_names: tuple[str, ...]
+    gravity: Array
     faults: tuple[DataFault, ...]
+    hints: tuple[DataFault, ...]
     half_faults: tuple[tuple[DataFault, ...], tuple[DataFault, ...]]
     doubtful: tuple[DataFault, ...]
     unseen: tuple[Change, ...]
+    visible: VisibleSizes | None
     errors: Array
     free_errors: Array
     sign_costs: Array
@@ -138,35 +147,46 @@ def assess_recording(
     model = torque_model.model
     columns = columns or RecordedColumns.of_joints(model.nv)
     with one_thread():
-        now = examined(torque_model, pieces, min_speed)
+        now = Examined.of(torque_model, pieces, min_speed)
         fit, tau = now.fit, now.samples.tau
         found_gains = gains(torque_model, now.samples, fit)
         raw = channels(pieces, torques or [piece.samples.tau for piece in pieces])
         faults: tuple[DataFault, ...] = ()
+        hints: tuple[DataFault, ...] = ()
         unseen: tuple[Change, ...] = ()
+        visible = None
         left, halves = now, halves_apart(tau, fit)
         by_halves = FaultsByHalves((), ((), ()), ())
         apart = np.zeros_like(contradictions(halves))
         if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):
-            faults, unseen, left = search(torque_model, pieces, columns, now, found_gains)
+            faults, hints, unseen, curves, left = search(now, columns, found_gains)
+            visible = visible_sizes(left.part, left.thinned, curves, MIN_CHANGE_GAIN)
             apart = contradictions(halves) & contradictions(halves_apart(left.samples.tau, left.fit))
         if apart.any():
 
             def searched(part: Sequence[Piece]) -> tuple[DataFault, ...]:
-                there = examined(torque_model, part, min_speed)
-                of_part = gains(torque_model, there.samples, there.fit)
-                return search(torque_model, part, columns, there, of_part)[0]
+                there = Examined.of(torque_model, part, min_speed)
+                found = search(there, columns, gains(torque_model, there.samples, there.fit)).faults
+                return tuple(fault for fault in found if isinstance(fault.change, Change))
 
-            by_halves = faults_by_halves(pieces, faults, np.flatnonzero(apart.any(axis=0)), searched)
-            faults = by_halves.of_both
-            left = corrected(torque_model, pieces, columns, now, [fault.change for fault in faults])
-            apart = contradictions(halves) & contradictions(halves_apart(left.samples.tau, left.fit))
+            of_time = tuple(fault for fault in faults if isinstance(fault.change, Addition))
+            of_columns = tuple(fault for fault in faults if isinstance(fault.change, Change))
+            searched_halves = faults_by_halves(pieces, of_columns, np.flatnonzero(apart.any(axis=0)), searched)
+            if of_time and not any(searched_halves.of_one):
+                apart = np.zeros_like(apart)  # what changed is known
+            else:
+                by_halves, faults = searched_halves, searched_halves.of_both
+                left = now.after([fault.change for fault in faults if isinstance(fault.change, Change)], columns)
+                apart = contradictions(halves) & contradictions(halves_apart(left.samples.tau, left.fit))
         return RecordingQuality(
             joint_names=model.independent_joints,
+            gravity=np.asarray(model.gravity, dtype=float),
             faults=faults,
+            hints=hints,
             half_faults=by_halves.of_one,
             doubtful=by_halves.doubtful,
             unseen=unseen,
+            visible=visible,
             errors=fit.errors(tau),
             free_errors=fit.errors(tau, bounded=False),
             sign_costs=_sign_costs(fit, tau),

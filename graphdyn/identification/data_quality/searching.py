@@ -2,28 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from graphdyn.arguments.choices import MANY_SAMPLES
+from graphdyn.errors import InvalidInput
+from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
+from graphdyn.identification.data_quality.addition_trials import AdditionTrial, tried_additions
+from graphdyn.identification.data_quality.additions import Addition
+from graphdyn.identification.data_quality.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
 from graphdyn.identification.data_quality.channels import rate_gain
-from graphdyn.identification.data_quality.measured_torque import Gains, gains
+from graphdyn.identification.data_quality.held_out import HeldOutGain, held_out_gain, held_out_squares
+from graphdyn.identification.data_quality.measured_torque import Gains
+from graphdyn.identification.data_quality.refining import Curve, curves, refined, tried_gravity
+from graphdyn.identification.data_quality.sizes import sized_changes
 from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
 from graphdyn.identification.data_quality.torque_delays import MIN_DELAY, MIN_DELAY_DEVIATIONS, Lag, lag
+from graphdyn.identification.data_quality.trials import (
+    MIN_HINT_GAIN,
+    MIN_MISFIT_RISE,
+    ChangeTrial,
+    Part,
+    trial_of,
+    tried_changes,
+)
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 MIN_CHANGE_GAIN = 0.5
 """Fall of Σ log ‖e_j‖ from which a change is a fault: the residual of one joint falls by 40 %, or that of six by 8 %.
-On the recordings in docs/industrial_arms.md no wrong change gains more than 0.1, and no fault that is listed there
+On the recordings in docs/industrial_arms.md no wrong change gains more than 0.15, and no fault that is listed there
 less than 0.9."""
+
+MIN_HELD_OUT_DEVIATIONS = 3.0
+"""Gain over blocks that were not fitted, in its standard deviations, from which a size that was found is a fault. On
+the KR300, whose load does not change, a load that is taken off gains 0.6, and there -1.9 ± 1.2."""
+
+MAX_BEHIND_DEVIATIONS = 2.0
+"""Gain of the best change over another one, in its standard deviations, up to which CAD decides between them."""
+
+MIN_CAD_GAIN = 1.0
+"""Fall of the criterion of CAD with fitted drives that confirms a size if the blocks disagree about it."""
+
+MAX_HELD_OUT = 8
+"""Largest number of changes whose gain over blocks that were not fitted is computed, those that gain most."""
+
+MIN_HINT_DEVIATIONS = 3.0
+"""Distance of a size from no change, in standard deviations, from which there is a hint."""
 
 MIN_LATE_GAIN = 0.15
 """Fall of Σ log ‖e_j‖ from which a delay of all torques is a fault. On those three recordings delays of at most 7 ms
@@ -36,11 +66,8 @@ MAX_UNEXPLAINED_SHARE = 0.5
 """Largest part of the variation of the torques, geometric mean over the joints, that a change may leave: if the
 torques are noise, some change always gains."""
 
-MIN_MISFIT_RISE = 0.25
-"""Rise of Σ log ‖e_j‖ below which a recording cannot reveal that a change would be wrong."""
-
-MEASURED_SIZE_KINDS = ("late torque", "scaled torque")
-"""Kinds of changes of a measured size: a small one is no fault, and the gains show a large one."""
+MEASURED_SIZE_KINDS = ("late torque", "scaled torque", "gear ratio", "time scale", "gravity", "gravity subtracted")
+"""Kinds of changes of a measured size: a small one is no fault, and the smallest visible one is stated."""
 
 MAX_FAULTS = 3
 """Largest number of faults, each searched after the correction of the previous one."""
@@ -54,168 +81,234 @@ MAX_RATE_GAIN_ERROR = 0.2
 
 
 @dataclass(frozen=True, eq=False)
-class ChangeTrial:
-    """A change that was tried.
-
-    gained: fall of Σ log ‖e_j‖; errors: ‖e_j‖ / ‖τ_j‖ afterwards (n,)
-    unexplained: the same relative to the variation of the torque, geometric mean over the joints
-    cad_misfit: Σ log of the errors of CAD with fitted drives afterwards, for changes that gain about the same
-    deviation: standard deviation of a size that was found, in its unit; NaN for another change
-    """
-
-    change: Change
-    gained: float
-    errors: Array
-    unexplained: float
-    cad_misfit: Callable[[], float]
-    deviation: float = float("nan")
-
-    @property
-    def convincing(self) -> bool:
-        all_late = self.change.kind == "late torque" and len(self.change.joints) == len(self.errors)
-        needed = MIN_LATE_GAIN if all_late else MIN_CHANGE_GAIN
-        return self.unexplained < MAX_UNEXPLAINED_SHARE and self.gained >= needed
-
-
-@dataclass(frozen=True, eq=False)
 class DataFault:
-    """A fault and the change that corrects it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
+    """A fault, and the change that corrects it or the addition that explains it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
 
     instead: changes that would be nearly as good
     deviation: standard deviation of a size that was found; NaN for another fault
+    parameters: those of the columns of an addition         (c,)
     """
 
-    change: Change
+    change: Change | Addition
     gained: float
     before: Array
     after: Array
     instead: tuple[Change, ...] = ()
     deviation: float = float("nan")
+    parameters: Array | None = None
 
 
 class Examined(NamedTuple):
-    """Rows of a recording, their fit and the delay of their torques."""
+    """A recording, as it is or after changes.
 
+    min_speed: of the rows that count for a joint, (n,) or one for all
+    fit, delays: of the thinned rows
+    """
+
+    torque_model: TorqueModel
+    pieces: Sequence[Piece]
+    min_speed: ArrayLike
     thinned: ThinnedRecording
     fit: BoundedFit
     delays: Lag
+
+    @classmethod
+    def of(cls, torque_model: TorqueModel, pieces: Sequence[Piece], min_speed: ArrayLike) -> Examined:
+        """The recording of these pieces. min_speed: as in Problem"""
+        thinned = ThinnedRecording(pieces)
+        kept = np.abs(thinned.samples.v) >= min_speed
+        resting = kept.mean(axis=0) < MIN_KEPT_SHARE
+        fit = BoundedFit.of(torque_model, thinned.samples, kept | resting)
+        return cls(torque_model, pieces, min_speed, thinned, fit, lag(torque_model, thinned, fit))
 
     @property
     def samples(self) -> Samples:
         return self.thinned.samples
 
+    @property
+    def part(self) -> Part:
+        return Part(self.torque_model, self.samples, self.fit)
 
-def examined(torque_model: TorqueModel, pieces: Sequence[Piece], min_speed: ArrayLike) -> Examined:
-    """Pieces as they are. min_speed: as in Problem"""
-    thinned = ThinnedRecording(pieces)
-    v = np.abs(thinned.samples.v)
-    kept = v >= min_speed
-    resting = kept.mean(axis=0) < MIN_KEPT_SHARE
-    fit = BoundedFit.of(torque_model, thinned.samples, kept | resting)
-    return Examined(thinned, fit, lag(torque_model, thinned, fit))
+    def after(self, changes: Sequence[Change], columns: RecordedColumns) -> Examined:
+        """The recording after some changes, one after the other."""
+        if not changes:
+            return self
+        model, pieces = self.torque_model, self.pieces
+        for change in changes:
+            model, pieces = change.under_gravity(model), [_undone(piece, change, columns) for piece in pieces]
+        return Examined.of(model, pieces, self.min_speed)
 
 
-def search(
-    torque_model: TorqueModel, pieces: Sequence[Piece], columns: RecordedColumns, now: Examined, found_gains: Gains
-) -> tuple[tuple[DataFault, ...], tuple[Change, ...], Examined]:
-    """The faults, the changes that the corrected recording cannot reveal, and this recording.
+class FoundGravity(NamedTuple):
+    """Gravity that explains a recording best.
 
-    now: the recording as it is
+    gravity: in world axes                                  (3,) [m/s²]
+    deviation: standard deviation of its direction          [°]
+    before, after: ‖e_j‖ / ‖τ_j‖ under the gravity of the model, and under this one   (n,)
     """
-    model = torque_model.model
+
+    gravity: Array
+    deviation: float
+    before: Array
+    after: Array
+
+
+def found_gravity(torque_model: TorqueModel, pieces: Sequence[Piece], min_speed: ArrayLike = 0.0) -> FoundGravity:
+    """Direction of gravity, and its size where that fits clearly better, with plausible inertial parameters.
+
+    The arguments are those of assess_recording. Raises InvalidInput if no direction fits, and as assess_recording.
+    """
+    with one_thread():
+        now = Examined.of(torque_model, pieces, min_speed)
+        for trial in (*tried_gravity(now.part, -np.inf),)[-1:]:
+            assert trial.change.gravity is not None
+            before = now.fit.errors(now.samples.tau)
+            return FoundGravity(trial.change.gravity, trial.deviation, before, trial.errors)
+    raise InvalidInput("the torques of the recording fit no gravity; give it by --gravity X Y Z, or gravity=")
+
+
+class Found(NamedTuple):
+    """Result of the search.
+
+    faults: in the order of their correction; hints: what would gain a little in the corrected recording
+    unseen: changes that the corrected recording cannot reveal
+    curves: its criterion over sizes that are to be found; left: the corrected recording
+    """
+
+    faults: tuple[DataFault, ...]
+    hints: tuple[DataFault, ...]
+    unseen: tuple[Change, ...]
+    curves: tuple[Curve, ...]
+    left: Examined
+
+
+def search(now: Examined, columns: RecordedColumns, found_gains: Gains) -> Found:
+    """The faults of a recording, each searched after the correction of the previous ones."""
+    model = now.torque_model.model
     slides = [model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent]
     faults: list[DataFault] = []
     while True:
         before = now.fit.errors(now.samples.tau)
-        contradicting = np.flatnonzero(np.abs(rate_gain(pieces) - 1) > MAX_RATE_GAIN_ERROR).tolist()
+        rates = rate_gain(now.pieces)
+        contradicting = np.flatnonzero(np.abs(rates - 1) > MAX_RATE_GAIN_ERROR).tolist()
         considered = [*changes(slides, contradicting, columns), *scales(found_gains.gain, found_gains.share)]
-        trials = [*_tried(torque_model, now, columns, considered), *_late(torque_model, now)]
-        found = [trial for trial in trials if trial.convincing]
-        if not found or len(faults) == MAX_FAULTS:
-            unseen = [
-                t.change
-                for t in trials
-                if -MIN_MISFIT_RISE < t.gained < MIN_CHANGE_GAIN and t.change.kind not in MEASURED_SIZE_KINDS
-            ]
-            return tuple(faults), tuple(unseen), now
-        largest = max(trial.gained for trial in found)
-        close = [trial for trial in found if trial.gained > largest - MIN_MISFIT_RISE]
-        best = min(close, key=lambda trial: trial.cad_misfit()) if len(close) > 1 else close[0]
-        instead = tuple(trial.change for trial in close if trial is not best)
-        faults.append(DataFault(best.change, best.gained, before, best.errors, instead, best.deviation))
-        pieces, now = _corrected(torque_model, pieces, now, best.change, columns)
+        part = now.part
+        over_size = curves(part, columns, [*sized_changes(slides, contradicting, not contradicting)])
+        trials = [
+            *tried_changes(part, columns, considered),
+            *refined(part, columns, over_size),
+            *tried_gravity(part),
+            *_late(now),
+        ]
+        of_time = [*tried_additions(part)]
+        if len(faults) < MAX_FAULTS and (fault := _decided(part, trials, of_time, before)) is not None:
+            faults.append(fault)
+            if isinstance(fault.change, Change):
+                now = now.after([fault.change], columns)
+                continue
+        hints = tuple(_hints(trials, before)) if len(faults) < MAX_FAULTS else ()
+        return Found(tuple(faults), hints, tuple(_unseen(trials)), tuple(over_size), now)
 
 
-def corrected(
-    torque_model: TorqueModel, pieces: Sequence[Piece], columns: RecordedColumns, now: Examined, some: Sequence[Change]
-) -> Examined:
-    """A recording after some changes, one after the other."""
-    for change in some:
-        pieces, now = _corrected(torque_model, pieces, now, change, columns)
-    return now
+def _decided(
+    part: Part, trials: Sequence[ChangeTrial], of_time: Sequence[AdditionTrial], before: Array
+) -> DataFault | None:
+    """The fault that blocks which were not fitted show most clearly; None if there is no fault.
+
+    Among those that gain about as much there, it is the one after which CAD fits best.
+    """
+    convincing: list[ChangeTrial | AdditionTrial] = [trial for trial in trials if _convinces(trial)]
+    convincing += [trial for trial in of_time if trial.gained >= MIN_CHANGE_GAIN]
+    convincing = sorted(convincing, key=lambda trial: -trial.gained)[:MAX_HELD_OUT]
+    if not convincing:
+        return None
+    unchanged, of_cad = held_out_squares(part.fit, part.samples.tau), part.cad_misfit
+    shown = []
+    for trial in convincing:
+        squares, cad = trial.held_out(), trial.cad_misfit()
+        there = held_out_gain(unchanged, squares)
+        if _holds(trial, there, of_cad - cad):
+            shown.append((trial, there.gained, squares, cad))
+    if not shown:
+        return None
+    first, _, least, _ = max(shown, key=lambda found: found[1])
+    close = [
+        (trial, cad)
+        for trial, _, squares, cad in shown
+        if _about_as_good(held_out_gain(squares, least)) and first.gained - trial.gained < MIN_CHANGE_GAIN
+    ]
+    best = min(close, key=lambda pair: pair[1])[0]
+    if isinstance(best, AdditionTrial):
+        added = [trial for trial, _ in close if isinstance(trial, AdditionTrial)]
+        return _of_addition(min(added, key=_parameters), before)
+    instead = tuple(t.change for t, _ in close if isinstance(t, ChangeTrial) and not _alike(t.change, best.change))
+    return DataFault(best.change, best.gained, before, best.errors, instead, best.deviation)
 
 
-def _corrected(
-    torque_model: TorqueModel, pieces: Sequence[Piece], now: Examined, change: Change, columns: RecordedColumns
-) -> tuple[Sequence[Piece], Examined]:
-    pieces = [_undone(piece, change, columns) for piece in pieces]
-    thinned = ThinnedRecording(pieces)
-    fit = BoundedFit.of(torque_model, thinned.samples, change.followed(now.fit.kept))
-    return pieces, Examined(thinned, fit, lag(torque_model, thinned, fit))
+def _about_as_good(behind: HeldOutGain) -> bool:
+    """Whether a change is about as good as the best one. behind: gain of the best one over it"""
+    return behind.gained < max(MIN_MISFIT_RISE, MAX_BEHIND_DEVIATIONS * behind.deviation)
 
 
-def _tried(
-    torque_model: TorqueModel, now: Examined, columns: RecordedColumns, considered: Sequence[Change]
-) -> Iterator[ChangeTrial]:
-    samples, fit = now.samples, now.fit
-    before = fit.errors(samples.tau)
-    for change in considered:
-        if not change.moves:
-            yield _trial(torque_model, change, before, change.applied(samples, columns), fit)
-    moving, size = [change for change in considered if change.moves], -(-MANY_SAMPLES // len(samples))
-    for start in range(0, len(moving), size):
-        some = moving[start : start + size]
-        motions = [change.applied(samples, columns) for change in some]
-        kept = [change.followed(fit.kept) for change in some]
-        for change, motion, other in zip(some, motions, _fits(torque_model, motions, kept), strict=True):
-            if other is not None:
-                yield _trial(torque_model, change, before, motion, other)
+def _of_addition(trial: AdditionTrial, before: Array) -> DataFault:
+    x, deviation = trial.parameters, trial.deviation
+    return DataFault(trial.addition, trial.gained, before, trial.errors, deviation=deviation, parameters=x)
 
 
-def _fits(
-    torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
-) -> list[BoundedFit | None]:
-    """The fits of changed motions; None for an impossible motion, which a user's term or torque refuses."""
-    try:
-        return [*BoundedFit.several(torque_model, motions, kept)]
-    except Exception:
-        if len(motions) == 1:
-            return [None]
-        return [_fits(torque_model, [motion], [rows])[0] for motion, rows in zip(motions, kept, strict=True)]
+def _parameters(trial: AdditionTrial) -> tuple[int, int, float]:
+    """Order of additions that explain a recording about as well: those with few parameters, of few joints, first."""
+    return trial.addition.columns.shape[-1], len(trial.addition.joints), -trial.gained
 
 
-def _trial(torque_model: TorqueModel, change: Change, before: Array, samples: Samples, fit: BoundedFit) -> ChangeTrial:
-    errors = fit.errors(samples.tau)
-
-    def cad_misfit() -> float:
-        return float(np.nansum(np.log(np.maximum(gains(torque_model, samples, fit).without_gain, MIN_RESIDUAL))))
-
-    varies = variation(samples.tau)
-    unexplained = float(np.exp(np.mean(np.log(errors / np.where(varies > 0, varies, 1.0)))))
-    trial = ChangeTrial(change, float(np.sum(np.log(before / errors))), errors, unexplained, cad_misfit)
-    return trial if trial.convincing else replace(trial, cad_misfit=_not_compared)
+def _convinces(trial: ChangeTrial) -> bool:
+    """Whether a change gains enough for a fault."""
+    all_late = trial.change.kind == "late torque" and len(trial.change.joints) == len(trial.errors)
+    needed = MIN_LATE_GAIN if all_late else MIN_CHANGE_GAIN
+    return trial.unexplained < MAX_UNEXPLAINED_SHARE and trial.gained >= needed
 
 
-def _not_compared() -> float:
-    """A stand-in for the misfit of a change that nobody asks for: that would keep the equations of its motion, 2 MB."""
-    return np.inf
+def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float) -> bool:
+    """Whether blocks that were not fitted, and CAD, confirm a size that was found; other changes need no such proof.
+
+    of_cad: fall of the criterion of CAD with fitted drives
+    """
+    if isinstance(trial, ChangeTrial) and (trial.change.kind == "late torque" or not np.isfinite(trial.deviation)):
+        return True
+    clear = there.gained > MIN_HELD_OUT_DEVIATIONS * there.deviation
+    return there.gained > MIN_HINT_GAIN and (clear or of_cad > MIN_CAD_GAIN)
 
 
-def _late(torque_model: TorqueModel, now: Examined) -> list[ChangeTrial]:
+def _alike(one: Change, other: Change) -> bool:
+    """Whether two changes differ in their size alone."""
+    return (one.kind, one.joints, one.alone) == (other.kind, other.joints, other.alone)
+
+
+def _hints(trials: Sequence[ChangeTrial], before: Array) -> Iterator[DataFault]:
+    """The change of an unknown size that gains most, if it is clearly none."""
+    sized = [trial for trial in trials if trial.gained > MIN_HINT_GAIN and np.isfinite(trial.deviation)]
+    clear = [trial for trial in sized if _size(trial.change) > MIN_HINT_DEVIATIONS * trial.deviation]
+    if clear:
+        best = max(clear, key=lambda trial: trial.gained)
+        yield DataFault(best.change, best.gained, before, best.errors, deviation=best.deviation)
+
+
+def _size(change: Change) -> float:
+    """Distance of a size that was found from no change."""
+    if change.kind == "zero" and change.zero is not None:
+        return float(np.rad2deg(np.abs(change.zero).max()))
+    return abs(change.factor - 1)
+
+
+def _unseen(trials: Sequence[ChangeTrial]) -> Iterator[Change]:
+    for trial in trials:
+        if -MIN_MISFIT_RISE < trial.gained < MIN_CHANGE_GAIN and trial.change.kind not in MEASURED_SIZE_KINDS:
+            yield trial.change
+
+
+def _late(now: Examined) -> Iterator[ChangeTrial]:
     """The torques of all joints, and of each, with a delay removed."""
-    thinned, fit, found = now
+    thinned, fit, found = now.thinned, now.fit, now.delays
     n, before = len(fit.kept.T), fit.errors(thinned.samples.tau)
-    trials = []
     for joints, seconds, deviation, gained, held_out in [
         (tuple(range(n)), found.common, found.deviation, found.gained, found.held_out),
         *(
@@ -231,9 +324,8 @@ def _late(torque_model: TorqueModel, now: Examined) -> list[ChangeTrial]:
         lags[list(joints)] = seconds
         samples = replace(thinned.samples, tau=thinned.torque(lags))
         change = Change("late torque", joints, factor=float(seconds))
-        trial = _trial(torque_model, change, before, samples, fit)
-        trials.append(replace(trial, gained=float(gained), deviation=float(deviation)))
-    return trials
+        own = trial_of(now.torque_model, change, before, samples, fit)
+        yield replace(own, gained=float(gained), deviation=float(deviation))
 
 
 def _undone(piece: Piece, change: Change, columns: RecordedColumns) -> Piece:
@@ -242,10 +334,5 @@ def _undone(piece: Piece, change: Change, columns: RecordedColumns) -> Piece:
         seconds = np.zeros(n)
         seconds[list(change.joints)] = change.factor
         return piece.later(seconds)
-    return replace(piece, samples=change.applied(piece.samples, columns))
-
-
-def variation(tau: Array) -> Array:
-    """Variation ‖τ_j - mean‖ / ‖τ_j‖ (n,)."""
-    size = np.linalg.norm(tau, axis=0)
-    return np.asarray(np.linalg.norm(tau - tau.mean(axis=0), axis=0) / np.where(size > 0, size, 1.0))
+    period = piece.period * change.factor if change.kind == "time scale" else piece.period
+    return replace(piece, samples=change.applied(piece.samples, columns), period=period)

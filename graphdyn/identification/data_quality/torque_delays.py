@@ -20,7 +20,7 @@ from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.delay_fit import FittedDelays, fitted_delays
-from graphdyn.identification.data_quality.held_out import NOT_ASKED, HeldOutGain, held_out_gain
+from graphdyn.identification.data_quality.held_out import NOT_ASKED, HeldOutGain, held_out_gain, held_out_squares
 from graphdyn.identification.data_quality.thinning import ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -85,6 +85,13 @@ def lag(torque_model: TorqueModel, recording: ThinnedRecording, fit: BoundedFit)
     common, deviation = _of_both(all_joints, _common(low, every))
     now = recording.torque()
     misfit = _Misfit(now, fit)
+    unchanged: list[Array] = []
+
+    def gain_of(torque: Array) -> HeldOutGain:
+        if not unchanged:
+            unchanged.append(held_out_squares(fit, now))
+        return held_out_gain(unchanged[0], held_out_squares(fit, torque))
+
     deviations, gained, held_out = np.full(n, np.nan), np.zeros(n), [NOT_ASKED] * n
     for j in range(n):
         others, chance = _common(found, np.arange(n) != j), STUDENT * np.sqrt(found.covariance[j, j])
@@ -93,14 +100,14 @@ def lag(torque_model: TorqueModel, recording: ThinnedRecording, fit: BoundedFit)
         if abs(found.seconds[j] - others.seconds) > max(MIN_DELAY, MIN_DELAY_DEVIATIONS * least):
             own = np.where(np.arange(n) == j, recording.torque_of(j, found.seconds[j])[:, None], now)
             if (gain := misfit(now) - misfit(own)) > MIN_ALONE_GAIN:
-                deviations[j], gained[j], held_out[j] = least, gain, held_out_gain(fit, now, own)
+                deviations[j], gained[j], held_out[j] = least, gain, gain_of(own)
     shifted = recording.torque(common) if np.isfinite(common) else now
     hinted = abs(common) > max(MIN_DELAY, MIN_HINTED_DEVIATIONS * deviation)
     return Lag(
         common,
         deviation,
         misfit(now) - misfit(shifted),
-        held_out_gain(fit, now, shifted) if hinted else NOT_ASKED,
+        gain_of(shifted) if hinted else NOT_ASKED,
         found.seconds,
         deviations,
         gained,
@@ -183,7 +190,7 @@ class _Misfit:
 
 
 def _valleys(recording: ThinnedRecording, fit: BoundedFit) -> Array:
-    """The delays with the lowest misfit: that of each torque, the others at their common one (n,) [s]."""
+    """Where the misfit is lowest over the delay of each torque, the others at their common one (n,) [s]."""
     now = recording.torque()
     misfit, n = _Misfit(now, fit), now.shape[1]
     steps = int(recording.span / SCAN_STEP)

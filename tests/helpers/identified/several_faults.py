@@ -4,7 +4,7 @@ import tomllib
 from dataclasses import dataclass
 
 import numpy as np
-from identified.spoilt_recordings import MAPPINGS, material
+from identified.spoilt_recordings.materials import MAPPINGS, material
 
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.recordings import mapping_of

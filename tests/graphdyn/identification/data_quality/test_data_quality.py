@@ -24,9 +24,10 @@ from graphdyn.identification.data_quality.changes import changes, scales
 from graphdyn.identification.data_quality.channels import channels, rate_gain
 from graphdyn.identification.data_quality.delay_fit import FittedDelays
 from graphdyn.identification.data_quality.halves import faults_by_halves, halved
-from graphdyn.identification.data_quality.held_out import held_out_gain
+from graphdyn.identification.data_quality.held_out import held_out_gain, held_out_squares
 from graphdyn.identification.data_quality.measured_torque import gains
-from graphdyn.identification.data_quality.recording_quality import examined, groups
+from graphdyn.identification.data_quality.recording_quality import groups
+from graphdyn.identification.data_quality.searching import Examined
 from graphdyn.identification.data_quality.thinning import ThinnedRecording, TooShort
 from graphdyn.identification.data_quality.torque_delays import (
     MIN_CHANCE_SHARE,
@@ -331,13 +332,13 @@ class TestDelays:
         clean, v = recording(late), motion(np.arange(0, SECONDS, PERIOD) - late)[1]
         size = np.sqrt(np.mean(clean.samples.tau**2, axis=0))
         tau = clean.samples.tau + 0.2 * size * np.sign(v) * np.sqrt(np.abs(v))
-        found = examined(torque_model(), [replace(clean, samples=replace(clean.samples, tau=tau))], 0.0).delays
+        found = Examined.of(torque_model(), [replace(clean, samples=replace(clean.samples, tau=tau))], 0.0).delays
         assert abs(found.common - late) < 2 * found.deviation < 0.002
         assert np.all(np.abs(found.joints - late) < 4 * found.deviations)
 
     def test_joints_that_disagree(self):
         """The mean of two delays is uncertain by their difference; one joint against the others is told as such."""
-        found = examined(torque_model(), [recording([0, 0, 0.03, 0])], 0.0).delays
+        found = Examined.of(torque_model(), [recording([0, 0, 0.03, 0])], 0.0).delays
         assert found.deviation > 0.005
         assert np.flatnonzero(found.joints_gained).tolist() == [2]
         assert found.joints_held_out[2].improves
@@ -366,9 +367,10 @@ class TestDelays:
         """Blocks predicted by a fit on the others: of a delay that is there, and of one that is not."""
         there = ThinnedRecording([recording(0.02)])
         fit = BoundedFit.of(torque_model(), there.samples, np.ones(there.samples.q.shape, dtype=bool))
-        undone = held_out_gain(fit, there.torque(), there.torque(0.02))
+        before, after = held_out_squares(fit, there.torque()), held_out_squares(fit, there.torque(0.02))
+        undone = held_out_gain(before, after)
         assert undone.improves
-        redone = held_out_gain(fit, there.torque(0.02), there.torque())
+        redone = held_out_gain(after, before)
         assert not redone.improves
         assert redone.gained == pytest.approx(-undone.gained, rel=1e-3)
         blocks, tau, later = np.array_split(np.arange(len(there.samples)), 10), there.torque(), there.torque(0.02)
@@ -378,7 +380,7 @@ class TestDelays:
             for k, measured in enumerate((tau, later)):
                 own = BoundedFit.of(torque_model(), there.samples[rest], fit.kept[rest])
                 e = fit.matrix[block] @ own.parameters(measured[rest]) - measured[block]
-                squares[k] += np.sum(e**2, axis=0)
+                squares[k] += np.sum(e**2, axis=0) / np.sum(measured**2, axis=0)
         assert undone.gained == pytest.approx(np.sum(np.log(squares[0] / squares[1])) / 2, rel=1e-6)
 
 

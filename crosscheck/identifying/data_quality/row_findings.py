@@ -1,0 +1,81 @@
+"""Findings on the rows of a recording that need no model: held values, repeated rows, the clock."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from crosscheck.identifying.data_quality.finding import QualityFinding
+from crosscheck.recordings import Recording
+from graphdyn.identification.data_quality import HeldValues, RecordingQuality, held_values
+
+MIN_REPEATED_SHARE = 0.02
+"""Share of rows that repeat others from which a recording is at fault."""
+
+MIN_CLOCK_ERROR, MAX_CLOCK_SPREAD = 0.03, 0.01
+"""Common ratio of velocities to rates of positions from which the clock is wrong, and the largest difference of the
+joints from it: on recordings of three arms single joints differ by 0.1 %."""
+
+MIN_CLOCK_JOINTS = 2
+"""Number of moving joints that must agree on the clock."""
+
+
+def held_findings(recordings: Sequence[Recording]) -> Iterator[QualityFinding]:
+    """Dead channels, clipped positions and repeated rows of recordings as they were read."""
+    names = recordings[0].joint_names
+    blocks = [(recording, rows) for recording in recordings for rows in recording.block_slices]
+    found = [_held(recording, rows) for recording, rows in blocks]
+    lengths = np.array([rows.stop - rows.start for _, rows in blocks])
+
+    def mean(values: Sequence[float]) -> float:
+        return float(np.average(values, weights=lengths))
+
+    repeated = mean([held.repeated_rows for held in found])
+    if repeated > MIN_REPEATED_SHARE:
+        message = f"{100 * repeated:.0f} % of the rows repeat other rows exactly while the robot moves"
+        remedy = "record each sample once: drop the copies, or give the rate at which the robot sends"
+        yield QualityFinding("repeated-rows", "fault", names, message, remedy)
+    for j, name in enumerate(names):
+        for what, values in (
+            ("torque", [held.dead_torques[j] for held in found]),
+            ("position", [held.dead_positions[j] for held in found]),
+        ):
+            if (share := mean(values)) > 0:
+                message = (
+                    f"the {what} of {name} holds one value in {100 * share:.2g} % of the rows while the joint moves"
+                )
+                remedy = "the channel was dead there: use another part, by --split"
+                yield QualityFinding("dead-channel", "fault", (name,), message, remedy)
+        if (share := mean([held.clipped_positions[j] for held in found])) > 0:
+            message = f"the position of {name} is held at an end of its range in {100 * share:.2g} % of the rows"
+            remedy = "the sensor stops there while the joint moves on: use another part, by --split"
+            yield QualityFinding("clipped-position", "fault", (name,), message, remedy)
+
+
+def _held(recording: Recording, rows: slice) -> HeldValues:
+    v = None if recording.v is None else recording.v[rows]
+    return held_values(recording.q[rows], recording.channel("tau")[rows], v)
+
+
+def clock_rate(found: RecordingQuality) -> float:
+    """Common ratio of velocities to rates of positions; NaN if the clock is right, or the joints do not agree on it."""
+    gain = found.channels.velocity_gain
+    known = gain[np.isfinite(gain)]
+    if len(known) < MIN_CLOCK_JOINTS:
+        return float("nan")
+    rate = float(np.median(known))
+    agreed = np.all(np.abs(known / rate - 1) < MAX_CLOCK_SPREAD) if rate > 0 else False
+    return rate if agreed and abs(rate - 1) > MIN_CLOCK_ERROR else float("nan")
+
+
+def clock_findings(found: RecordingQuality) -> Iterator[QualityFinding]:
+    """The clock, if velocities of their own show that it is wrong."""
+    rate = clock_rate(found)
+    if np.isfinite(rate):
+        message = (
+            f"all velocities are {rate:.4g} times the rates of the positions: the time stamps are {rate:.4g} times too "
+            "close, or the unit of velocities is another one"
+        )
+        remedy = "correct the clock, or the unit of [v]"
+        yield QualityFinding("time-scale", "fault", found.joint_names, message, remedy)

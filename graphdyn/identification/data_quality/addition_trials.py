@@ -1,0 +1,72 @@
+"""Trials of what may have changed during a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from graphdyn.identification.data_quality.additions import Addition, additions
+from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.free_fit import gram_misfit, grams
+from graphdyn.identification.data_quality.held_out import held_out_squares
+from graphdyn.identification.data_quality.size_deviation import covariance
+from graphdyn.identification.data_quality.trials import MIN_HINT_GAIN, Part, cad_misfit
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class AdditionTrial:
+    """An addition that was tried.
+
+    gained, errors, cad_misfit, held_out: as in ChangeTrial
+    parameters: of its columns (c,); deviation: standard deviation of the first of them
+    """
+
+    addition: Addition
+    gained: float
+    errors: Array
+    cad_misfit: Callable[[], float]
+    held_out: Callable[[], Array]
+    parameters: Array
+    deviation: float
+
+
+def tried_additions(part: Part) -> Iterator[AdditionTrial]:
+    """Trials of what may have changed; of each kind and joint the best one, if it promises a gain."""
+    few = part.screened
+    right = few.samples.tau - few.fit.known
+    best: dict[tuple[str, tuple[int, ...]], tuple[float, int]] = {}
+    for k, addition in enumerate(additions(few.torque_model, few.fit, few.samples.tau)):
+        matrix = np.concatenate([few.fit.matrix, addition.columns], axis=-1)
+        gained = few.misfit - gram_misfit(grams(matrix, right, few.samples.tau, few.fit.kept))
+        best[addition.kind, addition.joints] = max(best.get((addition.kind, addition.joints), (0.0, k)), (gained, k))
+    chosen = {k for gained, k in best.values() if gained > MIN_HINT_GAIN}
+    if not chosen:
+        return
+    before = part.fit.errors(part.samples.tau)
+    for k, addition in enumerate(additions(part.torque_model, part.fit, part.samples.tau)):
+        if k in chosen:
+            yield _trial(part, addition, before)
+
+
+def _trial(part: Part, addition: Addition, before: Array) -> AdditionTrial:
+    tau = part.samples.tau
+    fit = part.fit.extended(addition.columns, body=addition.body)
+    errors, x = fit.errors(tau), fit.parameters(tau)
+    own = x[-addition.columns.shape[-1] :]
+    spread = addition.spread(own)
+    gained = float(np.sum(np.log(before / errors))) + spread
+    slope = addition.columns[..., 0]
+    deviation = float(np.sqrt(covariance(part.fit, fit.residual(tau, x), slope[None])[0, 0]))
+    cad = partial(cad_misfit, part.torque_model, part.samples, part.fit, addition.columns)
+    return AdditionTrial(addition, gained, errors, cad, partial(_held_out, fit, tau, addition, spread), own, deviation)
+
+
+def _held_out(fit: BoundedFit, tau: Array, addition: Addition, spread: float) -> Array:
+    """Errors of blocks that were not fitted, those of torques that drift in units of the recorded ones."""
+    squares = held_out_squares(fit, tau)
+    squares[:, list(addition.joints)] *= np.exp(-2 * spread / len(addition.joints))
+    return squares

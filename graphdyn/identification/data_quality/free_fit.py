@@ -1,0 +1,93 @@
+"""Least squares without bounds on few rows, from Gram matrices: which changes are worth a fit within bounds.
+
+The criterion Σ_j log ‖e_j‖ of such a fit is never above that of the fit within bounds (bounded_fit.py), and takes a
+fifth of the time. A change whose free fit is not good enough needs no other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.data.samples import Samples, joined_samples
+from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+
+ROUNDING_SHARE = 1e-8
+"""Length of a column, relative to the longest, below which it is zero up to rounding."""
+
+GRAM_RIDGE = 1e-10
+"""Added to the diagonal of the Gram matrix of unit columns, which makes dependent columns solvable."""
+
+ROWS_AT_ONCE = 2000
+"""Number of rows whose regressors are computed together: compiled code needs a thousand samples."""
+
+Motion = tuple[TorqueModel, Samples, NDArray[np.bool_]]
+"""A torque model, samples, and which of their rows count for which joint (N, n)."""
+
+
+def free_misfits(motions: Sequence[Motion]) -> list[float]:
+    """Σ_j log(‖e_j‖ / ‖τ_j‖) of every motion; ∞ for a motion that a user's term or torque refuses.
+
+    Motions of one torque model that follow each other are computed together.
+    """
+    found: list[float] = []
+    start = 0
+    while start < len(motions):
+        model, first, _ = motions[start]
+        stop = start + 1
+        while stop < len(motions) and motions[stop][0] is model and (stop - start + 1) * len(first) <= ROWS_AT_ONCE:
+            stop += 1
+        found += _of_one_model(model, motions[start:stop])
+        start = stop
+    return found
+
+
+def _of_one_model(model: TorqueModel, motions: Sequence[Motion]) -> list[float]:
+    try:
+        samples = joined_samples([samples for _, samples, _ in motions], slice(None))
+        matrices = np.split(model.rows(samples), len(motions))
+        known = np.split(model.known_torque(samples), len(motions))
+    except Exception:
+        if len(motions) == 1:
+            return [np.inf]
+        return [_of_one_model(model, [motion])[0] for motion in motions]
+    parts = zip(matrices, known, motions, strict=True)
+    return [gram_misfit(grams(w, own.tau - at, own.tau, kept)) for w, at, (_, own, kept) in parts]
+
+
+def grams(matrix: Array, right: Array, tau: Array, kept: NDArray[np.bool_]) -> Array:
+    """Gram matrices of [W_j | right_j] / ‖τ_j‖ for every joint (n, p + 1, p + 1).
+
+    matrix: W (N, n, p); right, tau: (N, n); kept: rows that count for each joint (N, n)
+    """
+    n, p = matrix.shape[1:]
+    found = np.empty((n, p + 1, p + 1))
+    for j, rows in enumerate(kept.T):
+        augmented = np.column_stack([matrix[rows, j], right[rows, j]])
+        found[j] = augmented.T @ augmented / (float(np.sum(tau[rows, j] ** 2)) or 1.0)
+    return found
+
+
+def gram_misfit(matrices: Array) -> float:
+    """Σ_j log ‖e_j‖ of the fit in which each joint is weighted by its residual.
+
+    matrices: of grams (n, p + 1, p + 1)
+    """
+    n, p = len(matrices), matrices.shape[-1] - 1
+    if not np.all(np.isfinite(matrices)):
+        return np.inf
+    weights, squares = np.ones(n), np.ones(n)
+    for _ in range(2):
+        whole = np.tensordot(weights, matrices, 1)
+        length = np.sqrt(np.diag(whole)[:p])
+        length[length <= ROUNDING_SHARE * length.max(initial=0.0)] = np.inf
+        unit = whole[:p, :p] / np.outer(length, length)
+        unit[np.arange(p), np.arange(p)] += GRAM_RIDGE
+        solution = np.append(np.linalg.solve(unit, whole[:p, p] / length) / length, -1.0)
+        squares = np.maximum(np.einsum("i,jik,k->j", solution, matrices, solution), MIN_RESIDUAL**2)
+        weights = 1 / squares
+    return 0.5 * float(np.sum(np.log(squares)))

@@ -1,0 +1,82 @@
+"""Gravity that explains the torques best: its direction shows how the robot is mounted.
+
+The regressor of rigid bodies is linear in gravity, W(g) = W_0 + Σ_k g_k W_k. The Gram matrices of its four parts
+therefore give the criterion Σ_j log ‖e_j‖ of the fit without bounds for any g in a millisecond.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data_quality.free_fit import gram_misfit, grams
+from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import STANDARD_GRAVITY
+
+TRIED_DIRECTIONS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z])
+"""Directions of gravity to begin with, 45° to 55° apart."""
+
+FACTORS = list(combinations_with_replacement(range(4), 2))
+"""Pairs of 1, g_x, g_y, g_z whose products multiply the Gram matrices."""
+
+GRAVITY_TOLERANCE = 1e-3
+"""Precision of the search, relative to the size of gravity."""
+
+
+class GravityFit:
+    """The criterion of a recording, as a function of gravity in world axes (3,) [m/s²]."""
+
+    def __init__(self, torque_model: TorqueModel, samples: Samples, kept: NDArray[np.bool_]):
+        model = torque_model.model
+        self.given = np.asarray(model.gravity, dtype=float)
+        self._size = float(np.linalg.norm(self.given)) or float(np.linalg.norm(STANDARD_GRAVITY))
+        parts = []
+        for vector in np.concatenate([np.zeros((1, 3)), self._size * np.eye(3)]):
+            there = TorqueModel(model.with_gravity(vector), torque_model.terms, torque_model.known)
+            known = there.known_torque(samples)
+            parts.append(np.concatenate([there.rows(samples), -known[..., None]], axis=-1))
+        parts[1:] = [part - parts[0] for part in parts[1:]]
+        parts[0][..., -1] += samples.tau
+        self._held(parts, torque_model, samples)
+        n, width = samples.tau.shape[1], parts[0].shape[-1]
+        stacked = np.concatenate(parts, axis=-1)
+        whole = grams(stacked[..., :-1], stacked[..., -1], samples.tau, kept).reshape(n, 4, width, 4, width)
+        halves = [whole[:, a, :, b] * (0.5 if a == b else 1.0) for a, b in FACTORS]
+        self._grams = np.stack([half + np.swapaxes(half, 1, 2) for half in halves])
+
+    def _held(self, parts: list[Array], torque_model: TorqueModel, samples: Samples) -> None:
+        """Hold columns that are not linear in gravity, as of friction that grows with the load, as they are."""
+        now = torque_model.rows(samples)
+        linear = parts[0] + sum(g * part for g, part in zip(self.given / self._size, parts[1:], strict=True))
+        away = np.abs(linear[..., :-1] - now).max(axis=(0, 1)) > 1e-9 * np.abs(now).max(axis=(0, 1))
+        away = np.append(away, False)
+        parts[0][..., away] = now[..., away[:-1]]
+        for part in parts[1:]:
+            part[..., away] = 0.0
+
+    def misfit(self, gravity: Array) -> float:
+        """Σ_j log(‖e_j‖ / ‖τ_j‖) of the fit without bounds."""
+        one = np.append(1.0, gravity / self._size)
+        return gram_misfit(np.tensordot([one[a] * one[b] for a, b in FACTORS], self._grams, 1))
+
+    def best(self) -> tuple[Array, float]:
+        """Gravity with the smallest criterion, and this criterion."""
+        from scipy.optimize import minimize
+
+        unit = TRIED_DIRECTIONS / np.linalg.norm(TRIED_DIRECTIONS, axis=1)[:, None]
+        starts = sorted(unit.tolist(), key=lambda direction: self.misfit(self._size * np.array(direction)))
+        found = [
+            minimize(
+                lambda x: self.misfit(self._size * x),
+                start,
+                method="Nelder-Mead",
+                options={"xatol": GRAVITY_TOLERANCE, "fatol": GRAVITY_TOLERANCE},
+            )
+            for start in (self.given / self._size, starts[0])
+        ]
+        best = min(found, key=lambda result: float(result.fun))
+        return np.asarray(self._size * best.x), float(best.fun)

@@ -1,0 +1,150 @@
+"""Values that are held exactly although the robot moves: dead channels, clipped positions, and repeated rows.
+
+A measured value of a moving joint changes from row to row, and a joint that comes to rest slows down before. A value
+that stays exactly the same between two steps of the usual size was not measured. No model of the robot is needed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from graphdyn.layout import Array
+
+MIN_HELD_ROWS = 10
+"""Rows in a row with exactly the same value, at least, from which a channel is held."""
+
+MIN_HELD_SHARE = 0.01
+"""Share of the rows that a held value lasts, at least."""
+
+ABRUPT_STEP = 0.1
+"""Step beside a held position, relative to the usual step of a fast motion, from which it did not slow down before."""
+
+FAST_QUANTILE = 0.9
+"""Quantile of the steps from row to row that is usual in a fast motion."""
+
+MIN_RESOLVED_STEP = 5.0
+"""Usual step of a fast motion in units of the smallest one, from which a position is resolved finely enough."""
+
+MIN_TORQUE_JUMP = 4.0
+"""Step beside a held torque, in units of the usual largest one, from which it was not approached."""
+
+MIN_MOVED_SHARE = 0.02
+"""Way of a joint while its torque is held, relative to its range, from which a measured torque would change."""
+
+MIN_COPIED_ROWS = 10
+"""Rows in a row that are the same as rows elsewhere, from which they are copies."""
+
+
+@dataclass(frozen=True, eq=False)
+class HeldValues:
+    """Held values of a recording with n joints.
+
+    dead_torques, dead_positions: share of the rows in which the torque or position of a joint is held    (n,)
+    clipped_positions: the same at an end of its range      (n,)
+    repeated_rows: share of the rows that repeat the row before, or are copies of a part
+    """
+
+    dead_torques: Array
+    dead_positions: Array
+    clipped_positions: Array
+    repeated_rows: float
+
+
+def held_values(q: Array, tau: Array, v: Array | None = None) -> HeldValues:
+    """Held values of one uninterrupted recording, of rows as they were recorded.
+
+    q, tau: positions and torques (N, n); v: measured velocities (N, n), if there are any
+    """
+    rows, n = q.shape
+    dead_torques, dead_positions, clipped = np.zeros(n), np.zeros(n), np.zeros(n)
+    usual = np.quantile(np.abs(np.diff(q, axis=0)), FAST_QUANTILE, axis=0) if rows > 1 else np.zeros(n)
+    same = np.all(np.diff(np.column_stack([q, tau]), axis=0) == 0, axis=1)
+    repeated = np.zeros(rows, dtype=bool)
+    for start, stop in _runs(same):
+        if _abrupt(q, start, stop, usual).any():
+            repeated[start + 1 : stop] = True
+    least = max(MIN_HELD_ROWS, int(MIN_HELD_SHARE * rows))
+    for j in range(n):
+        dead_positions[j], clipped[j] = _held_position(q, v, j, usual, least, repeated)
+        dead_torques[j] = _held_torque(q[:, j], tau[:, j], least, repeated)
+    repeated |= _copied(np.column_stack([q, tau]), q, usual)
+    return HeldValues(dead_torques, dead_positions, clipped, float(repeated.mean()))
+
+
+def _runs(same: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """First and last + 1 row of every run of equal rows (k, 2). same: whether a row equals the one before (N - 1,)."""
+    edges = np.diff(np.concatenate([[0], same.astype(int), [0]]))
+    return np.column_stack([np.flatnonzero(edges > 0), np.flatnonzero(edges < 0) + 1])
+
+
+def _abrupt(q: Array, start: int, stop: int, usual: Array) -> NDArray[np.bool_]:
+    """Whether the steps before and after a run are those of a fast motion, for each joint (n,)."""
+    found = np.zeros(q.shape[1], dtype=bool)
+    for here, there in ((start - 1, start), (stop - 1, stop)):
+        if here >= 0 and there < len(q):
+            found |= (np.abs(q[there] - q[here]) > ABRUPT_STEP * usual) & (usual > 0)
+    return found
+
+
+def _held_position(
+    q: Array, v: Array | None, j: int, usual: Array, least: int, repeated: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """Share of the rows in which a position is held inside its range, and at an end of it."""
+    steps = np.abs(np.diff(q[:, j]))
+    smallest = steps[steps > 0].min(initial=np.inf)
+    if not usual[j] > MIN_RESOLVED_STEP * smallest:
+        return 0.0, 0.0
+    ends = (q[:, j].min(), q[:, j].max())
+    dead = clipped = 0
+    for start, stop in _runs(steps == 0):
+        if stop - start < least or repeated[start + 1 : stop].any():
+            continue
+        on = v is not None and np.quantile(np.abs(v[start:stop, j]), 0.5) > _slow(v[:, j])
+        if not (on or _abrupt(q, start, stop, usual)[j]):
+            continue
+        if q[start, j] in ends:
+            clipped += stop - start
+        else:
+            dead += stop - start
+    return dead / len(q), clipped / len(q)
+
+
+def _slow(v: Array) -> float:
+    """A speed that is none of a joint at rest: a twentieth of its fast motion."""
+    return 0.05 * float(np.quantile(np.abs(v), FAST_QUANTILE))
+
+
+def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) -> float:
+    """Share of the rows in which a torque is held while its joint moves; torques at an end of the range are clipped."""
+    steps = np.abs(np.diff(tau))
+    moved = np.ptp(q)
+    ends = (tau.min(), tau.max())
+    usual = np.quantile(steps[steps > 0], FAST_QUANTILE) if np.any(steps > 0) else 0.0
+    dead = 0
+    for start, stop in _runs(steps == 0):
+        if stop - start < least or repeated[start + 1 : stop].any() or np.ptp(q[start:stop]) < MIN_MOVED_SHARE * moved:
+            continue
+        beside = [steps[k] for k in (start - 1, stop - 1) if 0 <= k < len(steps)]
+        if tau[start] in ends and not any(step > MIN_TORQUE_JUMP * usual for step in beside):
+            continue
+        dead += stop - start
+    return dead / len(tau)
+
+
+def _copied(rows: Array, q: Array, usual: Array) -> NDArray[np.bool_]:
+    """Rows of a moving robot that are the same as rows farther away, many in a row (N,)."""
+    found = np.zeros(len(rows), dtype=bool)
+    _, first, number = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    twin = first[number.ravel()]
+    here = np.arange(len(rows))
+    is_copy = here - twin > MIN_COPIED_ROWS
+    follows = np.zeros(len(rows), dtype=bool)
+    follows[1:] = is_copy[1:] & is_copy[:-1] & (np.diff(twin) == 1)
+    for start, stop in _runs(follows[1:]):
+        moving = np.any(np.abs(np.diff(q[start:stop], axis=0)) > ABRUPT_STEP * usual)
+        if stop - start >= MIN_COPIED_ROWS and moving:
+            found[start:stop] = True
+    return found
