@@ -174,8 +174,11 @@ class LoadFriction:
         return per_joint_columns(model, "load-dependent friction", "FL", "1", "1")
 
     def rows(self, model: RobotModel, samples: Samples) -> Array:
+        sign = smooth_sign(samples.v, self.width)
+        if not sign.any():  # mass matrices are made of many rows at rest
+            return per_joint_rows(sign)
         load = np.abs(gravity_torque(model, samples.q, base=samples.base, method="reproducible"))
-        return per_joint_rows(load * smooth_sign(samples.v, self.width))
+        return per_joint_rows(load * sign)
 
 
 @dataclass(frozen=True, eq=False)
