@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
+from graphdyn.identification.bodies.unknown_bodies import NONNEGATIVE_TERMS, unknown_bodies
 from graphdyn.identification.choosing.body_newton import BodyNewton
 from graphdyn.identification.choosing.fold_errors import FoldErrors
 from graphdyn.identification.choosing.term_columns import TermColumns
-from graphdyn.identification.consistent.bodies import NONNEGATIVE_TERMS, unknown_bodies
 from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, upper_factor
 from graphdyn.identification.estimators.reweighted import NORMAL_MEDIAN, huber
 from graphdyn.identification.problem.torque_model import TorqueModel
