@@ -138,9 +138,13 @@ class GainFit:
         return least_squares_solution(matrix, np.concatenate([currents, values]))
 
     def _starts(self) -> Iterator[Point]:
-        """Gains to begin with: those of the model's links, and those of a linear fit with currents as regressors."""
-        model = self._scaled(self._gains_of_model())
+        """Gains to begin with: those of the model's links, as they are and without the signs, which a light wrist hardly
+        shows, and those of a linear fit with currents as regressors."""
+        of_model = self._gains_of_model()
+        model = self._scaled(of_model)
         yield model
+        if np.any(of_model < 0):
+            yield self._scaled(np.abs(of_model))
         yield self._scaled(self._gains_as_unknowns(model))
 
     def _scaled(self, gains: Array) -> Point:
