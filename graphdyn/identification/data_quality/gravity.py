@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.free_fit import gram_misfit, grams
 from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.terms.term import CarriesBodies
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import STANDARD_GRAVITY
 
@@ -41,22 +42,12 @@ class GravityFit:
             parts.append(np.concatenate([there.rows(samples), -known[..., None]], axis=-1))
         parts[1:] = [part - parts[0] for part in parts[1:]]
         parts[0][..., -1] += samples.tau
-        self._held(parts, torque_model, samples)
+        _hold_drives(parts, torque_model, samples)
         n, width = samples.tau.shape[1], parts[0].shape[-1]
         stacked = np.concatenate(parts, axis=-1)
         whole = grams(stacked[..., :-1], stacked[..., -1], samples.tau, kept).reshape(n, 4, width, 4, width)
         halves = [whole[:, a, :, b] * (0.5 if a == b else 1.0) for a, b in FACTORS]
         self._grams = np.stack([half + np.swapaxes(half, 1, 2) for half in halves])
-
-    def _held(self, parts: list[Array], torque_model: TorqueModel, samples: Samples) -> None:
-        """Hold columns that are not linear in gravity, as of friction that grows with the load, as they are."""
-        now = torque_model.rows(samples)
-        linear = parts[0] + sum(g * part for g, part in zip(self.given / self._size, parts[1:], strict=True))
-        away = np.abs(linear[..., :-1] - now).max(axis=(0, 1)) > 1e-9 * np.abs(now).max(axis=(0, 1))
-        away = np.append(away, False)
-        parts[0][..., away] = now[..., away[:-1]]
-        for part in parts[1:]:
-            part[..., away] = 0.0
 
     def misfit(self, gravity: Array) -> float:
         """Σ_j log(‖e_j‖ / ‖τ_j‖) of the fit without bounds."""
@@ -80,3 +71,13 @@ class GravityFit:
         ]
         best = min(found, key=lambda result: float(result.fun))
         return np.asarray(self._size * best.x), float(best.fun)
+
+
+def _hold_drives(parts: list[Array], torque_model: TorqueModel, samples: Samples) -> None:
+    """Hold the columns of drives as they are: friction that grows with the load is not linear in gravity."""
+    now = torque_model.rows(samples)
+    for term, columns in torque_model.parts:
+        if not isinstance(term, CarriesBodies):
+            parts[0][..., columns] = now[..., columns]
+            for part in parts[1:]:
+                part[..., columns] = 0.0

@@ -28,8 +28,9 @@ FAST_QUANTILE = 0.9
 MIN_RESOLVED_STEP = 5.0
 """Usual step of a fast motion in units of the smallest one, from which a position is resolved finely enough."""
 
-MIN_TORQUE_JUMP = 4.0
-"""Step beside a held torque, in units of the usual largest one, from which it was not approached."""
+MIN_TORQUE_GAP = 1.0
+"""Distance of a torque held at an end of its range from all others, in units of the usual largest step, from which it
+is no limit: a torque that is cut off comes close to where it is cut."""
 
 MIN_MOVED_SHARE = 0.02
 """Way of a joint while its torque is held, relative to its range, from which a measured torque would change."""
@@ -127,8 +128,8 @@ def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) 
     for start, stop in _runs(steps == 0):
         if stop - start < least or repeated[start + 1 : stop].any() or np.ptp(q[start:stop]) < MIN_MOVED_SHARE * moved:
             continue
-        beside = [steps[k] for k in (start - 1, stop - 1) if 0 <= k < len(steps)]
-        if tau[start] in ends and not any(step > MIN_TORQUE_JUMP * usual for step in beside):
+        gap = np.abs(tau[tau != tau[start]] - tau[start]).min(initial=np.inf)
+        if tau[start] in ends and gap < MIN_TORQUE_GAP * usual:
             continue
         dead += stop - start
     return dead / len(tau)
