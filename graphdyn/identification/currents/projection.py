@@ -138,8 +138,8 @@ class GainFit:
         return least_squares_solution(matrix, np.concatenate([currents, values]))
 
     def _starts(self) -> Iterator[Point]:
-        """Gains to begin with: those of the model's links, as they are and without the signs, which a light wrist hardly
-        shows, and those of a linear fit with currents as regressors."""
+        """Gains to begin with: those of the model's links, also without their signs, which a light wrist hardly shows,
+        and those of a linear fit with currents as regressors."""
         of_model = self._gains_of_model()
         model = self._scaled(of_model)
         yield model

@@ -118,6 +118,9 @@ MISTAKES = {
     "zero": wrong("q", offset=[0, 90, 0, 0]),
     "radians": wrong("q", unit="deg"),
     "late-torque": wrong("tau", delay=-0.03),
+    "gear-ratio": wrong("q", gain=[1, 1, 1.3, 1]),
+    "coupling": wrong("q", side="motor")
+    | {"transmission": {"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, -1, 1]]}},
 }
 
 
@@ -186,7 +189,7 @@ class TestRemedies:
         assert recorded_columns(own).zero == pytest.approx(zeros)
         assert not recorded_columns(bare).zero.any()
 
-    @pytest.mark.parametrize("code", few(MISTAKES, "reversed-torque", "late-torque"))
+    @pytest.mark.parametrize("code", few(MISTAKES, "reversed-torque", "late-torque", "gear-ratio"))
     def test_pasted_lines_undo_the_mistake(self, file, right, code):
         found = found_of(file, code)
         finding = found.findings[0]
