@@ -485,6 +485,16 @@ class TestOptions:
         assert code in (0, 1), said
         assert "3 consecutive folds, each from the others" in said
 
+    def test_gravity_is_found(self, program, arm, tmp_path):
+        options = ("--cutoff", 10, "--methods", "wls", *STANDARD_TERMS, *QUICK, "--json", tmp_path / "found.json")
+        code, said = program(arm / "one.csv", "--robot", arm / "arm.urdf", "--gravity", "free", *options)
+        assert code in (0, 1), said
+        record = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
+        found = np.array(record["gravity"])
+        assert np.rad2deg(np.arccos(-found[2] / np.linalg.norm(found))) < 2
+        assert 0 < record["gravity_deviation"] < 2
+        assert "in world axes, direction ± " in said
+
     def test_findings_of_the_files_are_told(self, program, arm):
         options = ("--cutoff", 10, "--methods", "wls", *STANDARD_TERMS, *QUICK)
         code, said = program(arm / "one.csv", "--robot", arm / "arm.urdf", *options)
@@ -521,6 +531,7 @@ class TestOptions:
             (["--terms", "viscous", "--width", "0.1"], "a width is given, but none of the terms (viscous) has one"),
             (["--terms", "none", "--width", "0.1"], "a width is given, but none of the terms (none) has one"),
             (["--stribeck-velocity", "0.2"], "a Stribeck velocity is given, but none of the terms (viscous, coulomb"),
+            (["--free-gravity", "--gravity", "0", "0", "-9"], "--gravity X Y Z and --gravity free exclude each other"),
             (["--seed", "0"], "--seed is for the simulated robot; leave it out with a LOG"),
             (["--seconds", "20"], "--seconds is for the simulated robot; leave it out with a LOG"),
             (["--cutoff", "q=5,q=10"], "--cutoff q=5,q=10: a channel is given twice; give each once"),
