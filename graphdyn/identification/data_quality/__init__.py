@@ -1,11 +1,13 @@
 """Data quality of a recording before the identification: its faults, and faults that it cannot reveal."""
 
-from graphdyn.identification.data_quality.additions import Addition
-from graphdyn.identification.data_quality.bounded_fit import contradictions
-from graphdyn.identification.data_quality.changes import Change, RecordedColumns
-from graphdyn.identification.data_quality.channels import Channels
-from graphdyn.identification.data_quality.held_channels import HeldValues, held_values
-from graphdyn.identification.data_quality.measured_torque import Gains
+from graphdyn.identification.data_quality.causes.additions import Addition
+from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
+from graphdyn.identification.data_quality.channels.channels import Channels
+from graphdyn.identification.data_quality.channels.held_channels import HeldValues, held_values
+from graphdyn.identification.data_quality.channels.measured_torque import Gains
+from graphdyn.identification.data_quality.delays.torque_delays import MIN_DELAY, Lag
+from graphdyn.identification.data_quality.fits.bounded_fit import contradictions
+from graphdyn.identification.data_quality.fits.thinning import Piece, TooShort
 from graphdyn.identification.data_quality.recording_quality import (
     Excitation,
     RecordingQuality,
@@ -18,8 +20,6 @@ from graphdyn.identification.data_quality.searching import (
     FoundGravity,
     found_gravity,
 )
-from graphdyn.identification.data_quality.thinning import Piece, TooShort
-from graphdyn.identification.data_quality.torque_delays import MIN_DELAY, Lag
 from graphdyn.identification.data_quality.visible import VisibleSizes
 
 __all__ = [

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-from graphdyn.identification.data_quality.additions import Addition
-from graphdyn.identification.data_quality.changes import Change
+from graphdyn.identification.data_quality.causes.additions import Addition
+from graphdyn.identification.data_quality.causes.changes import Change
+from graphdyn.identification.data_quality.fits.thinning import Piece, TooShort
 from graphdyn.identification.data_quality.searching import DataFault
-from graphdyn.identification.data_quality.thinning import Piece, TooShort
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.identification.algebra.least_squares import one_thread
-from graphdyn.identification.data_quality.additions import Addition
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit, contradictions, halves_apart
-from graphdyn.identification.data_quality.changes import Change, RecordedColumns
-from graphdyn.identification.data_quality.channels import Channels, channels
+from graphdyn.identification.data_quality.causes.additions import Addition
+from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
+from graphdyn.identification.data_quality.channels.channels import Channels, channels
+from graphdyn.identification.data_quality.channels.measured_torque import Gains, gains
+from graphdyn.identification.data_quality.delays.torque_delays import Lag
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit, contradictions, halves_apart
+from graphdyn.identification.data_quality.fits.thinning import Piece
 from graphdyn.identification.data_quality.halves import FaultsByHalves, faults_by_halves
-from graphdyn.identification.data_quality.measured_torque import Gains, gains
 from graphdyn.identification.data_quality.searching import MIN_CHANGE_GAIN, DataFault, Examined, search
-from graphdyn.identification.data_quality.thinning import Piece
-from graphdyn.identification.data_quality.torque_delays import Lag
-from graphdyn.identification.data_quality.trials import variation
+from graphdyn.identification.data_quality.trials.trials import variation
 from graphdyn.identification.data_quality.visible import VisibleSizes, visible_sizes
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.identification.problem.torque_model import TorqueModel

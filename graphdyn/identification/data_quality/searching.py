@@ -12,18 +12,18 @@ from numpy.typing import ArrayLike
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.addition_trials import AdditionTrial, tried_additions
-from graphdyn.identification.data_quality.additions import Addition
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.changes import Change, RecordedColumns, changes, scales
-from graphdyn.identification.data_quality.channels import rate_gain
-from graphdyn.identification.data_quality.held_out import HeldOutGain, held_out_gain, held_out_squares
-from graphdyn.identification.data_quality.measured_torque import Gains
-from graphdyn.identification.data_quality.refining import Curve, curves, refined, tried_gravity
-from graphdyn.identification.data_quality.sizes import sized_changes
-from graphdyn.identification.data_quality.thinning import Piece, ThinnedRecording
-from graphdyn.identification.data_quality.torque_delays import MIN_DELAY, MIN_DELAY_DEVIATIONS, Lag, lag
-from graphdyn.identification.data_quality.trials import (
+from graphdyn.identification.data_quality.causes.additions import Addition
+from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns, changes, scales
+from graphdyn.identification.data_quality.causes.sizes import sized_changes
+from graphdyn.identification.data_quality.channels.channels import rate_gain
+from graphdyn.identification.data_quality.channels.measured_torque import Gains
+from graphdyn.identification.data_quality.delays.torque_delays import MIN_DELAY, MIN_DELAY_DEVIATIONS, Lag, lag
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.held_out import HeldOutGain, held_out_gain, held_out_squares
+from graphdyn.identification.data_quality.fits.thinning import Piece, ThinnedRecording
+from graphdyn.identification.data_quality.trials.addition_trials import AdditionTrial, tried_additions
+from graphdyn.identification.data_quality.trials.refining import Curve, curves, refined, tried_gravity
+from graphdyn.identification.data_quality.trials.trials import (
     MIN_HINT_GAIN,
     MIN_MISFIT_RISE,
     ChangeTrial,

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.data_quality.free_fit import gram_misfit, grams
-from graphdyn.identification.data_quality.gravity import GravityFit
-from graphdyn.identification.data_quality.refining import Curve
-from graphdyn.identification.data_quality.sizes import SizedChange
-from graphdyn.identification.data_quality.thinning import ThinnedRecording
-from graphdyn.identification.data_quality.trials import EVERY_SCREENED_ROW, Part
+from graphdyn.identification.data_quality.causes.gravity import GravityFit
+from graphdyn.identification.data_quality.causes.sizes import SizedChange
+from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
+from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording
+from graphdyn.identification.data_quality.trials.refining import Curve
+from graphdyn.identification.data_quality.trials.trials import EVERY_SCREENED_ROW, Part
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
 

@@ -31,8 +31,8 @@ from crosscheck.report.records.record import plain
 from crosscheck.report.text import as_text
 from graphdyn.identification import TorqueModel
 from graphdyn.identification.data_quality import Change, DataFault
-from graphdyn.identification.data_quality.held_out import HeldOutGain
-from graphdyn.identification.data_quality.measured_torque import Gains
+from graphdyn.identification.data_quality.channels.measured_torque import Gains
+from graphdyn.identification.data_quality.fits.held_out import HeldOutGain
 from graphdyn.identification.terms import MaxwellSlip, RigidBodies
 
 RATE = 100.0

@@ -19,17 +19,11 @@ from graphdyn.identification.data_quality import (
     assess_recording,
     excitation,
 )
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.changes import changes, scales
-from graphdyn.identification.data_quality.channels import channels, rate_gain
-from graphdyn.identification.data_quality.delay_fit import FittedDelays
-from graphdyn.identification.data_quality.halves import faults_by_halves, halved
-from graphdyn.identification.data_quality.held_out import held_out_gain, held_out_squares
-from graphdyn.identification.data_quality.measured_torque import gains
-from graphdyn.identification.data_quality.recording_quality import groups
-from graphdyn.identification.data_quality.searching import Examined
-from graphdyn.identification.data_quality.thinning import ThinnedRecording, TooShort
-from graphdyn.identification.data_quality.torque_delays import (
+from graphdyn.identification.data_quality.causes.changes import changes, scales
+from graphdyn.identification.data_quality.channels.channels import channels, rate_gain
+from graphdyn.identification.data_quality.channels.measured_torque import gains
+from graphdyn.identification.data_quality.delays.delay_fit import FittedDelays
+from graphdyn.identification.data_quality.delays.torque_delays import (
     MIN_CHANCE_SHARE,
     MIN_DISAGREEMENT,
     STUDENT,
@@ -37,6 +31,12 @@ from graphdyn.identification.data_quality.torque_delays import (
     _Mean,
     _of_both,
 )
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.held_out import held_out_gain, held_out_squares
+from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording, TooShort
+from graphdyn.identification.data_quality.halves import faults_by_halves, halved
+from graphdyn.identification.data_quality.recording_quality import groups
+from graphdyn.identification.data_quality.searching import Examined
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 

@@ -9,10 +9,10 @@ import pytest
 import graphdyn
 from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.data_quality import Change, Piece, assess_recording, found_gravity
-from graphdyn.identification.data_quality.additions import additions
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.free_fit import free_misfits, gram_misfit, grams
-from graphdyn.identification.data_quality.gravity import GravityFit
+from graphdyn.identification.data_quality.causes.additions import additions
+from graphdyn.identification.data_quality.causes.gravity import GravityFit
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.free_fit import free_misfits, gram_misfit, grams
 from graphdyn.identification.data_quality.visible import first_crossing
 from graphdyn.identification.terms import Coulomb, LoadFriction, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries

@@ -10,8 +10,8 @@ from crosscheck.identifying import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import RobotModel
 from graphdyn.identification import Samples, TorqueModel
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.thinning import ThinnedRecording
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording
 from graphdyn.identification.terms.term import CarriesBodies
 
 

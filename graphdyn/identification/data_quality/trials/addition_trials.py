@@ -8,12 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from graphdyn.identification.data_quality.additions import Addition, additions
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.free_fit import gram_misfit, grams
-from graphdyn.identification.data_quality.held_out import held_out_squares
-from graphdyn.identification.data_quality.size_deviation import covariance
-from graphdyn.identification.data_quality.trials import MIN_HINT_GAIN, Part, cad_misfit
+from graphdyn.identification.data_quality.causes.additions import Addition, additions
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
+from graphdyn.identification.data_quality.fits.held_out import held_out_squares
+from graphdyn.identification.data_quality.fits.size_deviation import covariance
+from graphdyn.identification.data_quality.trials.trials import MIN_HINT_GAIN, Part, cad_misfit
 from graphdyn.layout import Array
 
 

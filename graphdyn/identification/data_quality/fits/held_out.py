@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.layout import Array
 
 HELD_OUT_BLOCKS = 10

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.layout import Array
 
 SIZE_BLOCKS = 20

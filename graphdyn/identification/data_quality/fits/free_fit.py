@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.data.samples import Samples, joined_samples
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 

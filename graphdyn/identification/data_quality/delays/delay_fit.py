@@ -18,9 +18,9 @@ import numpy as np
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis, triangle
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
-from graphdyn.identification.data_quality.measured_torque import drive_columns
-from graphdyn.identification.data_quality.thinning import ThinnedRecording
+from graphdyn.identification.data_quality.channels.measured_torque import drive_columns
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
+from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
-from graphdyn.identification.data_quality.delay_fit import FittedDelays, fitted_delays
-from graphdyn.identification.data_quality.held_out import NOT_ASKED, HeldOutGain, held_out_gain, held_out_squares
-from graphdyn.identification.data_quality.thinning import ThinnedRecording
+from graphdyn.identification.data_quality.delays.delay_fit import FittedDelays, fitted_delays
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
+from graphdyn.identification.data_quality.fits.held_out import NOT_ASKED, HeldOutGain, held_out_gain, held_out_squares
+from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.term import CarriesBodies
 from graphdyn.layout import Array

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.changes import Change, RecordedColumns
-from graphdyn.identification.data_quality.free_fit import free_misfits
-from graphdyn.identification.data_quality.gravity import GravityFit
-from graphdyn.identification.data_quality.size_deviation import covariance
-from graphdyn.identification.data_quality.sizes import SizedChange
-from graphdyn.identification.data_quality.trials import (
+from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
+from graphdyn.identification.data_quality.causes.gravity import GravityFit
+from graphdyn.identification.data_quality.causes.sizes import SizedChange
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.free_fit import free_misfits
+from graphdyn.identification.data_quality.fits.size_deviation import covariance
+from graphdyn.identification.data_quality.trials.trials import (
     MIN_HINT_GAIN,
     MIN_MISFIT_RISE,
     ChangeTrial,

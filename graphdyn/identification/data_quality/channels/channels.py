@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.data_quality.thinning import Piece
+from graphdyn.identification.data_quality.fits.thinning import Piece
 from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
 from graphdyn.layout import Array
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.free_fit import gram_misfit, grams
+from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.term import CarriesBodies
 from graphdyn.layout import Array

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.data_quality.changes import Change, ChangeKind, moved_zero
+from graphdyn.identification.data_quality.causes.changes import Change, ChangeKind, moved_zero
 from graphdyn.layout import Array
 
 _ANGLES = (10.0, 20.0, 40.0, 60.0, 90.0, 135.0, 180.0)

@@ -12,11 +12,11 @@ from functools import cached_property
 import numpy as np
 
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.bounded_fit import MIN_RESIDUAL, BoundedFit
-from graphdyn.identification.data_quality.changes import Change, RecordedColumns
-from graphdyn.identification.data_quality.free_fit import Motion, free_misfits
-from graphdyn.identification.data_quality.held_out import HELD_OUT_BLOCKS, held_out_squares
-from graphdyn.identification.data_quality.measured_torque import gains
+from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
+from graphdyn.identification.data_quality.channels.measured_torque import gains
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
+from graphdyn.identification.data_quality.fits.free_fit import Motion, free_misfits
+from graphdyn.identification.data_quality.fits.held_out import HELD_OUT_BLOCKS, held_out_squares
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 

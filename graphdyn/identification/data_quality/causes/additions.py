@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.data_quality.bounded_fit import BoundedFit
+from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
     AsymmetricCoulomb,

@@ -1,0 +1,1 @@
+"""Single channels of a recording, and gains of its torques."""

@@ -1,0 +1,1 @@
+"""Delays of the torques behind the motion."""

@@ -1,0 +1,1 @@
+"""Fits that decide on the data quality of a recording."""

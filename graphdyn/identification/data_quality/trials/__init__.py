@@ -1,0 +1,1 @@
+"""Trials of possible causes: what each of them gains."""
