@@ -200,6 +200,7 @@ class Rehearsal:
 
     @property
     def link_names(self) -> tuple[str, ...]:
+        """Names of the links (n,)."""
         return self.torque_model.model.body_names
 
     @property
