@@ -343,6 +343,7 @@ class IdentifyOptions(
         bool,
         typer.Option(
             "--free-gravity",
+            rich_help_panel=TorqueOptions.PANEL,
             help="Find the direction of gravity from the LOGs: the mounting of the robot. Also --gravity free.",
         ),
     ] = False

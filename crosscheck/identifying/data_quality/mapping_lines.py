@@ -14,7 +14,7 @@ from crosscheck.recordings.mapping.units import SLIDING_UNITS, TURNING_UNITS
 from graphdyn.identification.data_quality import Change, RecordedColumns
 from graphdyn.layout import Array
 
-UNIT_TOLERANCE = 1e-9
+FACTOR_TOLERANCE = 1e-9
 """Largest relative difference between a factor and that of its unit: rounding."""
 
 
@@ -159,7 +159,7 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
     """Keys of a table with new values; None if no key has the value that is needed."""
     keys: dict[str, str] = {}
     sizes = after.factor * after.signs
-    resized = not np.allclose(sizes, before.factor * before.signs, rtol=UNIT_TOLERANCE, atol=0)
+    resized = not np.allclose(sizes, before.factor * before.signs, rtol=FACTOR_TOLERANCE, atol=0)
     with_gain = resized and name == "tau"
     if before.columns != after.columns:
         keys["columns"] = "[" + ", ".join(_toml(column) for column in after.columns) + "]"
@@ -181,7 +181,7 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
         keys["side"] = '"motor"'
     if not np.array_equal(before.offset, after.offset):
         degrees = np.rad2deg(after.offset)
-        in_degrees = np.where(np.abs(degrees - 360) < UNIT_TOLERANCE, 0.0, degrees)
+        in_degrees = np.where(np.abs(degrees - 360) < FACTOR_TOLERANCE, 0.0, degrees)
         keys["offset"] = _numbers(after.offset if any(after.slides) else in_degrees)
         keys["offset_unit"] = '"rad"' if any(after.slides) else '"deg"'
     if not np.array_equal(before.delays, after.delays):
@@ -192,7 +192,7 @@ def _keys(name: str, before: Channel, after: Channel) -> dict[str, str] | None:
 def _unit(name: str, size: float, slides: bool | None) -> str | None:
     """The unit with this factor; None if there is none."""
     units = SLIDING_UNITS[name] if slides else TURNING_UNITS[name]
-    return next((unit for unit, factor in units.items() if abs(size / factor - 1) < UNIT_TOLERANCE), None)
+    return next((unit for unit, factor in units.items() if abs(size / factor - 1) < FACTOR_TOLERANCE), None)
 
 
 def _toml(column: str | int) -> str:

@@ -48,7 +48,7 @@ DISSIPATING_TERMS = (
 )
 """Terms of friction."""
 
-FIRST_MOMENTS = 4
+LOAD_PARAMETERS = 4
 """Number of parameters of a load that is attached: mass and m c. Its tensor shows too little."""
 
 MIN_FACTOR = 1e-3
@@ -106,7 +106,7 @@ def additions(torque_model: TorqueModel, fit: BoundedFit, tau: Array) -> Iterato
             yield Addition("friction drift", (j,), _of_joint(friction[:, j] * progress, j, n))
     if (bodies := torque_model.slice_of(RigidBodies)) is not None:
         first = bodies.stop - BODY_PARAMETERS
-        last = fit.matrix[..., first : first + FIRST_MOMENTS]
+        last = fit.matrix[..., first : first + LOAD_PARAMETERS]
         for share in INSTANTS:
             after = (progress > share - 0.5)[:, None, None]
             yield Addition("attached load", every, last * after, body=True, instant=share)

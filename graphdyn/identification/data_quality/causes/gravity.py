@@ -21,7 +21,7 @@ from graphdyn.model.robot_model import STANDARD_GRAVITY
 TRIED_DIRECTIONS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z])
 """Directions of gravity to begin with, 45° to 55° apart."""
 
-FACTORS = list(combinations_with_replacement(range(4), 2))
+GRAVITY_FACTORS = list(combinations_with_replacement(range(4), 2))
 """Pairs of 1, g_x, g_y, g_z whose products multiply the Gram matrices."""
 
 GRAVITY_TOLERANCE = 1e-3
@@ -46,13 +46,13 @@ class GravityFit:
         n, width = samples.tau.shape[1], parts[0].shape[-1]
         stacked = np.concatenate(parts, axis=-1)
         whole = grams(stacked[..., :-1], stacked[..., -1], samples.tau, kept).reshape(n, 4, width, 4, width)
-        halves = [whole[:, a, :, b] * (0.5 if a == b else 1.0) for a, b in FACTORS]
+        halves = [whole[:, a, :, b] * (0.5 if a == b else 1.0) for a, b in GRAVITY_FACTORS]
         self._grams = np.stack([half + np.swapaxes(half, 1, 2) for half in halves])
 
     def misfit(self, gravity: Array) -> float:
         """Σ_j log(‖e_j‖ / ‖τ_j‖) of the fit without bounds."""
         one = np.append(1.0, gravity / self._size)
-        return gram_misfit(np.tensordot([one[a] * one[b] for a, b in FACTORS], self._grams, 1))
+        return gram_misfit(np.tensordot([one[a] * one[b] for a, b in GRAVITY_FACTORS], self._grams, 1))
 
     def best(self) -> tuple[Array, float]:
         """Gravity with the smallest criterion, and this criterion."""

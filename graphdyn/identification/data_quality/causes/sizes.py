@@ -20,13 +20,13 @@ TRIED_ZERO_OFFSETS = (*(-angle for angle in reversed(_ANGLES)), 0.0, *_ANGLES)
 """Zeros of angles to begin with [°]."""
 
 FINE_ZERO_OFFSETS = (-4.0, -1.5, -0.5, 0.5, 1.5, 4.0)
-"""Those for a recording that shows smaller ones: from any zero up to 10° one of them is nearer than no change [°]."""
+"""Zeros for a recording that shows smaller ones: from any zero up to 10° one of them is nearer than no change [°]."""
 
 TRIED_FACTORS = (0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.4, 1.65, 2.0, 2.5, 3.3, 5.0)
 """Factors of a gear ratio or of a clock to begin with."""
 
 FINE_FACTORS = (0.96, 0.985, 0.995, 1.005, 1.015, 1.04)
-"""Those for a recording that shows smaller ones."""
+"""Factors for a recording that shows smaller ones."""
 
 ROUND_ZERO_OFFSETS = (-180.0, -90.0, 90.0, 180.0)
 """Zeros by which conventions differ [°]."""

@@ -190,7 +190,7 @@ class _Misfit:
 
 
 def _valleys(recording: ThinnedRecording, fit: BoundedFit) -> Array:
-    """Where the misfit is lowest over the delay of each torque, the others at their common one (n,) [s]."""
+    """The delays of single torques with the lowest misfit, the others at their common one (n,) [s]."""
     now = recording.torque()
     misfit, n = _Misfit(now, fit), now.shape[1]
     steps = int(recording.span / SCAN_STEP)

@@ -30,7 +30,7 @@ MIN_COMPARED_GAIN = 0.1
 """Fall of Σ log ‖e_j‖ from which a change may be compared with others; the fits of others are not kept."""
 
 EVERY_SCREENED_ROW = 3
-"""Of the examined rows every third decides whether a change is worth a fit within bounds."""
+"""Distance of the examined rows that decide whether a change is worth a fit within bounds."""
 
 
 @dataclass(frozen=True, eq=False)

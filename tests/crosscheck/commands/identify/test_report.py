@@ -403,7 +403,7 @@ class TestEveryNumber:
         _, record, report, fit, _ = compared_with_truth
         of = record["data_quality"]
         np.testing.assert_allclose(of["standstill"], (np.abs(fit.v) <= 0.02).mean(axis=0), atol=2e-3)
-        (table,) = tables(report, "data_quality")
+        table, visible = tables(report, "data_quality")
         for j, (gain, sign, delay, *parts) in enumerate(cells(table).values()):
             assert [float(x) for x in gain.split(" ± ")] == [
                 pytest.approx(of["gain"][j], rel=THREE_DIGITS), pytest.approx(of["gain_deviation"][j], rel=0.5)
@@ -416,6 +416,13 @@ class TestEveryNumber:
                 pytest.approx(x, rel=THREE_DIGITS, abs=0.51 * (k > 1)) for k, x in enumerate(wanted)
             ]
         assert f"{1e3 * of['delay']:.1f} ± {1e3 * of['delay_deviation']:.1f} ms" in table.caption
+        smallest = of["visible"]
+        names = {"zeros": 1, "gear_ratios": 100, "torque_gains": 100, "torque_drifts": 100, "delays": 1e3}
+        for j, parts in enumerate(cells(visible).values()):
+            for shown, (name, unit) in zip(parts, names.items(), strict=True):
+                value = smallest[name][j]
+                assert shown == "–" if value is None else float(shown) == pytest.approx(unit * value, rel=0.06)
+        assert f"turned by {smallest['tilt']:.2g}°, a clock wrong by {100 * smallest['clock']:.2g} %" in visible.caption
 
     def test_plots(self, compared_with_truth):
         _, record, report, fit, held_out = compared_with_truth

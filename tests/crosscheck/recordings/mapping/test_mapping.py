@@ -351,8 +351,8 @@ MOTOR = GOOD | {"q": {"columns": [1, 2], "side": "motor"}}
             r"m, \[v\]: 'h' is not a unit of v; use one of: rad/s, deg/s, rev/s, rpm, m/s, cm/s, mm/s$",
         ),
         (
-            GOOD | {"q": {"columns": [1, 2], "gain": 2}},
-            r"m, \[q\]: unknown key 'gain'; known are columns, unit, file, si",
+            GOOD | {"q": {"columns": [1, 2], "gearing": 2}},
+            r"m, \[q\]: unknown key 'gearing'; known are columns, unit, file, si",
         ),
         (
             GOOD | {"tau": {"columns": [1, 2], "unit": "A"}},
