@@ -73,7 +73,7 @@ def visible_sizes(part: Part, thinned: ThinnedRecording, curves: Sequence[Curve]
         return first_crossing(sizes, rises, needed)
 
     def of_each(sizes: Sequence[float], spoilt: Callable[[float, Array], Array]) -> Array:
-        """The sizes of every torque, larger of both signs. spoilt: torques with a size and a unit vector of the joint"""
+        """The sizes of every torque, larger of both signs. spoilt: torques, of a size and the joint's unit vector"""
         each = [[planted(sizes, lambda x, e=e: spoilt(x, e)) for e in (axis, -axis)] for axis in unit]  # type: ignore[misc]
         return np.asarray(np.max(each, axis=1), dtype=float)
 

@@ -121,6 +121,8 @@ def _slow(v: Array) -> float:
 def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) -> float:
     """Share of the rows in which a torque is held while its joint moves; torques at an end of the range are clipped."""
     steps = np.abs(np.diff(tau))
+    if not steps.any():  # a torque that never changes is no measurement at all
+        return 0.0
     moved = np.ptp(q)
     ends = (tau.min(), tau.max())
     usual = np.quantile(steps[steps > 0], FAST_QUANTILE) if np.any(steps > 0) else 0.0
