@@ -13,7 +13,7 @@ from crosscheck.identifying.data_quality.finding import QualityFinding, finding_
 from crosscheck.identifying.data_quality.halves_and_delays import findings_of_halves, hints_of_delays
 from crosscheck.identifying.data_quality.mapping_lines import mapping_lines, recorded_columns
 from crosscheck.identifying.data_quality.remedies import change_in_words
-from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings
+from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings, model_findings
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
@@ -92,6 +92,7 @@ def data_quality(
         *clock_findings(found),
         *_faults(found, recordings[0]),
         *held_findings(recordings),
+        *model_findings(found),
         *_of_channels(found),
     ]
     sound = not any(finding.severity == "fault" for finding in said)  # else gains and fits suffer from it

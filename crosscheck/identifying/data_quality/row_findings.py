@@ -17,6 +17,10 @@ MIN_CLOCK_ERROR, MAX_CLOCK_SPREAD = 0.03, 0.01
 """Common ratio of velocities to rates of positions from which the clock is wrong, and the largest difference of the
 joints from it: on recordings of three arms single joints differ by 0.1 %."""
 
+MAX_MODEL_RESIDUAL, MIN_MEASURED_RATIO = 1.5e-3, 10.0
+"""Residual, relative to the torque, up to which a torque is the output of a model, and how much larger those of the
+other joints then are: of measured torques 2 % is little, and the data quality knows no residual below 0.1 %."""
+
 MIN_CLOCK_JOINTS = 2
 """Number of moving joints that must agree on the clock."""
 
@@ -56,6 +60,26 @@ def held_findings(recordings: Sequence[Recording]) -> Iterator[QualityFinding]:
 def _held(recording: Recording, rows: slice) -> HeldValues:
     v = None if recording.v is None else recording.v[rows]
     return held_values(recording.q[rows], recording.channel("tau")[rows], v)
+
+
+def model_findings(found: RecordingQuality) -> Iterator[QualityFinding]:
+    """Torques without any error of measurement: the output of CAD, or of one joint that of some model."""
+    if found.channels.constant_torques or found.channels.duplicated_torques:
+        return  # these have findings of their own
+    cad = found.gains.without_gain
+    if len(cad) > 1 and np.all(cad <= MAX_MODEL_RESIDUAL):
+        message = f"the torques are those of CAD with drives, to {100 * cad.max():.2g} %: the output of a model"
+        remedy = "name the columns that were measured; of a simulation, identify with links that differ from its own"
+        yield QualityFinding("model-torque", "fault", found.joint_names, message, remedy)
+        return
+    for j, name in enumerate(found.joint_names):
+        others = np.median(np.delete(found.errors, j)) if len(found.errors) > 1 else 0.0
+        if found.errors[j] <= MAX_MODEL_RESIDUAL and others > MIN_MEASURED_RATIO * found.errors[j]:
+            message = (
+                f"the torque of {name} has no error of measurement ({100 * found.errors[j]:.2g} %, the others "
+                f"{100 * others:.2g} %): the output of a model"
+            )
+            yield QualityFinding("model-torque", "fault", (name,), message, "name the column that was measured")
 
 
 def clock_rate(found: RecordingQuality) -> float:

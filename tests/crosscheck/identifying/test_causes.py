@@ -11,7 +11,7 @@ from crosscheck.identifying import identify
 from crosscheck.identifying.data_quality.causes import cause_in_words, code_of, remedy_of
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.data_quality.mapping_lines import mapping_lines
-from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings
+from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings, model_findings
 from crosscheck.recordings import BadMapping, Provenance, mapping_of
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput
@@ -243,6 +243,31 @@ class TestRows:
         assert found.code == "repeated-rows"
         assert found.message.endswith(" % of the rows repeat other rows exactly while the robot moves")
         assert found.remedy == "record each sample once: drop the copies, or give the rate at which the robot sends"
+
+
+class TestModelTorques:
+    def measures(self, **changed):
+        robot = identified_arm.virtual()
+        found = data_quality(robot.torque_model, [robot.fitted], identified_arm.CUTOFF).measures
+        gains = replace(found.gains, without_gain=np.array(changed.pop("without_gain", found.gains.without_gain)))
+        return replace(found, gains=gains, **{name: np.array(value) for name, value in changed.items()})
+
+    def test_measured_ones(self):
+        assert list(model_findings(self.measures())) == []
+
+    def test_those_of_cad(self):
+        (found,) = model_findings(self.measures(without_gain=[1e-3, 1e-3, 1.2e-3]))
+        assert (found.code, found.severity) == ("model-torque", "fault")
+        assert found.message == "the torques are those of CAD with drives, to 0.12 %: the output of a model"
+        assert found.remedy.startswith("name the columns that were measured; of a simulation, identify with links that")
+
+    def test_that_of_one_joint(self):
+        (found,) = model_findings(self.measures(errors=[0.02, 1e-3, 0.04]))
+        assert found.joints == ("joint2",)
+        assert found.message == (
+            "the torque of joint2 has no error of measurement (0.1 %, the others 3 %): the output of a model"
+        )
+        assert found.remedy == "name the column that was measured"
 
 
 class TestClock:

@@ -54,6 +54,7 @@ def test_a_calibration_in_one_fit(logs):
     assert found.known == "a load of 4 kg"
 
 
+@pytest.mark.long
 def test_currents_that_are_taken_for_torques_are_rejected(logs):
     """Their gains are far from one, at the stated 5 %."""
     empty, _, load = logs

@@ -77,6 +77,7 @@ def test_gravity_fixes_five_of_six_gains(run, folder):
     assert done.code == AGREED, f"{done.err}{done.out}"
 
 
+@pytest.mark.long
 def test_gains_of_the_same_recording(run, folder, gains):
     values = ", ".join(map(str, gains))
     text = f"joints = {json.dumps(JOINTS)}\ngains = [{values}]\nrelative_deviations = [{', '.join(['0.03'] * 6)}]\n"

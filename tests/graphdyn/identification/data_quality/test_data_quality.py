@@ -202,6 +202,7 @@ class TestFaults:
         found = assess_recording(torque_model(), [changed(position=scale, velocity=scale)])
         assert [fault.change.kind for fault in found.faults] == ["degrees"]
 
+    @pytest.mark.long
     def test_two_are_found_one_after_the_other(self):
         matrices = {"torque": signs(3), "position": exchange(1, 2), "velocity": exchange(1, 2)}
         found = assess_recording(torque_model(), [changed(**matrices)])
