@@ -10,7 +10,6 @@ URDF whose inertials are placeholders will do.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,7 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis, triangle
 from graphdyn.identification.bodies.unknown_bodies import NONNEGATIVE_TERMS
-from graphdyn.identification.data.samples import Samples, joined_samples
+from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import Payload, RigidBodies
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -91,18 +90,7 @@ class BoundedFit:
 
     @classmethod
     def of(cls, torque_model: TorqueModel, samples: Samples, kept: NDArray[np.bool_]) -> BoundedFit:
-        (fit,) = cls.several(torque_model, [samples], [kept])
-        return fit
-
-    @classmethod
-    def several(
-        cls, torque_model: TorqueModel, motions: Sequence[Samples], kept: Sequence[NDArray[np.bool_]]
-    ) -> list[BoundedFit]:
-        """Fits of several motions of the same length, computed together: compiled code needs a thousand samples."""
-        samples, bounds = joined_samples(motions, slice(None)), Bounds.of(torque_model)
-        matrices = np.split(torque_model.rows(samples), len(motions))
-        known = np.split(torque_model.known_torque(samples), len(motions))
-        return [cls(*parts, bounds) for parts in zip(matrices, known, kept, strict=True)]
+        return cls(torque_model.rows(samples), torque_model.known_torque(samples), kept, Bounds.of(torque_model))
 
     def part(self, rows: slice | NDArray[np.intp] | NDArray[np.bool_]) -> BoundedFit:
         """The fit of some of the samples."""
