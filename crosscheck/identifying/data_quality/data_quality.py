@@ -13,7 +13,14 @@ from crosscheck.identifying.data_quality.finding import QualityFinding, finding_
 from crosscheck.identifying.data_quality.halves_and_delays import findings_of_halves, hints_of_delays
 from crosscheck.identifying.data_quality.mapping_lines import mapping_lines, recorded_columns
 from crosscheck.identifying.data_quality.remedies import change_in_words
-from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings, model_findings
+from crosscheck.identifying.data_quality.row_findings import (
+    clock_findings,
+    clock_rate,
+    held_findings,
+    held_rows,
+    measured_parts,
+    model_findings,
+)
 from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
@@ -74,24 +81,18 @@ def data_quality(
     torque_model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation
 ) -> DataQuality | None:
     """Data quality of all recordings together, with the mapping of the first; None if they are too short."""
-    try:
-        parts = [preparation.pieces(recording) for recording in recordings]
-    except InvalidInput:  # too few rows to filter, which the fit then refuses
-        return None
-    try:
-        found = assess_recording(
-            row_by_row(torque_model),
-            [piece for pieces, _ in parts for piece in pieces],
-            torques=[tau for _, torques in parts for tau in torques],
-            columns=recorded_columns(recordings[0]),
-            min_speed=preparation.min_speed,
-        )
-    except TooShort:
+    held = held_rows(recordings)
+    measured = measured_parts(recordings, held)
+    found = None
+    for part in (measured, recordings) if measured else (recordings,):
+        if (found := _assessed(torque_model, part, preparation)) is not None:
+            break
+    if found is None:
         return None
     said = [
+        *held_findings(held, found.joint_names),
         *clock_findings(found),
         *_faults(found, recordings[0]),
-        *held_findings(recordings),
         *model_findings(found),
         *_of_channels(found),
     ]
@@ -101,6 +102,26 @@ def data_quality(
         said += list(_of_fits(found)) or ([] if found.contradictions.any() else _of_units(found, recordings[0]))
     said += hints_of_delays(found)
     return DataQuality(found, tuple(said), _unseen(found))
+
+
+def _assessed(
+    torque_model: TorqueModel, recordings: Sequence[Recording], preparation: Preparation
+) -> RecordingQuality | None:
+    """The numbers of recordings, with the mapping of the first; None if they are too short."""
+    try:
+        parts = [preparation.pieces(recording) for recording in recordings]
+    except InvalidInput:  # too few rows to filter, which the fit then refuses
+        return None
+    try:
+        return assess_recording(
+            row_by_row(torque_model),
+            [piece for pieces, _ in parts for piece in pieces],
+            torques=[tau for _, torques in parts for tau in torques],
+            columns=recorded_columns(recordings[0]),
+            min_speed=preparation.min_speed,
+        )
+    except TooShort:
+        return None
 
 
 def row_by_row(torque_model: TorqueModel) -> TorqueModel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,45 +22,61 @@ MAX_MODEL_RESIDUAL, MIN_MEASURED_RATIO = 1.5e-3, 10.0
 """Residual, relative to the torque, up to which a torque is the output of a model, and how much larger those of the
 other joints then are: of measured torques 2 % is little, and the data quality knows no residual below 0.1 %."""
 
+MAX_STEP_SHARE = 1.5
+"""Step between rows, relative to the usual one, from which rows between them were left out."""
+
 MIN_CLOCK_JOINTS = 2
 """Number of moving joints that must agree on the clock."""
 
 
-def held_findings(recordings: Sequence[Recording]) -> Iterator[QualityFinding]:
-    """Dead channels, clipped positions and repeated rows of recordings as they were read."""
-    names = recordings[0].joint_names
-    blocks = [(recording, rows) for recording in recordings for rows in recording.block_slices]
-    found = [_held(recording, rows) for recording, rows in blocks]
-    lengths = np.array([rows.stop - rows.start for _, rows in blocks])
+def held_rows(recordings: Sequence[Recording]) -> list[HeldValues]:
+    """Held values of recordings as they were read, block by block."""
+    found = []
+    for recording in recordings:
+        for rows in recording.block_slices:
+            v = None if recording.v is None else recording.v[rows]
+            found.append(held_values(recording.q[rows], recording.channel("tau")[rows], v))
+    return found
 
-    def mean(values: Sequence[float]) -> float:
-        return float(np.average(values, weights=lengths))
 
-    repeated = mean([held.repeated_rows for held in found])
+def measured_parts(recordings: Sequence[Recording], held: Sequence[HeldValues]) -> list[Recording]:
+    """The recordings without rows that hold a value, in blocks between them. held: as of held_rows"""
+    left, blocks = [], iter(held)
+    for recording in recordings:
+        measured = np.concatenate([next(blocks).measured for _ in recording.block_slices])
+        if not measured.any():
+            continue
+        part = recording.take(measured)
+        steps, same = np.diff(part.t), np.diff(part.block) == 0
+        usual = np.median(steps[same]) if same.any() else np.inf
+        gap = ~same | (steps > MAX_STEP_SHARE * usual)
+        left.append(replace(part, block=np.concatenate([[0], np.cumsum(gap)])) if not measured.all() else recording)
+    return left
+
+
+def held_findings(held: Sequence[HeldValues], names: tuple[str, ...]) -> Iterator[QualityFinding]:
+    """Dead channels, clipped positions and repeated rows. held: as of held_rows; names: of the joints"""
+    repeated = float(np.mean(np.concatenate([part.repeated for part in held])))
     if repeated > MIN_REPEATED_SHARE:
         message = f"{100 * repeated:.0f} % of the rows repeat other rows exactly while the robot moves"
         remedy = "record each sample once: drop the copies, or give the rate at which the robot sends"
         yield QualityFinding("repeated-rows", "fault", names, message, remedy)
+    torque, position, clipped = (
+        np.concatenate([getattr(part, what) for part in held]).mean(axis=0)
+        for what in ("dead_torques", "dead_positions", "clipped_positions")
+    )
     for j, name in enumerate(names):
-        for what, values in (
-            ("torque", [held.dead_torques[j] for held in found]),
-            ("position", [held.dead_positions[j] for held in found]),
-        ):
-            if (share := mean(values)) > 0:
+        for what, share in (("torque", torque[j]), ("position", position[j])):
+            if share > 0:
                 message = (
                     f"the {what} of {name} holds one value in {100 * share:.2g} % of the rows while the joint moves"
                 )
                 remedy = "the channel was dead there: use another part, by --split"
                 yield QualityFinding("dead-channel", "fault", (name,), message, remedy)
-        if (share := mean([held.clipped_positions[j] for held in found])) > 0:
-            message = f"the position of {name} is held at an end of its range in {100 * share:.2g} % of the rows"
+        if clipped[j] > 0:
+            message = f"the position of {name} is held at an end of its range in {100 * clipped[j]:.2g} % of the rows"
             remedy = "the sensor stops there while the joint moves on: use another part, by --split"
             yield QualityFinding("clipped-position", "fault", (name,), message, remedy)
-
-
-def _held(recording: Recording, rows: slice) -> HeldValues:
-    v = None if recording.v is None else recording.v[rows]
-    return held_values(recording.q[rows], recording.channel("tau")[rows], v)
 
 
 def model_findings(found: RecordingQuality) -> Iterator[QualityFinding]:

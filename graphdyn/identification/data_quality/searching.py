@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +99,8 @@ class DataFault:
     parameters: Array | None = None
 
 
-class Examined(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Examined:
     """A recording, as it is or after changes.
 
     min_speed: of the rows that count for a joint, (n,) or one for all
@@ -125,7 +127,7 @@ class Examined(NamedTuple):
     def samples(self) -> Samples:
         return self.thinned.samples
 
-    @property
+    @cached_property
     def part(self) -> Part:
         return Part(self.torque_model, self.samples, self.fit)
 

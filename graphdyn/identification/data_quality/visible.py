@@ -6,14 +6,12 @@ must gain to be a fault (searching.py). Between the sizes that are planted the r
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.identification.data_quality.causes.gravity import GravityFit
 from graphdyn.identification.data_quality.causes.sizes import SizedChange
-from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
 from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording
 from graphdyn.identification.data_quality.trials.refining import Curve
 from graphdyn.identification.data_quality.trials.trials import EVERY_SCREENED_ROW, Part
@@ -61,45 +59,42 @@ def visible_sizes(part: Part, thinned: ThinnedRecording, curves: Sequence[Curve]
     part, thinned: its rows; curves: over the sizes of changes; needed: rise of Σ log ‖e_j‖ that shows a fault
     """
     few, n = part.screened, part.samples.q.shape[1]
-    tau, unit = few.samples.tau, np.eye(n)
-    progress = np.linspace(-0.5, 0.5, len(tau))[:, None]
+    tau = few.samples.tau
+    progress = np.linspace(-0.5, 0.5, len(tau))
 
-    def planted(sizes: Sequence[float], spoilt: Callable[[float], Array]) -> float:
-        rises = []
-        for size in sizes:
-            torque = spoilt(size)
-            misfit = gram_misfit(grams(few.fit.matrix, torque - few.fit.known, torque, few.fit.kept))
-            rises.append(misfit - few.misfit)
-        return first_crossing(sizes, rises, needed)
+    def of_each(sizes: Sequence[float], planted: Callable[[int, float], Array]) -> Array:
+        """The sizes of every torque, larger of both signs. planted: torque (N,) of a joint, of a size with its sign"""
 
-    def of_each(sizes: Sequence[float], spoilt: Callable[[float, Array], Array]) -> Array:
-        """The sizes of every torque, larger of both signs. spoilt: torques, of a size and the joint's unit vector"""
-        each = [[planted(sizes, lambda x, e=e: spoilt(x, e)) for e in (axis, -axis)] for axis in unit]  # type: ignore[misc]
-        return np.asarray(np.max(each, axis=1), dtype=float)
+        def visible(j: int, sign: float) -> float:
+            torques = ((size, planted(j, sign * size)) for size in sizes)
+            misfits = ((size, few.free_fit.misfit_of_torque(j, torque)) for size, torque in torques)
+            return first_crossing(((size, misfit - few.misfit) for size, misfit in misfits), needed)
+
+        return np.array([max(visible(j, 1.0), visible(j, -1.0)) for j in range(n)])
 
     rows = slice(None, None, EVERY_SCREENED_ROW)
     return VisibleSizes(
         zeros=np.array([_of_curve(curves, "zero", j, needed) for j in range(n)]),
         gear_ratios=np.array([_of_curve(curves, "gear ratio", j, needed) for j in range(n)]),
-        torque_gains=of_each(PLANTED_SHARES, lambda x, axis: tau * np.exp(np.log1p(x) * axis)),
-        torque_drifts=of_each(PLANTED_SHARES, lambda x, axis: tau * (1 + x * progress * axis)),
-        delays=of_each(PLANTED_DELAYS, lambda x, axis: thinned.torque(x * axis)[rows]),
+        torque_gains=of_each(PLANTED_SHARES, lambda j, x: tau[:, j] * (1 + abs(x)) ** np.sign(x)),
+        torque_drifts=of_each(PLANTED_SHARES, lambda j, x: tau[:, j] * (1 + x * progress)),
+        delays=of_each(PLANTED_DELAYS, lambda j, x: thinned.torque_of(j, x)[rows]),
         tilt=_tilt(few, needed),
         clock=_of_curve(curves, "time scale", 0, needed),
-        load=_load(few, planted),
+        load=_load(few, needed),
     )
 
 
-def first_crossing(sizes: Sequence[float], rises: Sequence[float], needed: float) -> float:
+def first_crossing(rises: Iterable[tuple[float, float]], needed: float) -> float:
     """The size from which the rise is large enough, between two that were planted; ∞ if it never is.
 
-    sizes: increasing, without zero (k,); rises: of Σ log ‖e_j‖ (k,)
+    rises: sizes, increasing, without zero, and the rise of Σ log ‖e_j‖ for each; asked up to the first that is enough
     """
     before, low = 0.0, 0.0
-    for size, rise in zip(sizes, rises, strict=True):
+    for size, rise in rises:
         if rise >= needed:
             return float(low + (size - low) * (needed - before) / (rise - before)) if rise > before else float(size)
-        before, low = min(rise, needed), size
+        before, low = rise, size
     return float("inf")
 
 
@@ -109,12 +104,13 @@ def _of_curve(curves: Sequence[Curve], kind: str, joint: int, needed: float) -> 
     if not own:
         return float("nan")
     change, curve = own[0].change, own[0]
-    distance = np.array([_distance(change, size) for size in curve.sizes])
-    above, below = np.array(curve.sizes) > change.unchanged, np.array(curve.sizes) < change.unchanged
-    return max(
-        first_crossing(distance[above].tolist(), curve.rises[above].tolist(), needed),
-        first_crossing(distance[below][::-1].tolist(), curve.rises[below][::-1].tolist(), needed),
-    )
+    rises = [
+        (_distance(change, size), size > change.unchanged, rise)
+        for size, rise in zip(curve.sizes, curve.rises.tolist(), strict=True)
+        if size != change.unchanged
+    ]
+    sides = (sorted((size, rise) for size, above, rise in rises if above is side) for side in (True, False))
+    return max(first_crossing(side, needed) for side in sides)
 
 
 def _distance(change: SizedChange, size: float) -> float:
@@ -126,25 +122,26 @@ def _distance(change: SizedChange, size: float) -> float:
 
 def _tilt(few: Part, needed: float) -> float:
     """The smallest tilt that shows about every horizontal axis."""
-    search = GravityFit(few.torque_model, few.samples, few.fit.kept)
-    size = float(np.linalg.norm(search.given))
+    given = few.gravity_fit.given
+    size = float(np.linalg.norm(given))
     if size == 0:
         return float("nan")
-    across = np.linalg.svd(search.given[None])[2][1:]
-    found = []
-    for axis in (across[0], -across[0], across[1], -across[1]):
-        rises = []
-        for degrees in PLANTED_TILTS:
-            angle = np.deg2rad(degrees)
-            rises.append(search.misfit(np.cos(angle) * search.given + np.sin(angle) * size * axis) - few.misfit)
-        found.append(first_crossing(PLANTED_TILTS, rises, needed))
-    return max(found)
+    across = np.linalg.svd(given[None])[2][1:]
+
+    def rise(degrees: float, axis: Array) -> float:
+        angle = np.deg2rad(degrees)
+        return few.gravity_fit.misfit(np.cos(angle) * given + np.sin(angle) * size * axis) - few.misfit
+
+    axes = (across[0], -across[0], across[1], -across[1])
+    return max(first_crossing(((tilt, rise(tilt, axis)) for tilt in PLANTED_TILTS), needed) for axis in axes)
 
 
-def _load(few: Part, planted: Callable[[Sequence[float], Callable[[float], Array]], float]) -> float:
+def _load(few: Part, needed: float) -> float:
     bodies = few.torque_model.slice_of(RigidBodies)
     if bodies is None:
         return float("nan")
     of_mass = few.fit.matrix[..., bodies.stop - BODY_PARAMETERS]
     after = (np.arange(len(of_mass)) >= len(of_mass) // 2)[:, None]
-    return planted(PLANTED_LOADS, lambda mass: few.samples.tau + mass * of_mass * after)
+    torques = ((mass, few.samples.tau + mass * of_mass * after) for mass in PLANTED_LOADS)
+    misfits = ((mass, few.free_fit.misfit_of_torques(torque)) for mass, torque in torques)
+    return first_crossing(((mass, misfit - few.misfit) for mass, misfit in misfits), needed)

@@ -11,15 +11,19 @@ from itertools import combinations_with_replacement
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.identification.algebra.base_parameters import Indices
 from graphdyn.identification.data.samples import Samples
+from graphdyn.identification.data_quality.channels.measured_torque import drive_columns
 from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
-from graphdyn.identification.problem.torque_model import TorqueModel
-from graphdyn.identification.terms.term import CarriesBodies
+from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import STANDARD_GRAVITY
 
 TRIED_DIRECTIONS = np.array([[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z])
 """Directions of gravity to begin with, 45° to 55° apart."""
+
+GENERIC_GRAVITY = np.array([3.0, -5.0, 7.0])
+"""A gravity along no axis of a robot: under it all base parameters show that some gravity shows [m/s²]."""
 
 GRAVITY_FACTORS = list(combinations_with_replacement(range(4), 2))
 """Pairs of 1, g_x, g_y, g_z whose products multiply the Gram matrices."""
@@ -35,14 +39,15 @@ class GravityFit:
         model = torque_model.model
         self.given = np.asarray(model.gravity, dtype=float)
         self._size = float(np.linalg.norm(self.given)) or float(np.linalg.norm(STANDARD_GRAVITY))
-        parts = []
+        parts, generic = [], TorqueModel(model.with_gravity(GENERIC_GRAVITY), torque_model.terms, torque_model.known)
+        columns = structure(generic).base.independent
         for vector in np.concatenate([np.zeros((1, 3)), self._size * np.eye(3)]):
             there = TorqueModel(model.with_gravity(vector), torque_model.terms, torque_model.known)
             known = there.known_torque(samples)
-            parts.append(np.concatenate([there.rows(samples), -known[..., None]], axis=-1))
+            parts.append(np.concatenate([there.rows(samples, columns), -known[..., None]], axis=-1))
         parts[1:] = [part - parts[0] for part in parts[1:]]
         parts[0][..., -1] += samples.tau
-        _hold_drives(parts, torque_model, samples)
+        _hold_drives(parts, torque_model, samples, columns)
         n, width = samples.tau.shape[1], parts[0].shape[-1]
         stacked = np.concatenate(parts, axis=-1)
         whole = grams(stacked[..., :-1], stacked[..., -1], samples.tau, kept).reshape(n, 4, width, 4, width)
@@ -73,11 +78,9 @@ class GravityFit:
         return np.asarray(self._size * best.x), float(best.fun)
 
 
-def _hold_drives(parts: list[Array], torque_model: TorqueModel, samples: Samples) -> None:
+def _hold_drives(parts: list[Array], torque_model: TorqueModel, samples: Samples, columns: Indices) -> None:
     """Hold the columns of drives as they are: friction that grows with the load is not linear in gravity."""
-    now = torque_model.rows(samples)
-    for term, columns in torque_model.parts:
-        if not isinstance(term, CarriesBodies):
-            parts[0][..., columns] = now[..., columns]
-            for part in parts[1:]:
-                part[..., columns] = 0.0
+    held = np.flatnonzero(np.isin(columns, drive_columns(torque_model)))
+    parts[0][..., held] = torque_model.rows(samples, columns[held])
+    for part in parts[1:]:
+        part[..., held] = 0.0

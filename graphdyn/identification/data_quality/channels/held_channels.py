@@ -28,6 +28,10 @@ FAST_QUANTILE = 0.9
 MIN_RESOLVED_STEP = 5.0
 """Usual step of a fast motion in units of the smallest one, from which a position is resolved finely enough."""
 
+MIN_JUMP = 3.0
+"""Step beside a held position at an end of its range, relative to the usual step of a fast motion, from which it jumps
+back to what is measured."""
+
 MIN_TORQUE_GAP = 1.0
 """Distance of a torque held at an end of its range from all others, in units of the usual largest step, from which it
 is no limit: a torque that is cut off comes close to where it is cut."""
@@ -41,17 +45,22 @@ MIN_COPIED_ROWS = 10
 
 @dataclass(frozen=True, eq=False)
 class HeldValues:
-    """Held values of a recording with n joints.
+    """Rows of a recording with n joints that hold a value.
 
-    dead_torques, dead_positions: share of the rows in which the torque or position of a joint is held    (n,)
-    clipped_positions: the same at an end of its range      (n,)
-    repeated_rows: share of the rows that repeat the row before, or are copies of a part
+    dead_torques, dead_positions: of a torque or a position (N, n)
+    clipped_positions: of a position at an end of its range (N, n)
+    repeated: that repeat the row before, or are copies of a part (N,)
     """
 
-    dead_torques: Array
-    dead_positions: Array
-    clipped_positions: Array
-    repeated_rows: float
+    dead_torques: NDArray[np.bool_]
+    dead_positions: NDArray[np.bool_]
+    clipped_positions: NDArray[np.bool_]
+    repeated: NDArray[np.bool_]
+
+    @property
+    def measured(self) -> NDArray[np.bool_]:
+        """Rows that hold no value of another one (N,)."""
+        return ~(self.repeated | (self.dead_torques | self.dead_positions | self.clipped_positions).any(axis=1))
 
 
 def held_values(q: Array, tau: Array, v: Array | None = None) -> HeldValues:
@@ -59,20 +68,20 @@ def held_values(q: Array, tau: Array, v: Array | None = None) -> HeldValues:
 
     q, tau: positions and torques (N, n); v: measured velocities (N, n), if there are any
     """
-    rows, n = q.shape
-    dead_torques, dead_positions, clipped = np.zeros(n), np.zeros(n), np.zeros(n)
-    usual = np.quantile(np.abs(np.diff(q, axis=0)), FAST_QUANTILE, axis=0) if rows > 1 else np.zeros(n)
+    rows = len(q)
+    dead_torques, dead_positions, clipped = (np.zeros(q.shape, dtype=bool) for _ in range(3))
+    usual = np.quantile(np.abs(np.diff(q, axis=0)), FAST_QUANTILE, axis=0) if rows > 1 else np.zeros(q.shape[1])
     same = np.all(np.diff(np.column_stack([q, tau]), axis=0) == 0, axis=1)
     repeated = np.zeros(rows, dtype=bool)
     for start, stop in _runs(same):
         if _abrupt(q, start, stop, usual).any():
             repeated[start + 1 : stop] = True
     least = max(MIN_HELD_ROWS, int(MIN_HELD_SHARE * rows))
-    for j in range(n):
-        dead_positions[j], clipped[j] = _held_position(q, v, j, usual, least, repeated)
-        dead_torques[j] = _held_torque(q[:, j], tau[:, j], least, repeated)
+    for j in range(q.shape[1]):
+        dead_positions[:, j], clipped[:, j] = _held_position(q, v, j, usual, least, repeated)
+        dead_torques[:, j] = _held_torque(q[:, j], tau[:, j], least, repeated)
     repeated |= _copied(np.column_stack([q, tau]), q, usual)
-    return HeldValues(dead_torques, dead_positions, clipped, float(repeated.mean()))
+    return HeldValues(dead_torques, dead_positions, clipped, repeated)
 
 
 def _runs(same: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -92,25 +101,26 @@ def _abrupt(q: Array, start: int, stop: int, usual: Array) -> NDArray[np.bool_]:
 
 def _held_position(
     q: Array, v: Array | None, j: int, usual: Array, least: int, repeated: NDArray[np.bool_]
-) -> tuple[float, float]:
-    """Share of the rows in which a position is held inside its range, and at an end of it."""
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Rows in which a position is held, and those in which the end of its range holds it (N,).
+
+    A position leaves the end of its range with a step of the usual size, and one that is measured again jumps.
+    """
     steps = np.abs(np.diff(q[:, j]))
+    dead, clipped = np.zeros(len(q), dtype=bool), np.zeros(len(q), dtype=bool)
     smallest = steps[steps > 0].min(initial=np.inf)
     if not usual[j] > MIN_RESOLVED_STEP * smallest:
-        return 0.0, 0.0
+        return dead, clipped
     ends = (q[:, j].min(), q[:, j].max())
-    dead = clipped = 0
     for start, stop in _runs(steps == 0):
         if stop - start < least or repeated[start + 1 : stop].any():
             continue
         on = v is not None and np.quantile(np.abs(v[start:stop, j]), 0.5) > _slow(v[:, j])
         if not (on or _abrupt(q, start, stop, usual)[j]):
             continue
-        if q[start, j] in ends:
-            clipped += stop - start
-        else:
-            dead += stop - start
-    return dead / len(q), clipped / len(q)
+        jumps = steps[max(0, start - 1) : stop][[0, -1]].max() > MIN_JUMP * usual[j]
+        (clipped if q[start, j] in ends and not jumps else dead)[start:stop] = True
+    return dead, clipped
 
 
 def _slow(v: Array) -> float:
@@ -118,23 +128,23 @@ def _slow(v: Array) -> float:
     return 0.05 * float(np.quantile(np.abs(v), FAST_QUANTILE))
 
 
-def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) -> float:
-    """Share of the rows in which a torque is held while its joint moves; torques at an end of the range are clipped."""
+def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Rows in which a torque is held while its joint moves (N,); torques at an end of the range are clipped."""
     steps = np.abs(np.diff(tau))
+    dead = np.zeros(len(tau), dtype=bool)
     if not steps.any():  # a torque that never changes is no measurement at all
-        return 0.0
+        return dead
     moved = np.ptp(q)
     ends = (tau.min(), tau.max())
     usual = np.quantile(steps[steps > 0], FAST_QUANTILE) if np.any(steps > 0) else 0.0
-    dead = 0
     for start, stop in _runs(steps == 0):
         if stop - start < least or repeated[start + 1 : stop].any() or np.ptp(q[start:stop]) < MIN_MOVED_SHARE * moved:
             continue
         gap = np.abs(tau[tau != tau[start]] - tau[start]).min(initial=np.inf)
         if tau[start] in ends and gap < MIN_TORQUE_GAP * usual:
             continue
-        dead += stop - start
-    return dead / len(tau)
+        dead[start:stop] = True
+    return dead
 
 
 def _copied(rows: Array, q: Array, usual: Array) -> NDArray[np.bool_]:

@@ -1,7 +1,8 @@
 """Least squares without bounds on few rows, from Gram matrices: which changes are worth a fit within bounds.
 
 The criterion Σ_j log ‖e_j‖ of such a fit is never above that of the fit within bounds (bounded_fit.py), and takes a
-fifth of the time. A change whose free fit is not good enough needs no other.
+tenth of the time: without bounds the base parameters suffice. A change whose free fit is not good enough needs no
+other.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.identification.data.samples import Samples, joined_samples
-from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
+from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.layout import Array
 
 ROUNDING_SHARE = 1e-8
@@ -49,7 +50,7 @@ def free_misfits(motions: Sequence[Motion]) -> list[float]:
 def _of_one_model(model: TorqueModel, motions: Sequence[Motion]) -> list[float]:
     try:
         samples = joined_samples([samples for _, samples, _ in motions], slice(None))
-        matrices = np.split(model.rows(samples), len(motions))
+        matrices = np.split(model.rows(samples, structure(model).base.independent), len(motions))
         known = np.split(model.known_torque(samples), len(motions))
     except Exception:
         if len(motions) == 1:
@@ -65,11 +66,51 @@ def grams(matrix: Array, right: Array, tau: Array, kept: NDArray[np.bool_]) -> A
     matrix: W (N, n, p); right, tau: (N, n); kept: rows that count for each joint (N, n)
     """
     n, p = matrix.shape[1:]
-    found = np.empty((n, p + 1, p + 1))
+    found = np.zeros((n, p + 1, p + 1))
     for j, rows in enumerate(kept.T):
         augmented = np.column_stack([matrix[rows, j], right[rows, j]])
-        found[j] = augmented.T @ augmented / (float(np.sum(tau[rows, j] ** 2)) or 1.0)
+        acting = np.flatnonzero(augmented.any(axis=0))
+        own = augmented[:, acting]
+        found[j][np.ix_(acting, acting)] = own.T @ own / (float(np.sum(tau[rows, j] ** 2)) or 1.0)
     return found
+
+
+class FreeFit:
+    """The fit without bounds of samples whose torque is replaced, or explained by further columns."""
+
+    def __init__(self, torque_model: TorqueModel, fit: BoundedFit, tau: Array):
+        """Prepare the fit of samples from their fit within bounds. tau: measured (N, n)"""
+        self._matrix = fit.matrix[..., structure(torque_model).base.independent]
+        self._fit, self._tau = fit, tau
+        self._grams = grams(self._matrix, tau - fit.known, tau, fit.kept)
+
+    def misfit_of_torque(self, joint: int, torque: Array) -> float:
+        """Σ_j log ‖e_j‖ with another torque (N,) of one joint."""
+        whole, one = self._grams.copy(), slice(joint, joint + 1)
+        right = torque - self._fit.known[:, joint]
+        whole[one] = grams(self._matrix[:, one], right[:, None], torque[:, None], self._fit.kept[:, one])
+        return gram_misfit(whole)
+
+    def misfit_of_torques(self, torques: Array) -> float:
+        """Σ_j log ‖e_j‖ with other torques (N, n)."""
+        return gram_misfit(grams(self._matrix, torques - self._fit.known, torques, self._fit.kept))
+
+    def misfit_with(self, columns: Array) -> float:
+        """Σ_j log ‖e_j‖ with further columns (N, n, c)."""
+        n, p, c = len(self._grams), self._matrix.shape[-1], columns.shape[-1]
+        whole = np.zeros((n, p + c + 1, p + c + 1))
+        old, new = np.append(np.arange(p), p + c), np.arange(p, p + c)
+        right = self._tau - self._fit.known
+        for j, rows in enumerate(self._fit.kept.T):
+            whole[j][np.ix_(old, old)] = self._grams[j]
+            own = columns[rows, j]
+            if own.any():
+                size = float(np.sum(self._tau[rows, j] ** 2)) or 1.0
+                known = np.column_stack([self._matrix[rows, j], right[rows, j]])
+                whole[j][np.ix_(new, new)] = own.T @ own / size
+                whole[j][np.ix_(new, old)] = own.T @ known / size
+                whole[j][np.ix_(old, new)] = whole[j][np.ix_(new, old)].T
+        return gram_misfit(whole)
 
 
 def gram_misfit(matrices: Array) -> float:

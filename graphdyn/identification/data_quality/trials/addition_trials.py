@@ -10,7 +10,6 @@ import numpy as np
 
 from graphdyn.identification.data_quality.causes.additions import Addition, additions
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
-from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
 from graphdyn.identification.data_quality.fits.held_out import held_out_squares
 from graphdyn.identification.data_quality.fits.size_deviation import covariance
 from graphdyn.identification.data_quality.trials.trials import MIN_HINT_GAIN, Part, cad_misfit
@@ -37,11 +36,9 @@ class AdditionTrial:
 def tried_additions(part: Part) -> Iterator[AdditionTrial]:
     """Trials of what may have changed; of each kind and joint the best one, if it promises a gain."""
     few = part.screened
-    right = few.samples.tau - few.fit.known
     best: dict[tuple[str, tuple[int, ...]], tuple[float, int]] = {}
     for k, addition in enumerate(additions(few.torque_model, few.fit, few.samples.tau)):
-        matrix = np.concatenate([few.fit.matrix, addition.columns], axis=-1)
-        gained = few.misfit - gram_misfit(grams(matrix, right, few.samples.tau, few.fit.kept))
+        gained = few.misfit - few.free_fit.misfit_with(addition.columns)
         best[addition.kind, addition.joints] = max(best.get((addition.kind, addition.joints), (0.0, k)), (gained, k))
     chosen = {k for gained, k in best.values() if gained > MIN_HINT_GAIN}
     if not chosen:

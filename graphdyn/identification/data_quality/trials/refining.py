@@ -9,7 +9,6 @@ import numpy as np
 
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
-from graphdyn.identification.data_quality.causes.gravity import GravityFit
 from graphdyn.identification.data_quality.causes.sizes import SizedChange
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.free_fit import free_misfits
@@ -124,8 +123,7 @@ def tried_gravity(part: Part, min_gain: float = MIN_HINT_GAIN) -> Iterator[Chang
         there = trial(part, Change("gravity", every, gravity=standard / size * given), columns, before)
         if there is not None:
             yield there
-    search = GravityFit(few.torque_model, few.samples, few.fit.kept)
-    gravity, lower = search.best()
+    gravity, lower = few.gravity_fit.best()
     if few.misfit - lower <= min_gain:
         return
     best = trial(part, Change("gravity", every, gravity=gravity), columns, before)

@@ -13,9 +13,10 @@ import numpy as np
 
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
+from graphdyn.identification.data_quality.causes.gravity import GravityFit
 from graphdyn.identification.data_quality.channels.measured_torque import gains
 from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
-from graphdyn.identification.data_quality.fits.free_fit import Motion, free_misfits
+from graphdyn.identification.data_quality.fits.free_fit import FreeFit, Motion, free_misfits
 from graphdyn.identification.data_quality.fits.held_out import HELD_OUT_BLOCKS, held_out_squares
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -51,6 +52,16 @@ class Part:
         """Some of the rows."""
         rows = slice(None, None, EVERY_SCREENED_ROW)
         return Part(self.torque_model, self.samples[rows], self.fit.part(rows))
+
+    @cached_property
+    def free_fit(self) -> FreeFit:
+        """The fit without bounds."""
+        return FreeFit(self.torque_model, self.fit, self.samples.tau)
+
+    @cached_property
+    def gravity_fit(self) -> GravityFit:
+        """The fit without bounds under any gravity."""
+        return GravityFit(self.torque_model, self.samples, self.fit.kept)
 
     @cached_property
     def misfit(self) -> float:

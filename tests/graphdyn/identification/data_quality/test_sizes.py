@@ -142,9 +142,9 @@ class TestVisibleSizes:
         assert 0 < found.visible.load < 100
 
     def test_first_crossing(self):
-        assert first_crossing([1.0, 2.0, 4.0], [0.1, 0.4, 0.8], 0.5) == pytest.approx(2.5)
-        assert first_crossing([1.0, 2.0], [0.6, 3.0], 0.5) == pytest.approx(0.5 / 0.6)
-        assert first_crossing([1.0, 2.0], [0.1, 0.2], 0.5) == np.inf
+        assert first_crossing([(1.0, 0.1), (2.0, 0.4), (4.0, 0.8)], 0.5) == pytest.approx(2.5)
+        assert first_crossing([(1.0, 0.6), (2.0, 3.0)], 0.5) == pytest.approx(0.5 / 0.6)
+        assert first_crossing([(1.0, 0.1), (2.0, 0.2)], 0.5) == np.inf
 
 
 class TestFreeFit:
