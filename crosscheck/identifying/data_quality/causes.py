@@ -13,6 +13,7 @@ from graphdyn.layout import Array
 CODES = {
     "friction drift": "torque-drift",
     "torque jump": "torque-drift",
+    "gain jump": "torque-drift",
     "attached load": "payload-change",
     "detached load": "payload-change",
     "coupled positions": "coupling",
@@ -67,8 +68,11 @@ def _added(cause: Addition, names: str, fault: DataFault) -> str:
     at = f"after {100 * cause.instant:.0f} % of the recording"
     match cause.kind:
         case "torque drift":
-            percent = f"{-100 * x[0]:.2g} ± {100 * fault.deviation:.1g} %"
+            percent = _growth(cause, float(x[0]), fault.deviation)
             return f"the torque of {names} grows by {percent} during the recording, beside what the motion explains"
+        case "gain jump":
+            percent = _growth(cause, float(x[0]), fault.deviation)
+            return f"the gain of the torque of {names} jumps by {percent} {at}"
         case "friction drift":
             percent = f"{100 * x[0]:.2g} ± {100 * fault.deviation:.1g} %"
             return f"the friction of {names} grows by {percent} during the recording"
@@ -80,3 +84,12 @@ def _added(cause: Addition, names: str, fault: DataFault) -> str:
             return f"the torque of {names} jumps by {size} N m or N {at}"
         case "friction subtracted":
             return f"the torque of {names} holds negative friction; too much was subtracted before it was recorded"
+
+
+def _growth(cause: Addition, x: float, deviation: float) -> str:
+    """Growth of a gain from the first row to the last, with its standard deviation."""
+    assert cause.growth is not None
+    first, last = float(cause.growth[0]), float(cause.growth[-1])
+    growth = (1 + x * first) / (1 + x * last) - 1
+    slope = (first - last) / (1 + x * last) ** 2
+    return f"{100 * growth:.2g} ± {100 * abs(slope) * deviation:.1g} %"

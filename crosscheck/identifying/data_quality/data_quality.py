@@ -40,6 +40,9 @@ MIN_CLIPPED_SHARE = 0.01
 MAX_CLIPPED_SHARE = 0.05
 """Share of clipped rows up to which a recording may be used: more of them distort friction and gravity."""
 
+MAX_FEW_VALUES = 50
+"""Number of values of a torque up to which its steps are coarse: more than 2 % of its range."""
+
 MIN_STANDSTILL_SHARE = 0.9
 """Share of standstill from which a joint counts as hardly moving."""
 
@@ -91,9 +94,9 @@ def data_quality(
         return None
     said = [
         *held_findings(held, found.joint_names),
+        *model_findings(found),
         *clock_findings(found),
         *_faults(found, recordings[0]),
-        *model_findings(found),
         *_of_channels(found),
     ]
     sound = not any(finding.severity == "fault" for finding in said)  # else gains and fits suffer from it
@@ -175,11 +178,17 @@ def _of_channels(found: RecordingQuality) -> Iterator[QualityFinding]:
             remedy = "correct unit, sign or column of [v] or [q], or leave [v] out"
             yield QualityFinding("velocity", "fault", (names[j],), message, remedy)
     for j in np.flatnonzero(raw.clipped > MIN_CLIPPED_SHARE).tolist():
-        if j in raw.constant_torques:
+        if raw.torque_values[j] <= MAX_FEW_VALUES:
             continue
         message = f"the torque of {names[j]} is held at an end of its range in {100 * raw.clipped[j]:.0f} % of the rows"
         severity: Literal["fault", "warning"] = "fault" if raw.clipped[j] > MAX_CLIPPED_SHARE else "warning"
         yield QualityFinding("clipped", severity, (names[j],), message, "use --drop saturation")
+    for j in np.flatnonzero(raw.torque_values <= MAX_FEW_VALUES).tolist():
+        if j not in raw.constant_torques:
+            message = (
+                f"the torque of {names[j]} takes {raw.torque_values[j]} values only: it was recorded in coarse steps"
+            )
+            yield QualityFinding("quantized", "warning", (names[j],), message, "record it with more digits or bits")
     for j in np.flatnonzero(raw.standstill > MIN_STANDSTILL_SHARE).tolist():
         message = f"{names[j]} stands still in {100 * raw.standstill[j]:.0f} % of the rows"
         yield QualityFinding("standstill", "warning", (names[j],), message, "record a motion of it, or lock it")

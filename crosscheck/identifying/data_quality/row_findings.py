@@ -18,9 +18,8 @@ MIN_CLOCK_ERROR, MAX_CLOCK_SPREAD = 0.03, 0.01
 """Common ratio of velocities to rates of positions from which the clock is wrong, and the largest difference of the
 joints from it: on recordings of three arms single joints differ by 0.1 %."""
 
-MAX_MODEL_RESIDUAL, MIN_MEASURED_RATIO = 1.5e-3, 10.0
-"""Residual, relative to the torque, up to which a torque is the output of a model, and how much larger those of the
-other joints then are: of measured torques 2 % is little, and the data quality knows no residual below 0.1 %."""
+MAX_MODEL_RESIDUAL = 1.5e-3
+"""Residual of CAD with drives, relative to the torque, up to which all torques are the output of a model."""
 
 MAX_STEP_SHARE = 1.5
 """Step between rows, relative to the usual one, from which rows between them were left out."""
@@ -89,14 +88,15 @@ def model_findings(found: RecordingQuality) -> Iterator[QualityFinding]:
         remedy = "name the columns that were measured; of a simulation, identify with links that differ from its own"
         yield QualityFinding("model-torque", "fault", found.joint_names, message, remedy)
         return
-    for j, name in enumerate(found.joint_names):
-        others = np.median(np.delete(found.errors, j)) if len(found.errors) > 1 else 0.0
-        if found.errors[j] <= MAX_MODEL_RESIDUAL and others > MIN_MEASURED_RATIO * found.errors[j]:
-            message = (
-                f"the torque of {name} has no error of measurement ({100 * found.errors[j]:.2g} %, the others "
-                f"{100 * others:.2g} %): the output of a model"
-            )
-            yield QualityFinding("model-torque", "fault", (name,), message, "name the column that was measured")
+    for j in found.modeled:
+        own = min(float(cad[j]), float(found.errors[j]))
+        message = (
+            f"the torque of {found.joint_names[j]} has no error of measurement ({100 * own:.2g} %, the others "
+            f"{100 * np.median(np.delete(found.errors, found.modeled)):.2g} %): the output of a model"
+        )
+        yield QualityFinding(
+            "model-torque", "fault", (found.joint_names[j],), message, "name the column that was measured"
+        )
 
 
 def clock_rate(found: RecordingQuality) -> float:

@@ -18,7 +18,7 @@ from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.causes.additions import Addition
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels.channels import Channels, channels
-from graphdyn.identification.data_quality.channels.measured_torque import Gains, gains
+from graphdyn.identification.data_quality.channels.measured_torque import Gains, gains, modeled_torques
 from graphdyn.identification.data_quality.delays.torque_delays import Lag
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit, contradictions, halves_apart
 from graphdyn.identification.data_quality.fits.thinning import Piece
@@ -92,6 +92,7 @@ class RecordingQuality:
     faults: in the order of their correction; none are searched if a channel holds no signal of its own
     hints: what would gain a little
     half_faults: of the first half alone, and of the second, if the halves contradict each other
+    modeled: joints whose torque is the output of a model, while others were measured; they are not searched
     doubtful: what else the whole of such a recording shows, or one half
     unseen: changes after which the recording would fit equally well, so that it cannot reveal them
     visible: the smallest faults that it would reveal; None if no faults were searched
@@ -109,6 +110,7 @@ class RecordingQuality:
     gravity: Array
     faults: tuple[DataFault, ...]
     hints: tuple[DataFault, ...]
+    modeled: tuple[int, ...]
     half_faults: tuple[tuple[DataFault, ...], tuple[DataFault, ...]]
     doubtful: tuple[DataFault, ...]
     unseen: tuple[Change, ...]
@@ -149,6 +151,7 @@ def assess_recording(
     with one_thread():
         now = Examined.of(torque_model, pieces, min_speed)
         fit, tau = now.fit, now.samples.tau
+        errors = fit.errors(tau)
         found_gains = gains(torque_model, now.samples, fit)
         raw = channels(pieces, torques or [piece.samples.tau for piece in pieces])
         faults: tuple[DataFault, ...] = ()
@@ -158,6 +161,11 @@ def assess_recording(
         left, halves = now, halves_apart(tau, fit)
         by_halves = FaultsByHalves((), ((), ()), ())
         apart = np.zeros_like(contradictions(halves))
+        modeled = modeled_torques(found_gains, errors, raw.torque_noise)
+        if modeled:
+            now = Examined.of(torque_model, pieces, min_speed, modeled)
+            left, halves = now, halves_apart(tau, now.fit)
+            apart = np.zeros_like(contradictions(halves))
         if not (raw.constant_torques or raw.duplicated_torques or raw.duplicated_positions):
             faults, hints, unseen, curves, left = search(now, columns, found_gains)
             visible = visible_sizes(left.part, left.thinned, curves, MIN_CHANGE_GAIN)
@@ -165,7 +173,7 @@ def assess_recording(
         if apart.any():
 
             def searched(part: Sequence[Piece]) -> tuple[DataFault, ...]:
-                there = Examined.of(torque_model, part, min_speed)
+                there = Examined.of(torque_model, part, min_speed, modeled)
                 found = search(there, columns, gains(torque_model, there.samples, there.fit)).faults
                 return tuple(fault for fault in found if isinstance(fault.change, Change))
 
@@ -183,11 +191,12 @@ def assess_recording(
             gravity=np.asarray(model.gravity, dtype=float),
             faults=faults,
             hints=hints,
+            modeled=modeled,
             half_faults=by_halves.of_one,
             doubtful=by_halves.doubtful,
             unseen=unseen,
             visible=visible,
-            errors=fit.errors(tau),
+            errors=errors,
             free_errors=fit.errors(tau, bounded=False),
             sign_costs=_sign_costs(fit, tau),
             halves=halves,

@@ -23,8 +23,14 @@ from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.held_out import HeldOutGain, held_out_gain, held_out_squares
 from graphdyn.identification.data_quality.fits.thinning import Piece, ThinnedRecording
 from graphdyn.identification.data_quality.trials.addition_trials import AdditionTrial, tried_additions
-from graphdyn.identification.data_quality.trials.refining import Curve, curves, refined, tried_gravity
+from graphdyn.identification.data_quality.trials.refining import (
+    Curve,
+    curves,
+    refined,
+    tried_gravity,
+)
 from graphdyn.identification.data_quality.trials.trials import (
+    KINDS_THAT_CAD_SHOWS,
     MIN_HINT_GAIN,
     MIN_MISFIT_RISE,
     ChangeTrial,
@@ -48,7 +54,9 @@ MAX_BEHIND_DEVIATIONS = 2.0
 """Gain of the best change over another one, in its standard deviations, up to which CAD decides between them."""
 
 MIN_CAD_GAIN = 1.0
-"""Fall of the criterion of CAD with fitted drives that confirms a size if the blocks disagree about it."""
+"""Fall of the criterion of CAD with fitted drives that confirms a size if the blocks disagree about it, and shows that
+gravity was subtracted. On three arms it falls by 1.6 to 9.9 where it was, even from the best common unit, and rises by
+4.7 or more where it was not."""
 
 MAX_HELD_OUT = 8
 """Largest number of changes whose gain over blocks that were not fitted is computed, those that gain most."""
@@ -70,12 +78,18 @@ torques are noise, some change always gains."""
 MEASURED_SIZE_KINDS = ("late torque", "scaled torque", "gear ratio", "time scale", "gravity", "gravity subtracted")
 """Kinds of changes of a measured size: a small one is no fault, and the smallest visible one is stated."""
 
+COUPLED_KINDS = ("coupled positions", "coupled joints")
+"""Kinds of changes that add columns: a sum fits better by chance more often than an exchange."""
+
 MAX_FAULTS = 3
 """Largest number of faults, each searched after the correction of the previous one."""
 
 MIN_KEPT_SHARE = 0.05
 """Part of the rows of a joint that must be faster than the smallest speed; otherwise all of them count: it may be the
 unit of the angles that makes it slow."""
+
+MAX_CLOCK_SPREAD = 0.01
+"""Relative difference between the gains of v on the rates of q up to which they are one, that of a clock."""
 
 MAX_RATE_GAIN_ERROR = 0.2
 """Deviation from 1 of the gain of v on the rate of q beyond which they contradict each other."""
@@ -104,24 +118,33 @@ class Examined:
     """A recording, as it is or after changes.
 
     min_speed: of the rows that count for a joint, (n,) or one for all
+    without: joints whose torque does not count
     fit, delays: of the thinned rows
     """
 
     torque_model: TorqueModel
     pieces: Sequence[Piece]
     min_speed: ArrayLike
+    without: tuple[int, ...]
     thinned: ThinnedRecording
     fit: BoundedFit
     delays: Lag
 
     @classmethod
-    def of(cls, torque_model: TorqueModel, pieces: Sequence[Piece], min_speed: ArrayLike) -> Examined:
+    def of(
+        cls,
+        torque_model: TorqueModel,
+        pieces: Sequence[Piece],
+        min_speed: ArrayLike,
+        without: tuple[int, ...] = (),
+    ) -> Examined:
         """The recording of these pieces. min_speed: as in Problem"""
         thinned = ThinnedRecording(pieces)
         kept = np.abs(thinned.samples.v) >= min_speed
         resting = kept.mean(axis=0) < MIN_KEPT_SHARE
-        fit = BoundedFit.of(torque_model, thinned.samples, kept | resting)
-        return cls(torque_model, pieces, min_speed, thinned, fit, lag(torque_model, thinned, fit))
+        counted = (kept | resting) & ~np.isin(np.arange(kept.shape[1]), without)
+        fit = BoundedFit.of(torque_model, thinned.samples, counted)
+        return cls(torque_model, pieces, min_speed, without, thinned, fit, lag(torque_model, thinned, fit))
 
     @property
     def samples(self) -> Samples:
@@ -131,6 +154,11 @@ class Examined:
     def part(self) -> Part:
         return Part(self.torque_model, self.samples, self.fit)
 
+    def with_derived_velocities(self) -> Examined:
+        """The recording with velocities and accelerations from its positions."""
+        pieces = [piece.derived() for piece in self.pieces]
+        return Examined.of(self.torque_model, pieces, self.min_speed, self.without)
+
     def after(self, changes: Sequence[Change], columns: RecordedColumns) -> Examined:
         """The recording after some changes, one after the other."""
         if not changes:
@@ -138,7 +166,7 @@ class Examined:
         model, pieces = self.torque_model, self.pieces
         for change in changes:
             model, pieces = change.under_gravity(model), [_undone(piece, change, columns) for piece in pieces]
-        return Examined.of(model, pieces, self.min_speed)
+        return Examined.of(model, pieces, self.min_speed, self.without)
 
 
 class FoundGravity(NamedTuple):
@@ -162,11 +190,13 @@ def found_gravity(torque_model: TorqueModel, pieces: Sequence[Piece], min_speed:
     """
     with one_thread():
         now = Examined.of(torque_model, pieces, min_speed)
-        for trial in (*tried_gravity(now.part, -np.inf),)[-1:]:
-            assert trial.change.gravity is not None
-            before = now.fit.errors(now.samples.tau)
-            return FoundGravity(trial.change.gravity, trial.deviation, before, trial.errors)
-    raise InvalidInput("the torques of the recording fit no gravity; give it by --gravity X Y Z, or gravity=")
+        trials = [trial for trial in tried_gravity(now.part, -np.inf) if np.isfinite(trial.deviation)]
+        if not trials:
+            raise InvalidInput("the torques of the recording fit no gravity; give it by --gravity X Y Z, or gravity=")
+        most = max(trial.gained for trial in trials)
+        best = min((t for t in trials if t.gained > most - MIN_MISFIT_RISE), key=lambda trial: trial.cad_misfit())
+        assert best.change.gravity is not None
+        return FoundGravity(best.change.gravity, best.deviation, now.fit.errors(now.samples.tau), best.errors)
 
 
 class Found(NamedTuple):
@@ -190,16 +220,27 @@ def search(now: Examined, columns: RecordedColumns, found_gains: Gains) -> Found
     slides = [model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent]
     faults: list[DataFault] = []
     while True:
+        contradicting = _contradicting(now.pieces)
+        if contradicting and not _is_clock(now.pieces):
+            fault = _of_positions_or_velocities(now, columns, slides, contradicting)
+            if fault is None or not isinstance(fault.change, Change) or len(faults) == MAX_FAULTS:
+                now = now.with_derived_velocities()
+            else:
+                faults.append(fault)
+                now = now.after([fault.change], columns)
+            continue
         before = now.fit.errors(now.samples.tau)
-        rates = rate_gain(now.pieces)
-        contradicting = np.flatnonzero(np.abs(rates - 1) > MAX_RATE_GAIN_ERROR).tolist()
         considered = [*changes(slides, contradicting, columns), *scales(found_gains.gain, found_gains.share)]
         part = now.part
-        over_size = curves(part, columns, [*sized_changes(slides, contradicting, not contradicting)])
+        sized = [*sized_changes(slides, contradicting, not contradicting)]
+        if now.without:  # a torque that does not count tells nothing of those that are mixed with it
+            considered = [change for change in considered if not _mixes(change, now.without)]
+            sized = [change for change in sized if not _mixes(change.of(change.tried[0]), now.without)]
+        over_size = curves(part, columns, sized)
         trials = [
             *tried_changes(part, columns, considered),
             *refined(part, columns, over_size),
-            *tried_gravity(part),
+            *([] if any(fault.change.kind == "gravity subtracted" for fault in faults) else tried_gravity(part)),
             *_late(now),
         ]
         of_time = [*tried_additions(part)]
@@ -212,6 +253,37 @@ def search(now: Examined, columns: RecordedColumns, found_gains: Gains) -> Found
         return Found(tuple(faults), hints, tuple(_unseen(trials)), tuple(over_size), now)
 
 
+def _contradicting(pieces: Sequence[Piece]) -> list[int]:
+    """Joints whose v is not the rate of q."""
+    return np.flatnonzero(np.abs(rate_gain(pieces) - 1) > MAX_RATE_GAIN_ERROR).tolist()
+
+
+def _is_clock(pieces: Sequence[Piece]) -> bool:
+    """Whether all velocities are the same multiple of the rates, as with a wrong clock."""
+    rates = rate_gain(pieces)
+    known = rates[np.isfinite(rates)]
+    return len(known) > 1 and bool(np.ptp(known) < MAX_CLOCK_SPREAD * abs(np.median(known)))
+
+
+def _of_positions_or_velocities(
+    now: Examined, columns: RecordedColumns, slides: Sequence[bool], contradicting: Sequence[int]
+) -> DataFault | None:
+    """The change of positions or velocities alone that makes them agree, and the equations fit better."""
+    agreeing = []
+    for change in changes(slides, contradicting, columns):
+        if change.alone:
+            left = _contradicting([_undone(piece, change, columns) for piece in now.pieces])
+            if not set(left) & set(change.joints):
+                agreeing.append(change)
+    return _decided(now.part, [*tried_changes(now.part, columns, agreeing)], [], now.fit.errors(now.samples.tau))
+
+
+def _mixes(change: Change, without: Sequence[int]) -> bool:
+    """Whether a change of some torques concerns one of these joints."""
+    some = change.torque is not None and len(change.joints) < len(change.torque)
+    return some and bool(set(change.joints) & set(without))
+
+
 def _decided(
     part: Part, trials: Sequence[ChangeTrial], of_time: Sequence[AdditionTrial], before: Array
 ) -> DataFault | None:
@@ -219,32 +291,49 @@ def _decided(
 
     Among those that gain about as much there, it is the one after which CAD fits best.
     """
-    convincing: list[ChangeTrial | AdditionTrial] = [trial for trial in trials if _convinces(trial)]
+    convincing: list[ChangeTrial | AdditionTrial] = [trial for trial in trials if _convinces(trial, part)]
     convincing += [trial for trial in of_time if trial.gained >= MIN_CHANGE_GAIN]
     convincing = sorted(convincing, key=lambda trial: -trial.gained)[:MAX_HELD_OUT]
     if not convincing:
         return None
     unchanged, of_cad = held_out_squares(part.fit, part.samples.tau), part.cad_misfit
-    shown = []
+    shown: list[tuple[ChangeTrial | AdditionTrial, float, Array, float]] = []
     for trial in convincing:
         squares, cad = trial.held_out(), trial.cad_misfit()
         there = held_out_gain(unchanged, squares)
         if _holds(trial, there, of_cad - cad):
             shown.append((trial, there.gained, squares, cad))
+    proven = min((cad for trial, _, _, cad in shown if _by_cad(trial)), default=np.inf)  # explains a gravity, too
+    shown = [found for found in shown if not (_is_gravity(found[0]) and found[3] > proven - MIN_CAD_GAIN)]
     if not shown:
         return None
-    first, _, least, _ = max(shown, key=lambda found: found[1])
+    first, _, least, _ = max(shown, key=lambda found: np.inf if _by_cad(found[0]) else found[1])
     close = [
         (trial, cad)
         for trial, _, squares, cad in shown
         if _about_as_good(held_out_gain(squares, least)) and first.gained - trial.gained < MIN_CHANGE_GAIN
     ]
-    best = min(close, key=lambda pair: pair[1])[0]
+    best = min(close, key=_doubt)[0]
     if isinstance(best, AdditionTrial):
         added = [trial for trial, _ in close if isinstance(trial, AdditionTrial)]
         return _of_addition(min(added, key=_parameters), before)
     instead = tuple(t.change for t, _ in close if isinstance(t, ChangeTrial) and not _alike(t.change, best.change))
     return DataFault(best.change, best.gained, before, best.errors, instead, best.deviation)
+
+
+def _doubt(found: tuple[ChangeTrial | AdditionTrial, float]) -> float:
+    """Criterion of CAD afterwards; what changed in between needs more than a change of the whole recording."""
+    trial, of_cad = found
+    return of_cad + (MIN_CAD_GAIN if isinstance(trial, AdditionTrial) else 0.0)
+
+
+def _by_cad(trial: ChangeTrial | AdditionTrial) -> bool:
+    """Whether CAD alone shows a change."""
+    return isinstance(trial, ChangeTrial) and trial.change.kind in KINDS_THAT_CAD_SHOWS
+
+
+def _is_gravity(trial: ChangeTrial | AdditionTrial) -> bool:
+    return isinstance(trial, ChangeTrial) and trial.change.kind == "gravity"
 
 
 def _about_as_good(behind: HeldOutGain) -> bool:
@@ -262,20 +351,25 @@ def _parameters(trial: AdditionTrial) -> tuple[int, int, float]:
     return trial.addition.columns.shape[-1], len(trial.addition.joints), -trial.gained
 
 
-def _convinces(trial: ChangeTrial) -> bool:
-    """Whether a change gains enough for a fault."""
+def _convinces(trial: ChangeTrial, part: Part) -> bool:
+    """Whether a change gains enough for a fault, or CAD proves it."""
+    if _by_cad(trial):
+        return part.scaled_cad_misfit - trial.cad_misfit() > MIN_CAD_GAIN
     all_late = trial.change.kind == "late torque" and len(trial.change.joints) == len(trial.errors)
     needed = MIN_LATE_GAIN if all_late else MIN_CHANGE_GAIN
     return trial.unexplained < MAX_UNEXPLAINED_SHARE and trial.gained >= needed
 
 
 def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float) -> bool:
-    """Whether blocks that were not fitted, and CAD, confirm a size that was found; other changes need no such proof.
+    """Whether blocks that were not fitted confirm a change, and a size or a sum of columns clearly, or by CAD.
 
     of_cad: fall of the criterion of CAD with fitted drives
     """
-    if isinstance(trial, ChangeTrial) and (trial.change.kind == "late torque" or not np.isfinite(trial.deviation)):
-        return True
+    if isinstance(trial, ChangeTrial):
+        if trial.change.kind == "late torque" or _by_cad(trial):  # proven where they are found
+            return True
+        if not np.isfinite(trial.deviation) and trial.change.kind not in COUPLED_KINDS:
+            return there.gained > 0
     clear = there.gained > MIN_HELD_OUT_DEVIATIONS * there.deviation
     return there.gained > MIN_HINT_GAIN and (clear or of_cad > MIN_CAD_GAIN)
 

@@ -11,7 +11,14 @@ from crosscheck.identifying import identify
 from crosscheck.identifying.data_quality.causes import cause_in_words, code_of, remedy_of
 from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.data_quality.mapping_lines import mapping_lines
-from crosscheck.identifying.data_quality.row_findings import clock_findings, clock_rate, held_findings, model_findings
+from crosscheck.identifying.data_quality.row_findings import (
+    clock_findings,
+    clock_rate,
+    held_findings,
+    held_rows,
+    measured_parts,
+    model_findings,
+)
 from crosscheck.recordings import BadMapping, Provenance, mapping_of
 from crosscheck.report.text import as_text
 from graphdyn import InvalidInput
@@ -112,8 +119,15 @@ def test_a_change_of_a_size(cause, code, said, remedy):
             "torque drift",
             EVERY,
             "torque-drift",
-            "the torque of all joints grows by 30 ± 2 % during the recording, beside what the motion explains",
+            "the torque of all joints grows by 43 ± 4 % during the recording, beside what the motion explains",
             "correct the torques for it, or use a part of the recording, by --split",
+        ),
+        (
+            "gain jump",
+            ONE,
+            "torque-drift",
+            "the gain of the torque of shoulder jumps by 43 ± 4 % after 40 % of the recording",
+            "use one part of the recording, by --split",
         ),
         (
             "friction drift",
@@ -153,7 +167,7 @@ def test_a_change_of_a_size(cause, code, said, remedy):
     ],
 )
 def test_what_changed_in_between(kind, joints, code, said, remedy):
-    cause = Addition(kind, joints, COLUMNS, instant=0.4)
+    cause = Addition(kind, joints, COLUMNS, instant=0.4, growth=np.array([0.0, 0.5, 1.0]))
     assert (code_of(cause), words(cause, 0.02, np.array([-0.3])), remedy_of(cause)) == (code, said, remedy)
 
 
@@ -211,15 +225,21 @@ class TestRows:
         own = identified_arm.virtual().fitted
         return replace(own, **{name: change(np.array(getattr(own, name))) for name, change in changed.items()})
 
+    def found(self, **changed):
+        recording = self.recording(**changed)
+        return list(held_findings(held_rows([recording]), recording.joint_names))
+
     def test_none(self):
-        assert list(held_findings([self.recording()])) == []
+        assert self.found() == []
+        recordings = [self.recording()]
+        assert measured_parts(recordings, held_rows(recordings)) == recordings
 
     def test_of_a_dead_torque(self):
         def hold(tau):
             tau[500:900, 1] = tau[500, 1]
             return tau
 
-        (found,) = held_findings([self.recording(tau=hold)])
+        (found,) = self.found(tau=hold)
         assert (found.code, found.severity, found.joints) == ("dead-channel", "fault", ("joint2",))
         assert found.message.startswith("the torque of joint2 holds one value in ")
         assert found.message.endswith(" % of the rows while the joint moves")
@@ -230,7 +250,7 @@ class TestRows:
             q[:, 0] = np.minimum(q[:, 0], np.quantile(q[:, 0], 0.7))
             return q
 
-        (found,) = held_findings([self.recording(q=clip)])
+        (found,) = self.found(q=clip)
         assert (found.code, found.joints) == ("clipped-position", ("joint1",))
         assert found.message.startswith("the position of joint1 is held at an end of its range in ")
         assert found.remedy == "the sensor stops there while the joint moves on: use another part, by --split"
@@ -239,10 +259,39 @@ class TestRows:
         def double(values):
             return np.repeat(values[::2], 2, axis=0)[: len(values)]
 
-        (found,) = held_findings([self.recording(q=double, tau=double)])
+        (found,) = self.found(q=double, tau=double)
         assert found.code == "repeated-rows"
         assert found.message.endswith(" % of the rows repeat other rows exactly while the robot moves")
         assert found.remedy == "record each sample once: drop the copies, or give the rate at which the robot sends"
+
+    def test_what_was_measured(self):
+        """Rows that hold a value are left out; blocks begin anew behind them, but not behind single rows."""
+
+        def hold(tau):
+            tau[500:900, 1] = tau[500, 1]
+            return tau
+
+        dead, double = self.recording(tau=hold), self.recording()
+        double = double.take(np.repeat(np.arange(len(double.t)), 2), t=np.arange(2 * len(double.t)) / 2)
+        first, second = measured_parts([dead, double], held_rows([dead, double]))
+        assert len(first.t) == len(dead.t) - 400
+        assert [rows.start for rows in first.block_slices] == [0, 500]
+        assert len(second.t) == len(double.t) // 2
+        assert len(second.block_slices) == 1
+
+    def test_causes_are_searched_in_what_was_measured(self):
+        """A dead channel beside another fault: both are named, the rows first, and nothing else."""
+
+        def spoil(tau):
+            tau[200:600, 2] = 0.0
+            tau[:, 1] *= -1
+            return tau
+
+        found = data_quality(identified_arm.virtual().torque_model, [self.recording(tau=spoil)], identified_arm.CUTOFF)
+        assert [(finding.code, finding.joints) for finding in found.faults] == [
+            ("dead-channel", ("joint3",)),
+            ("reversed-torque", ("joint2",)),
+        ]
 
 
 class TestModelTorques:
@@ -262,7 +311,7 @@ class TestModelTorques:
         assert found.remedy.startswith("name the columns that were measured; of a simulation, identify with links that")
 
     def test_that_of_one_joint(self):
-        (found,) = model_findings(self.measures(errors=[0.02, 1e-3, 0.04]))
+        (found,) = model_findings(replace(self.measures(errors=[0.02, 1e-3, 0.04]), modeled=(1,)))
         assert found.joints == ("joint2",)
         assert found.message == (
             "the torque of joint2 has no error of measurement (0.1 %, the others 3 %): the output of a model"

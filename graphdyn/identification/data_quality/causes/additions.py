@@ -30,6 +30,7 @@ from graphdyn.layout import BODY_PARAMETERS, Array
 
 AdditionKind = Literal[
     "torque drift",
+    "gain jump",
     "friction drift",
     "attached load",
     "detached load",
@@ -54,6 +55,10 @@ LOAD_PARAMETERS = 4
 MIN_FACTOR = 1e-3
 """Smallest factor of a torque that drifts: below it nothing is left of it."""
 
+RIGHT_AT = (0.0, 0.5, 1.0)
+"""Instants at which a gain that drifts is right, as a share of the recording: links tie the scales of the joints to
+each other, so that a mean of one is another fault than a growth from one."""
+
 INSTANTS = tuple(np.linspace(0.1, 0.9, 17).tolist())
 """Instants at which something may have changed, as a share of the recording."""
 
@@ -66,6 +71,7 @@ class Addition:
     columns: of each joint's torque                         (N, n, c)
     body: whether the columns are mass and first moments of a body, whose mass is bounded; they are free otherwise
     instant: at which something changed, as a share of the recording; NaN if nothing did at once
+    growth: of the gain of the torques, in units of the first parameter (N,); None if their gain does not change
     """
 
     kind: AdditionKind
@@ -73,15 +79,16 @@ class Addition:
     columns: Array
     body: bool = False
     instant: float = float("nan")
+    growth: Array | None = None
 
     def spread(self, x: Array) -> float:
         """Mean logarithm of the factors by which a drift of the torques multiplies them, summed over the joints.
 
         The criterion of the drifting torques is that of the recorded ones plus this sum. x: parameters of the columns
         """
-        if self.kind != "torque drift":
+        if self.growth is None:
             return 0.0
-        factors = 1 + x[0] * np.linspace(-0.5, 0.5, len(self.columns))
+        factors = 1 + x[0] * self.growth
         return len(self.joints) * float(np.mean(np.log(np.maximum(np.abs(factors), MIN_FACTOR))))
 
 
@@ -92,11 +99,13 @@ def additions(torque_model: TorqueModel, fit: BoundedFit, tau: Array) -> Iterato
     every, dissipating = tuple(range(n)), _columns_of(torque_model, DISSIPATING_TERMS)
     x = fit.parameters(tau)
     friction = fit.matrix[..., dissipating] @ x[dissipating]
-    yield Addition("torque drift", every, (-tau * progress[:, None])[..., None])
+    for right_at in RIGHT_AT:
+        yield _of_gain("torque drift", every, progress + 0.5 - right_at, tau)
     if dissipating.size:
         yield Addition("friction subtracted", every, fit.matrix[..., dissipating])
     for j in range(n):
-        yield Addition("torque drift", (j,), _of_joint(-tau[:, j] * progress, j, n))
+        for right_at in RIGHT_AT:
+            yield _of_gain("torque drift", (j,), progress + 0.5 - right_at, tau)
         own = fit.matrix[:, j, dissipating]
         if np.any(own):
             yield Addition("friction subtracted", (j,), _of_joint(own[:, np.any(own != 0, axis=0)], j, n))
@@ -115,6 +124,17 @@ def additions(torque_model: TorqueModel, fit: BoundedFit, tau: Array) -> Iterato
         step = (progress > share - 0.5).astype(float)
         for j in range(n):
             yield Addition("torque jump", (j,), _of_joint(step, j, n), instant=share)
+            yield _of_gain("gain jump", (j,), step, tau, share)
+            yield _of_gain("gain jump", (j,), step - 1, tau, share)
+
+
+def _of_gain(
+    kind: AdditionKind, joints: tuple[int, ...], growth: Array, tau: Array, instant: float = float("nan")
+) -> Addition:
+    """A gain that changes: τ (1 + x growth) is what the equations explain. growth: (N,); tau: measured (N, n)"""
+    columns = np.zeros(tau.shape)
+    columns[:, list(joints)] = -tau[:, list(joints)] * growth[:, None]
+    return Addition(kind, joints, columns[..., None], instant=instant, growth=growth)
 
 
 def _columns_of(torque_model: TorqueModel, kinds: tuple[type, ...]) -> NDArray[np.intp]:

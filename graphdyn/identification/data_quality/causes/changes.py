@@ -115,8 +115,17 @@ class Change:
         return replace(torque_model, model=torque_model.model.with_gravity(self.gravity))
 
     def followed(self, kept: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Rows that count for each joint (N, n), after its standstill has moved to another column."""
-        return kept if self.velocity is None else kept[:, np.argmax(np.abs(self.velocity), axis=1)]
+        """Rows that count for each joint (N, n), after its standstill has moved to another column.
+
+        A joint without any row that counts, whose torque is left out, keeps none, and passes that on to no other.
+        """
+        if self.velocity is None:
+            return kept
+        own, counts = np.arange(len(self.velocity)), np.asarray(kept.any(axis=0))
+        largest = np.abs(self.velocity) >= np.abs(self.velocity).max(axis=1, keepdims=True)
+        moved: NDArray[np.intp] = np.where(np.diag(largest), own, np.argmax(largest, axis=1))
+        source: NDArray[np.intp] = np.where(counts[moved], moved, own)
+        return np.asarray(kept[:, source] & counts)
 
     def applied(self, samples: Samples, columns: RecordedColumns) -> Samples:
         """The samples after the change of the columns."""
@@ -164,7 +173,6 @@ def changes(
         if j == i + 1:
             yield from _coupled(n, i, j)
             yield from _coupled(n, j, i)
-    yield Change("gravity subtracted", tuple(range(n)), gravity=np.zeros(3))
     everywhere = -np.eye(n)
     yield Change("all torques reversed", tuple(range(n)), torque=everywhere)
     yield Change("all positions reversed", tuple(range(n)), position=everywhere, velocity=everywhere)

@@ -11,9 +11,10 @@ from itertools import combinations_with_replacement
 import numpy as np
 from numpy.typing import NDArray
 
-from graphdyn.identification.algebra.base_parameters import Indices
+from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, Indices
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.channels.measured_torque import drive_columns
+from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.fits.free_fit import gram_misfit, grams
 from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.layout import Array
@@ -27,6 +28,9 @@ GENERIC_GRAVITY = np.array([3.0, -5.0, 7.0])
 
 GRAVITY_FACTORS = list(combinations_with_replacement(range(4), 2))
 """Pairs of 1, g_x, g_y, g_z whose products multiply the Gram matrices."""
+
+WEIGHTED_FITS = 3
+"""Number of fits of CAD, each weighted by the residuals of the one before."""
 
 GRAVITY_TOLERANCE = 1e-3
 """Precision of the search, relative to the size of gravity."""
@@ -84,3 +88,29 @@ def _hold_drives(parts: list[Array], torque_model: TorqueModel, samples: Samples
     parts[0][..., held] = torque_model.rows(samples, columns[held])
     for part in parts[1:]:
         part[..., held] = 0.0
+
+
+def gravity_of_cad(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Array:
+    """Gravity with which CAD and fitted drives explain the torques best (3,) [m/s²]. fit: of the same samples
+
+    The torque of CAD is linear in gravity. The joints are weighted by their residuals.
+    """
+    x, n = torque_model.prior(), samples.tau.shape[1]
+    by_gravity = []
+    for vector in np.concatenate([np.zeros((1, 3)), np.eye(3)]):
+        there = TorqueModel(torque_model.model.with_gravity(vector), torque_model.terms, torque_model.known)
+        by_gravity.append(there.torque(samples, x))
+    rest, slopes = by_gravity[0], np.stack([torque - by_gravity[0] for torque in by_gravity[1:]], axis=-1)
+    rotors = samples.a[..., None] * np.eye(n)
+    columns = np.concatenate([slopes, fit.matrix[..., drive_columns(torque_model)], rotors], axis=-1)
+    sizes = np.linalg.norm(np.where(fit.kept, samples.tau, 0.0), axis=0)
+    noise, solution = np.where(sizes > 0, sizes, 1.0), np.zeros(columns.shape[-1])
+    for _ in range(WEIGHTED_FITS):
+        weight = fit.kept / noise
+        weighted, right = (columns * weight[..., None]).reshape(-1, columns.shape[-1]), (samples.tau - rest) * weight
+        length = np.linalg.norm(weighted, axis=0)
+        length[length == 0] = np.inf
+        solution = np.linalg.lstsq(weighted / length, right.ravel(), rcond=RANK_TOLERANCE)[0] / length
+        error = np.linalg.norm(np.where(fit.kept, columns @ solution + rest - samples.tau, 0.0), axis=0)
+        noise = np.maximum(error, MIN_RESIDUAL * np.where(sizes > 0, sizes, 1.0))
+    return np.asarray(solution[:3])

@@ -1,4 +1,4 @@
-"""Changes of a size that is to be found: the zero of a joint, a gear ratio, the clock.
+"""Changes of a size that is to be found: the zero of a joint, a gear ratio, the unit of a torque, the clock.
 
 The criterion Σ_j log ‖e_j‖ is computed at some sizes, by the fit without bounds (free_fit.py). Where that shows a
 valley, the fit within bounds finds its bottom. The standard deviation is that of one Gauss-Newton step there, with
@@ -75,6 +75,8 @@ def sized_changes(slides: Sequence[bool], contradicting: Sequence[int], clock: b
         yield SizedChange(
             "gear ratio", (j,), TRIED_FACTORS, FINE_FACTORS, 1.0, ROUND_FACTORS, _gear(n, j, with_torque=True)
         )
+    for j in range(n):
+        yield SizedChange("scaled torque", (j,), TRIED_FACTORS, FINE_FACTORS, 1.0, ROUND_FACTORS, _scale(n, j))
     if clock:
         yield SizedChange("time scale", tuple(range(n)), TRIED_FACTORS, FINE_FACTORS, 1.0, ROUND_FACTORS, _slower(n))
 
@@ -91,6 +93,11 @@ def _gear(n: int, j: int, *, with_torque: bool) -> Callable[[float], Change]:
         return Change("gear ratio", (j,), position=position, velocity=position, torque=torque, factor=factor)
 
     return change
+
+
+def _scale(n: int, j: int) -> Callable[[float], Change]:
+    """A torque that was recorded multiplied by a factor."""
+    return lambda factor: Change("scaled torque", (j,), torque=_factor(n, j, 1 / factor), factor=factor)
 
 
 def _slower(n: int) -> Callable[[float], Change]:

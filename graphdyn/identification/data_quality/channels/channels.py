@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from graphdyn.identification.data_quality.fits.thinning import Piece
 from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
@@ -13,6 +14,9 @@ from graphdyn.layout import Array
 
 SAME_SIGNAL_TOLERANCE = 1e-9
 """Distance of a correlation from ±1 below which two channels hold the same signal."""
+
+NOISE_DIFFERENCES = 6
+"""Order of the differences that show noise alone: they remove motions a tenth as fast as the sampling."""
 
 MIN_CLIPPED_ROWS = 5
 """Consecutive rows at exactly the largest or smallest torque that count as clipped: noise would change them."""
@@ -25,6 +29,8 @@ class Channels:
     standstill: share of rows with |v| ≤ 0.02 rad/s or m/s (MIN_MOVING_SPEED)
     clipped: share of rows with the torque held at an end of its range; of torques as recorded
     constant_positions, constant_torques: joints; duplicated_…: pairs of joints that have the same signal
+    torque_noise: median size of the sixth differences of the torques as recorded, relative to their deviation
+    torque_values: number of values that each torque takes
     velocity_gain: of the given v on the rate of q, 1 if v is that rate; NaN for a joint that does not move
     """
 
@@ -34,6 +40,8 @@ class Channels:
     constant_torques: tuple[int, ...]
     duplicated_positions: tuple[tuple[int, int], ...]
     duplicated_torques: tuple[tuple[int, int], ...]
+    torque_noise: Array
+    torque_values: NDArray[np.intp]
     velocity_gain: Array
 
 
@@ -48,8 +56,21 @@ def channels(pieces: Sequence[Piece], torques: Sequence[Array]) -> Channels:
         constant_torques=_constant(tau),
         duplicated_positions=_duplicated(q),
         duplicated_torques=_duplicated(tau),
+        torque_noise=_noise(torques),
+        torque_values=np.array([len(np.unique(column)) for column in tau.T]),
         velocity_gain=rate_gain(pieces),
     )
+
+
+def _noise(torques: Sequence[Array]) -> Array:
+    """Median size of the sixth differences, relative to the deviation of the torques (n,); jumps do not count."""
+    long = [tau for tau in torques if len(tau) > NOISE_DIFFERENCES]
+    n = torques[0].shape[1]
+    if not long:
+        return np.full(n, np.nan)
+    sizes = np.median(np.abs(np.concatenate([np.diff(tau, NOISE_DIFFERENCES, axis=0) for tau in long])), axis=0)
+    spread = np.concatenate(long).std(axis=0)
+    return np.asarray(sizes / np.where(spread > 0, spread, np.inf))
 
 
 def _constant(values: Array) -> tuple[int, ...]:

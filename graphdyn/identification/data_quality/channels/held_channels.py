@@ -36,6 +36,10 @@ MIN_TORQUE_GAP = 1.0
 """Distance of a torque held at an end of its range from all others, in units of the usual largest step, from which it
 is no limit: a torque that is cut off comes close to where it is cut."""
 
+MIN_HELD_STEPS = 20.0
+"""Rows of a held torque for each value that it takes otherwise: a torque in coarse steps keeps every value for a
+while."""
+
 MIN_MOVED_SHARE = 0.02
 """Way of a joint while its torque is held, relative to its range, from which a measured torque would change."""
 
@@ -137,6 +141,7 @@ def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) 
     moved = np.ptp(q)
     ends = (tau.min(), tau.max())
     usual = np.quantile(steps[steps > 0], FAST_QUANTILE) if np.any(steps > 0) else 0.0
+    least = max(least, int(MIN_HELD_STEPS * len(tau) / (1 + np.count_nonzero(steps))))
     for start, stop in _runs(steps == 0):
         if stop - start < least or repeated[start + 1 : stop].any() or np.ptp(q[start:stop]) < MIN_MOVED_SHARE * moved:
             continue

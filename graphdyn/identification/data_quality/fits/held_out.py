@@ -13,7 +13,7 @@ from graphdyn.layout import Array
 HELD_OUT_BLOCKS = 10
 """Number of time blocks, each of which is predicted once."""
 
-MIN_IMPROVEMENT = 2.0
+MIN_IMPROVEMENT = 1.0
 """Fall of the held-out error from which it is an improvement, in standard deviations."""
 
 

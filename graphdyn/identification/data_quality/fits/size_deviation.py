@@ -18,7 +18,7 @@ def covariance(fit: BoundedFit, error: Array, slopes: Array) -> Array:
     be correlated within each of SIZE_BLOCKS time blocks.
     """
     rows = np.isfinite(error)
-    noise = np.sqrt(np.nanmean(error**2, axis=0))
+    noise = np.sqrt(np.nansum(error**2, axis=0) / np.maximum(rows.sum(axis=0), 1))
     weight = np.where(rows, 1 / np.where(noise > 0, noise, 1.0), 0.0)
     matrix = (fit.matrix * weight[..., None]).reshape(error.size, -1)
     length = np.linalg.norm(matrix, axis=0)

@@ -37,6 +37,14 @@ class Piece:
     samples: Samples
     period: float
 
+    def derived(self) -> Piece:
+        """The piece with v and a from the positions, which are low-passed."""
+        from scipy.interpolate import make_interp_spline
+
+        t = np.arange(len(self.samples)) * self.period
+        spline = make_interp_spline(t, self.samples.q, k=SPLINE_ORDER)
+        return replace(self, samples=replace(self.samples, v=spline(t, 1), a=spline(t, 2)))
+
     def later(self, seconds: Array) -> Piece:
         """The piece with the torque measured so much later, a time for each joint (n,); at the end the last one."""
         from scipy.interpolate import make_interp_spline

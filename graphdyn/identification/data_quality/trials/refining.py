@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graphdyn.identification.data.samples import Samples
-from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
+from graphdyn.identification.data_quality.causes.changes import Change, ChangeKind, RecordedColumns
+from graphdyn.identification.data_quality.causes.gravity import gravity_of_cad
 from graphdyn.identification.data_quality.causes.sizes import SizedChange
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.free_fit import free_misfits
@@ -69,9 +70,13 @@ def curves(part: Part, columns: RecordedColumns, considered: Sequence[SizedChang
     few = part.screened
 
     def rises(asked: Sequence[tuple[SizedChange, tuple[float, ...]]]) -> list[Array]:
-        each = [(change, size) for change, sizes in asked for size in sizes]
-        values = np.array(free_misfits([few.after(change.of(size), columns) for change, size in each])) - few.misfit
-        return np.split(values, np.cumsum([len(sizes) for _, sizes in asked])[:-1])
+        each = [change.of(size) for change, sizes in asked for size in sizes]
+        values = np.empty(len(each))
+        moving = [k for k, change in enumerate(each) if change.moves]
+        values[moving] = free_misfits([few.after(each[k], columns) for k in moving])
+        for k in set(range(len(each))) - set(moving):
+            values[k] = few.free_fit.misfit_of_torques(each[k].applied(few.samples, columns).tau)
+        return np.split(values - few.misfit, np.cumsum([len(sizes) for _, sizes in asked])[:-1])
 
     coarse = [(change, tuple(size for size in change.tried if size != change.unchanged)) for change in considered]
     found = [_curve(change, sizes, own) for (change, sizes), own in zip(coarse, rises(coarse), strict=True)]
@@ -113,27 +118,33 @@ def refined(part: Part, columns: RecordedColumns, found: Sequence[Curve]) -> Ite
 
 
 def tried_gravity(part: Part, min_gain: float = MIN_HINT_GAIN) -> Iterator[ChangeTrial]:
-    """The trial of the gravity that explains the torques best, if it promises this gain; and of that on Earth, if the
-    model's has another size."""
-    few, every = part.screened, tuple(range(part.samples.q.shape[1]))
-    columns, before = RecordedColumns.of_joints(len(every)), part.fit.errors(part.samples.tau)
+    """Trials of gravity: none, if it was subtracted; that on Earth, if the model's has another size; the one that
+    explains the torques best, and the one with which CAD does, if the former promises this gain."""
+    few = part.screened
     given = np.asarray(part.torque_model.model.gravity, dtype=float)
     size, standard = float(np.linalg.norm(given)), float(np.linalg.norm(STANDARD_GRAVITY))
+    if size > 0 and (none := _trial_of_gravity(part, np.zeros(3), "gravity subtracted")) is not None:
+        yield none
     if size > 0 and abs(size / standard - 1) > MAX_GRAVITY_VARIATION:
-        there = trial(part, Change("gravity", every, gravity=standard / size * given), columns, before)
+        there = _trial_of_gravity(part, standard / size * given)
         if there is not None:
             yield there
     gravity, lower = few.gravity_fit.best()
     if few.misfit - lower <= min_gain:
         return
-    best = trial(part, Change("gravity", every, gravity=gravity), columns, before)
-    if best is None:
-        return
-    if size > 0:  # an error of its size is rare, and hard to tell from one of the clock
-        rotated = Change("gravity", every, gravity=size * gravity / np.linalg.norm(gravity))
-        own = trial(part, rotated, columns, before)
-        best = own if own is not None and own.gained > best.gained - MIN_MISFIT_RISE else best
-    yield replace(best, deviation=_gravity_deviation(part, best.change))
+    for found in (gravity, gravity_of_cad(few.torque_model, few.samples, few.fit)):
+        best = _trial_of_gravity(part, found)
+        if best is None:
+            continue
+        if size > 0:  # an error of its size is rare, and hard to tell from one of the clock
+            rotated = _trial_of_gravity(part, size * found / np.linalg.norm(found))
+            best = rotated if rotated is not None and rotated.gained > best.gained - MIN_MISFIT_RISE else best
+        yield replace(best, deviation=_gravity_deviation(part, best.change))
+
+
+def _trial_of_gravity(part: Part, gravity: Array, kind: ChangeKind = "gravity") -> ChangeTrial | None:
+    n, before = part.samples.q.shape[1], part.fit.errors(part.samples.tau)
+    return trial(part, Change(kind, tuple(range(n)), gravity=gravity), RecordedColumns.of_joints(n), before)
 
 
 def _neighbors(curve: Curve) -> tuple[float, float]:

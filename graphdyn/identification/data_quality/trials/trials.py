@@ -14,7 +14,7 @@ import numpy as np
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.causes.gravity import GravityFit
-from graphdyn.identification.data_quality.channels.measured_torque import gains
+from graphdyn.identification.data_quality.channels.measured_torque import gains, misfits_in_units
 from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.data_quality.fits.free_fit import FreeFit, Motion, free_misfits
 from graphdyn.identification.data_quality.fits.held_out import HELD_OUT_BLOCKS, held_out_squares
@@ -29,6 +29,9 @@ MIN_HINT_GAIN = 0.3
 
 MIN_COMPARED_GAIN = 0.1
 """Fall of Σ log ‖e_j‖ from which a change may be compared with others; the fits of others are not kept."""
+
+KINDS_THAT_CAD_SHOWS = ("gravity subtracted",)
+"""Kinds of changes that the fit of CAD shows, and no other: what subtracted gravity leaves looks like light links."""
 
 EVERY_SCREENED_ROW = 3
 """Distance of the examined rows that decide whether a change is worth a fit within bounds."""
@@ -72,6 +75,11 @@ class Part:
     def cad_misfit(self) -> float:
         """The same of CAD with fitted drives."""
         return cad_misfit(self.torque_model, self.samples, self.fit)
+
+    @cached_property
+    def scaled_cad_misfit(self) -> float:
+        """The same of CAD in the unit, one for all joints, in which it fits best."""
+        return float(min(misfits_in_units(self.torque_model, self.samples, self.fit)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +156,8 @@ def trial_of(model: TorqueModel, change: Change, before: Array, samples: Samples
     varies = variation(samples.tau)
     unexplained = float(np.exp(np.mean(np.log(errors / np.where(varies > 0, varies, 1.0)))))
     gained = float(np.sum(np.log(before / errors)))
-    after = Part(model, samples, fit) if gained > MIN_COMPARED_GAIN else None
+    compared = gained > MIN_COMPARED_GAIN or change.kind in KINDS_THAT_CAD_SHOWS
+    after = Part(model, samples, fit) if compared else None
     return ChangeTrial(change, gained, errors, unexplained, after)
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import graphdyn
+from graphdyn import Body
 from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.data_quality import Change, Piece, assess_recording, found_gravity
 from graphdyn.identification.data_quality.causes.additions import additions
@@ -48,6 +49,13 @@ def clean():
     x[-3 * N :] = np.repeat([300.0, 200.0, 0.0], N)
     samples = Samples(q, v, a, np.zeros_like(q))
     return replace(samples, tau=noisy(torque_model().torque(samples, x)))
+
+
+def with_wrong_links():
+    """The torque model of a file whose links weigh too little or too much."""
+    pairs = zip(robot().bodies, (0.8, 0.7, 1.3), strict=True)
+    bodies = tuple(Body.from_parameters(body.name, factor * body.parameters) for body, factor in pairs)
+    return replace(torque_model(), model=replace(robot(), bodies=bodies))
 
 
 def noisy(tau):
@@ -120,6 +128,38 @@ class TestFaults:
         assert (fault.change.kind, fault.change.joints) == ("torque drift", (1,))
         assert fault.parameters[0] == pytest.approx(-0.4, abs=0.05)
 
+    def test_a_torque_whose_gain_jumps(self):
+        jump = np.where(np.arange(ROWS) < 0.4 * ROWS, 1.0, 1.5)
+        tau = clean().tau * np.stack([np.ones(ROWS), np.ones(ROWS), jump], axis=1)
+        (fault,) = assessed(replace(clean(), tau=tau)).faults
+        assert (fault.change.kind, fault.change.joints) == ("gain jump", (2,))
+        assert fault.change.instant == pytest.approx(0.4, abs=0.06)
+
+    def test_a_torque_in_any_unit(self):
+        (fault,) = assessed(replace(clean(), tau=clean().tau * np.array([1.0, 1.3, 1.0]))).faults
+        assert (fault.change.kind, fault.change.joints) == ("scaled torque", (1,))
+        assert abs(fault.change.factor - 1.3) < FOUR_SIGMA * fault.deviation < 0.2
+
+    def test_gravity_that_a_wrong_model_subtracted(self):
+        """What is left looks like other links; CAD tells it, but not whose unit is another one."""
+        wrong = with_wrong_links()
+        rest = replace(clean(), v=0 * clean().v, a=0 * clean().a)
+        samples = replace(clean(), tau=clean().tau - wrong.rows(rest) @ wrong.prior())
+        faults = assessed(samples, wrong).faults
+        assert faults[0].change.kind == "gravity subtracted"
+        in_another_unit = assessed(replace(clean(), tau=clean().tau / 10), wrong).faults
+        assert not any(fault.change.kind == "gravity subtracted" for fault in in_another_unit)
+
+    def test_a_torque_of_cad(self):
+        """It is left out of the search, and the other torques are searched."""
+        wrong = with_wrong_links()
+        tau = np.array(clean().tau)
+        tau[:, 1] = (wrong.rows(clean()) @ wrong.prior())[:, 1]
+        tau[:, 2] *= -1
+        found = assessed(replace(clean(), tau=tau), wrong)
+        assert found.modeled == (1,)
+        assert [(fault.change.kind, fault.change.joints) for fault in found.faults] == [("reversed torque", (2,))]
+
     def test_subtracted_friction(self):
         v = clean().v
         friction = 300.0 * v + 200.0 * np.tanh(v / 0.05)
@@ -184,9 +224,10 @@ class TestAdditions:
     def test_a_drift_is_measured_in_recorded_torques(self):
         """Torques that are made small by a drift are no better explained."""
         fit = BoundedFit.of(torque_model(), clean(), np.ones(clean().q.shape, dtype=bool))
-        drift = next(a for a in additions(torque_model(), fit, clean().tau) if a.kind == "torque drift")
-        u = np.linspace(-0.5, 0.5, ROWS)
-        assert drift.spread(np.array([0.8])) == pytest.approx(N * np.mean(np.log(1 + 0.8 * u)))
+        drifts = [a for a in additions(torque_model(), fit, clean().tau) if a.kind == "torque drift"][:3]
+        for right_at, drift in zip((0.0, 0.5, 1.0), drifts, strict=True):
+            u = np.linspace(0, 1, ROWS) - right_at
+            assert drift.spread(np.array([0.8])) == pytest.approx(N * np.mean(np.log(1 + 0.8 * u)))
         jump = next(a for a in additions(torque_model(), fit, clean().tau) if a.kind == "torque jump")
         assert jump.spread(np.array([0.8])) == 0.0
 
@@ -194,7 +235,19 @@ class TestAdditions:
         model = TorqueModel(robot(), (RigidBodies(), Offset()))
         fit = BoundedFit.of(model, clean(), np.ones(clean().q.shape, dtype=bool))
         kinds = {addition.kind for addition in additions(model, fit, clean().tau)}
-        assert kinds == {"torque drift", "torque jump", "attached load", "detached load"}
+        assert kinds == {"torque drift", "torque jump", "attached load", "detached load", "gain jump"}
+
+
+def test_rows_that_count_follow_a_change():
+    """Standstill moves with exchanged columns, a torque that is left out does not; a coupled joint keeps its own."""
+    kept = np.ones((4, 3), dtype=bool)
+    kept[0, 1] = False
+    swap, coupled = np.eye(3)[[0, 2, 1]], np.eye(3) + np.eye(3, k=-1)
+    exchanged = Change("exchanged positions", (1, 2), position=swap, velocity=swap)
+    assert np.array_equal(exchanged.followed(kept), kept[:, [0, 2, 1]])
+    assert np.array_equal(Change("coupled positions", (2, 1), velocity=coupled).followed(kept), kept)
+    kept[:, 2] = False
+    assert np.array_equal(exchanged.followed(kept), kept)
 
 
 def test_a_change_of_gravity_leaves_the_columns():
