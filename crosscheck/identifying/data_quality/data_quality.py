@@ -26,6 +26,7 @@ from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
 from graphdyn.identification import TorqueModel, Tunable
 from graphdyn.identification.data_quality import (
+    MAX_FEW_VALUES,
     MAX_RATE_GAIN_ERROR,
     Change,
     RecordingQuality,
@@ -39,9 +40,6 @@ MIN_CLIPPED_SHARE = 0.01
 
 MAX_CLIPPED_SHARE = 0.05
 """Share of clipped rows up to which a recording may be used: more of them distort friction and gravity."""
-
-MAX_FEW_VALUES = 50
-"""Number of values of a torque up to which its steps are coarse: more than 2 % of its range."""
 
 MIN_STANDSTILL_SHARE = 0.9
 """Share of standstill from which a joint counts as hardly moving."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from crosscheck.identifying.data_quality.finding import QualityFinding
 from crosscheck.recordings import Recording
+from graphdyn.errors import counted
 from graphdyn.identification.data_quality import HeldValues, RecordingQuality, held_values
 
 MIN_REPEATED_SHARE = 0.02
@@ -39,17 +40,21 @@ def held_rows(recordings: Sequence[Recording]) -> list[HeldValues]:
 
 
 def measured_parts(recordings: Sequence[Recording], held: Sequence[HeldValues]) -> list[Recording]:
-    """The recordings without rows that hold a value, in blocks between them. held: as of held_rows"""
+    """The recordings without rows that hold a value, in blocks between them and between gaps. held: as of held_rows"""
     left, blocks = [], iter(held)
     for recording in recordings:
-        measured = np.concatenate([next(blocks).measured for _ in recording.block_slices])
+        own = [next(blocks) for _ in recording.block_slices]
+        measured = np.concatenate([block.measured for block in own])
+        gaps = [rows.start + block.gaps for rows, block in zip(recording.block_slices, own, strict=True)]
+        piece = recording.block + np.cumsum(np.isin(np.arange(len(recording.t)) - 1, np.concatenate(gaps)))
         if not measured.any():
             continue
-        part = recording.take(measured)
+        part = recording.take(measured, block=piece[measured])
         steps, same = np.diff(part.t), np.diff(part.block) == 0
         usual = np.median(steps[same]) if same.any() else np.inf
-        gap = ~same | (steps > MAX_STEP_SHARE * usual)
-        left.append(replace(part, block=np.concatenate([[0], np.cumsum(gap)])) if not measured.all() else recording)
+        new = ~same | (steps > MAX_STEP_SHARE * usual)
+        unchanged = measured.all() and not np.concatenate(gaps).size
+        left.append(recording if unchanged else replace(part, block=np.concatenate([[0], np.cumsum(new)])))
     return left
 
 
@@ -60,6 +65,10 @@ def held_findings(held: Sequence[HeldValues], names: tuple[str, ...]) -> Iterato
         message = f"{100 * repeated:.0f} % of the rows repeat other rows exactly while the robot moves"
         remedy = "record each sample once: drop the copies, or give the rate at which the robot sends"
         yield QualityFinding("repeated-rows", "fault", names, message, remedy)
+    if gaps := sum(len(part.gaps) for part in held):
+        message = f"all positions jump at once {counted(gaps, 'time')}: rows are missing there, and the times hide it"
+        remedy = "give the robot's own time stamps, or use the parts between the jumps, by --split"
+        yield QualityFinding("missing-rows", "fault", names, message, remedy)
     torque, position, clipped = (
         np.concatenate([getattr(part, what) for part in held]).mean(axis=0)
         for what in ("dead_torques", "dead_positions", "clipped_positions")

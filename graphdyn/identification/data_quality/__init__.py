@@ -3,7 +3,7 @@
 from graphdyn.identification.data_quality.causes.additions import Addition
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
 from graphdyn.identification.data_quality.channels.channels import Channels
-from graphdyn.identification.data_quality.channels.held_channels import HeldValues, held_values
+from graphdyn.identification.data_quality.channels.held_channels import MAX_FEW_VALUES, HeldValues, held_values
 from graphdyn.identification.data_quality.channels.measured_torque import Gains
 from graphdyn.identification.data_quality.delays.torque_delays import MIN_DELAY, Lag
 from graphdyn.identification.data_quality.fits.bounded_fit import contradictions
@@ -23,6 +23,7 @@ from graphdyn.identification.data_quality.searching import (
 from graphdyn.identification.data_quality.visible import VisibleSizes
 
 __all__ = [
+    "MAX_FEW_VALUES",
     "MAX_RATE_GAIN_ERROR",
     "MIN_DELAY",
     "Addition",

@@ -78,8 +78,8 @@ torques are noise, some change always gains."""
 MEASURED_SIZE_KINDS = ("late torque", "scaled torque", "gear ratio", "time scale", "gravity", "gravity subtracted")
 """Kinds of changes of a measured size: a small one is no fault, and the smallest visible one is stated."""
 
-COUPLED_KINDS = ("coupled positions", "coupled joints")
-"""Kinds of changes that add columns: a sum fits better by chance more often than an exchange."""
+DOUBTED_KINDS = ("coupled positions", "coupled joints", "scaled torque")
+"""Kinds of changes that need as clear a proof as a size that was found: sums of columns, and a unit, which CAD told."""
 
 MAX_FAULTS = 3
 """Largest number of faults, each searched after the correction of the previous one."""
@@ -361,14 +361,14 @@ def _convinces(trial: ChangeTrial, part: Part) -> bool:
 
 
 def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float) -> bool:
-    """Whether blocks that were not fitted confirm a change, and a size or a sum of columns clearly, or by CAD.
+    """Whether blocks that were not fitted confirm a change; a size, or a doubted kind, clearly or by CAD.
 
     of_cad: fall of the criterion of CAD with fitted drives
     """
     if isinstance(trial, ChangeTrial):
         if trial.change.kind == "late torque" or _by_cad(trial):  # proven where they are found
             return True
-        if not np.isfinite(trial.deviation) and trial.change.kind not in COUPLED_KINDS:
+        if not np.isfinite(trial.deviation) and trial.change.kind not in DOUBTED_KINDS:
             return there.gained > 0
     clear = there.gained > MIN_HELD_OUT_DEVIATIONS * there.deviation
     return there.gained > MIN_HINT_GAIN and (clear or of_cad > MIN_CAD_GAIN)

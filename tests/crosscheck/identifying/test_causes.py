@@ -264,6 +264,16 @@ class TestRows:
         assert found.message.endswith(" % of the rows repeat other rows exactly while the robot moves")
         assert found.remedy == "record each sample once: drop the copies, or give the rate at which the robot sends"
 
+    def test_of_missing_rows(self):
+        left = np.r_[0:300, 340:700, 760:1000]
+        recording = self.recording().take(left, t=np.arange(len(left)) * 0.01)
+        (found,) = held_findings(held_rows([recording]), recording.joint_names)
+        assert (found.code, found.severity, found.joints) == ("missing-rows", "fault", recording.joint_names)
+        assert found.message == "all positions jump at once 2 times: rows are missing there, and the times hide it"
+        assert found.remedy == "give the robot's own time stamps, or use the parts between the jumps, by --split"
+        (part,) = measured_parts([recording], held_rows([recording]))
+        assert [rows.start for rows in part.block_slices] == [0, 300, 660]
+
     def test_what_was_measured(self):
         """Rows that hold a value are left out; blocks begin anew behind them, but not behind single rows."""
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from graphdyn.layout import Array
@@ -36,9 +37,13 @@ MIN_TORQUE_GAP = 1.0
 """Distance of a torque held at an end of its range from all others, in units of the usual largest step, from which it
 is no limit: a torque that is cut off comes close to where it is cut."""
 
-MIN_HELD_STEPS = 20.0
-"""Rows of a held torque for each value that it takes otherwise: a torque in coarse steps keeps every value for a
-while."""
+MAX_FEW_VALUES = 50
+"""Number of values of a torque up to which it was recorded in coarse steps, more than 2 % of its range: it keeps every
+value for a while."""
+
+GAP_NEIGHBORS, MIN_GAP_STEP, MIN_GAP_JOINTS = 5, 3.0, 2
+"""Rows on both sides of a step, the size of a step relative to the largest of them, and the number of joints with such
+a step from which rows are missing there: a joint alone may be a sensor, all of them are not."""
 
 MIN_MOVED_SHARE = 0.02
 """Way of a joint while its torque is held, relative to its range, from which a measured torque would change."""
@@ -54,12 +59,14 @@ class HeldValues:
     dead_torques, dead_positions: of a torque or a position (N, n)
     clipped_positions: of a position at an end of its range (N, n)
     repeated: that repeat the row before, or are copies of a part (N,)
+    gaps: rows behind which others are missing: the positions jump (k,)
     """
 
     dead_torques: NDArray[np.bool_]
     dead_positions: NDArray[np.bool_]
     clipped_positions: NDArray[np.bool_]
     repeated: NDArray[np.bool_]
+    gaps: NDArray[np.intp]
 
     @property
     def measured(self) -> NDArray[np.bool_]:
@@ -85,7 +92,8 @@ def held_values(q: Array, tau: Array, v: Array | None = None) -> HeldValues:
         dead_positions[:, j], clipped[:, j] = _held_position(q, v, j, usual, least, repeated)
         dead_torques[:, j] = _held_torque(q[:, j], tau[:, j], least, repeated)
     repeated |= _copied(np.column_stack([q, tau]), q, usual)
-    return HeldValues(dead_torques, dead_positions, clipped, repeated)
+    held = repeated | (dead_positions | clipped).any(axis=1)
+    return HeldValues(dead_torques, dead_positions, clipped, repeated, _gaps(q, held))
 
 
 def _runs(same: NDArray[np.bool_]) -> NDArray[np.intp]:
@@ -127,6 +135,19 @@ def _held_position(
     return dead, clipped
 
 
+def _gaps(q: Array, held: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """Rows behind which several positions jump at once (k,), but at rows that hold a value."""
+    steps = np.abs(np.diff(q, axis=0))
+    if len(steps) <= 2 * GAP_NEIGHBORS:
+        return np.zeros(0, dtype=np.intp)
+    largest = sliding_window_view(steps, GAP_NEIGHBORS, axis=0).max(axis=-1)
+    inner = slice(GAP_NEIGHBORS, len(steps) - GAP_NEIGHBORS)
+    beside = np.maximum(largest[: -GAP_NEIGHBORS - 1], largest[GAP_NEIGHBORS + 1 :])
+    least = np.maximum(MIN_GAP_STEP * beside, np.quantile(steps, FAST_QUANTILE, axis=0))
+    jumps = np.sum(steps[inner] > least, axis=1) >= MIN_GAP_JOINTS
+    return np.flatnonzero(jumps & ~(held[1:] | held[:-1])[inner]) + GAP_NEIGHBORS
+
+
 def _slow(v: Array) -> float:
     """A speed that is none of a joint at rest: a twentieth of its fast motion."""
     return 0.05 * float(np.quantile(np.abs(v), FAST_QUANTILE))
@@ -136,12 +157,11 @@ def _held_torque(q: Array, tau: Array, least: int, repeated: NDArray[np.bool_]) 
     """Rows in which a torque is held while its joint moves (N,); torques at an end of the range are clipped."""
     steps = np.abs(np.diff(tau))
     dead = np.zeros(len(tau), dtype=bool)
-    if not steps.any():  # a torque that never changes is no measurement at all
+    if len(np.unique(tau)) <= MAX_FEW_VALUES:
         return dead
     moved = np.ptp(q)
     ends = (tau.min(), tau.max())
     usual = np.quantile(steps[steps > 0], FAST_QUANTILE) if np.any(steps > 0) else 0.0
-    least = max(least, int(MIN_HELD_STEPS * len(tau) / (1 + np.count_nonzero(steps))))
     for start, stop in _runs(steps == 0):
         if stop - start < least or repeated[start + 1 : stop].any() or np.ptp(q[start:stop]) < MIN_MOVED_SHARE * moved:
             continue

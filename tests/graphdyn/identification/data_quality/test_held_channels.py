@@ -82,6 +82,22 @@ def test_velocities_tell_that_a_position_is_dead():
     assert held_values(q, tau, v).dead_positions[:, 1].mean() > 0.15
 
 
+def test_missing_rows():
+    """Both joints jump at once; one alone may be a sensor, and a stop or a start is no jump."""
+    q, tau = recorded()
+    left = np.r_[0:300, 320:700, 712:ROWS]
+    assert held_values(q[left], tau[left]).gaps.tolist() == [299, 679]
+    q[500:, 0] += 0.5
+    assert not held_values(q, tau).gaps.size
+    stopped = np.where(np.arange(ROWS)[:, None] < 400, q, q[400])
+    assert not held_values(stopped, tau).gaps.size
+
+
+def test_a_torque_in_coarse_steps_is_not_dead():
+    q, tau = recorded()
+    assert not held_values(q, 10 * np.round(tau / 10)).dead_torques.any()
+
+
 def test_repeated_rows():
     q, tau = recorded()
     doubled = held_values(np.repeat(q, 2, axis=0), np.repeat(tau, 2, axis=0))
