@@ -145,7 +145,7 @@ def _faults(found: RecordingQuality, recording: Recording) -> Iterator[QualityFi
     for fault in found.faults:
         remedy = remedy_of(fault.change)
         if fault.instead:
-            words = (cause_in_words(replace(fault, change=x), found.joint_names, found.gravity) for x in fault.instead)
+            words = (cause_in_words(other, found.joint_names, found.gravity) for other in fault.instead)
             remedy += f", unless {'; or '.join(dict.fromkeys(words))}, which would fit about as well"
         when = "undone after those above" if fault is not found.faults[0] else "undone"
         yield finding_of(found, fault, "fault", f"{{what}}: {when}", remedy, lines.get(id(fault.change), ()))

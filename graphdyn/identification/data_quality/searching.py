@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +37,7 @@ from graphdyn.identification.data_quality.trials.trials import (
     Part,
     trial_of,
     tried_changes,
+    worth_from,
 )
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
@@ -99,7 +100,7 @@ MAX_RATE_GAIN_ERROR = 0.2
 class DataFault:
     """A fault, and the change that corrects it or the addition that explains it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
 
-    instead: changes that would be nearly as good
+    instead: faults that would be nearly as good
     deviation: standard deviation of a size that was found; NaN for another fault
     parameters: those of the columns of an addition         (c,)
     """
@@ -108,7 +109,7 @@ class DataFault:
     gained: float
     before: Array
     after: Array
-    instead: tuple[Change, ...] = ()
+    instead: tuple[DataFault, ...] = ()
     deviation: float = float("nan")
     parameters: Array | None = None
 
@@ -190,7 +191,7 @@ def found_gravity(torque_model: TorqueModel, pieces: Sequence[Piece], min_speed:
     """
     with one_thread():
         now = Examined.of(torque_model, pieces, min_speed)
-        trials = [trial for trial in tried_gravity(now.part, -np.inf) if np.isfinite(trial.deviation)]
+        trials = [trial for trial in tried_gravity(now.part, -np.inf) if trial.deviation_of_size is not None]
         if not trials:
             raise InvalidInput("the torques of the recording fit no gravity; give it by --gravity X Y Z, or gravity=")
         most = max(trial.gained for trial in trials)
@@ -215,11 +216,46 @@ class Found(NamedTuple):
 
 
 def search(now: Examined, columns: RecordedColumns, found_gains: Gains) -> Found:
-    """The faults of a recording, each searched after the correction of the previous ones."""
+    """The faults of a recording, each searched after the correction of the previous ones.
+
+    Of several faults one may be taken for another that explains nearly as much, until the others are corrected. The one
+    after which CAD fits next best is corrected in its place, too, and the faults that explain more are taken.
+    """
+    best = _one_by_one(now, columns, found_gains, ())
+    for k, fault in enumerate(best.faults[:-1]):
+        if not fault.instead:
+            continue
+        other, *rest = fault.instead
+        known = (*best.faults[:k], replace(other, instead=(replace(fault, instead=()), *rest)))
+        corrected = now.after([x.change for x in known if isinstance(x.change, Change)], columns)
+        found = _one_by_one(corrected, columns, found_gains, known, at_most=len(best.faults))
+        if _explains_more(found, best):
+            return _one_by_one(found.left, columns, found_gains, found.faults)
+    return best
+
+
+def _explains_more(found: Found, other: Found) -> bool:
+    """Whether faults explain a recording better than others: by what is left, then by the fit of CAD."""
+    more = other.left.part.misfit - found.left.part.misfit
+    if abs(more) > MIN_CHANGE_GAIN:
+        return more > 0
+    of_cad = other.left.part.cad_misfit - found.left.part.cad_misfit
+    return len(found.faults) <= len(other.faults) and of_cad > MIN_CAD_GAIN
+
+
+def _one_by_one(
+    now: Examined, columns: RecordedColumns, found_gains: Gains, known: Sequence[DataFault], at_most: int = 0
+) -> Found:
+    """The faults of a recording from which the known ones were removed, one after the other, behind these.
+
+    at_most: number of faults after which what is left is not searched for hints; 0 for MAX_FAULTS and hints
+    """
     model = now.torque_model.model
     slides = [model.joints[k].is_prismatic for k in model.degrees_of_freedom.independent]
-    faults: list[DataFault] = []
+    faults = list(known)
     while True:
+        if 0 < at_most <= len(faults):
+            return Found(tuple(faults), (), (), (), now)
         contradicting = _contradicting(now.pieces)
         if contradicting and not _is_clock(now.pieces):
             fault = _of_positions_or_velocities(now, columns, slides, contradicting)
@@ -237,13 +273,13 @@ def search(now: Examined, columns: RecordedColumns, found_gains: Gains) -> Found
             considered = [change for change in considered if not _mixes(change, now.without)]
             sized = [change for change in sized if not _mixes(change.of(change.tried[0]), now.without)]
         over_size = curves(part, columns, sized)
-        trials = [
-            *tried_changes(part, columns, considered),
-            *refined(part, columns, over_size),
+        trials = [*tried_changes(part, columns, considered)]
+        trials += [
+            *refined(part, columns, over_size, _most(trials)),
             *([] if any(fault.change.kind == "gravity subtracted" for fault in faults) else tried_gravity(part)),
             *_late(now),
         ]
-        of_time = [*tried_additions(part)]
+        of_time = [*tried_additions(part, _most(trials))]
         if len(faults) < MAX_FAULTS and (fault := _decided(part, trials, of_time, before)) is not None:
             faults.append(fault)
             if isinstance(fault.change, Change):
@@ -278,6 +314,11 @@ def _of_positions_or_velocities(
     return _decided(now.part, [*tried_changes(now.part, columns, agreeing)], [], now.fit.errors(now.samples.tau))
 
 
+def _most(trials: Sequence[ChangeTrial]) -> float:
+    """The gain of the best change."""
+    return max((trial.gained for trial in trials), default=0.0)
+
+
 def _mixes(change: Change, without: Sequence[int]) -> bool:
     """Whether a change of some torques concerns one of these joints."""
     some = change.torque is not None and len(change.joints) < len(change.torque)
@@ -293,9 +334,11 @@ def _decided(
     """
     convincing: list[ChangeTrial | AdditionTrial] = [trial for trial in trials if _convinces(trial, part)]
     convincing += [trial for trial in of_time if trial.gained >= MIN_CHANGE_GAIN]
-    convincing = sorted(convincing, key=lambda trial: -trial.gained)[:MAX_HELD_OUT]
     if not convincing:
         return None
+    worth = worth_from(max(trial.gained for trial in convincing))
+    convincing = [trial for trial in convincing if trial.gained > worth or _by_cad(trial)]
+    convincing = sorted(convincing, key=lambda trial: -trial.gained)[:MAX_HELD_OUT]
     unchanged, of_cad = held_out_squares(part.fit, part.samples.tau), part.cad_misfit
     shown: list[tuple[ChangeTrial | AdditionTrial, float, Array, float]] = []
     for trial in convincing:
@@ -317,8 +360,14 @@ def _decided(
     if isinstance(best, AdditionTrial):
         added = [trial for trial, _ in close if isinstance(trial, AdditionTrial)]
         return _of_addition(min(added, key=_parameters), before)
-    instead = tuple(t.change for t, _ in close if isinstance(t, ChangeTrial) and not _alike(t.change, best.change))
-    return DataFault(best.change, best.gained, before, best.errors, instead, best.deviation)
+    close = sorted((pair for pair in close if isinstance(pair[0], ChangeTrial)), key=_doubt)
+    faults = [_of_change(trial, before) for trial, _ in close if isinstance(trial, ChangeTrial)]
+    instead = [fault for fault in faults if not _alike(fault.change, best.change)]
+    return replace(_of_change(best, before), instead=tuple(instead))
+
+
+def _of_change(trial: ChangeTrial, before: Array) -> DataFault:
+    return DataFault(trial.change, trial.gained, before, trial.errors, deviation=trial.deviation)
 
 
 def _doubt(found: tuple[ChangeTrial | AdditionTrial, float]) -> float:
@@ -342,7 +391,7 @@ def _about_as_good(behind: HeldOutGain) -> bool:
 
 
 def _of_addition(trial: AdditionTrial, before: Array) -> DataFault:
-    x, deviation = trial.parameters, trial.deviation
+    x, deviation = trial.parameters, trial.deviation_of_size()
     return DataFault(trial.addition, trial.gained, before, trial.errors, deviation=deviation, parameters=x)
 
 
@@ -368,20 +417,21 @@ def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float
     if isinstance(trial, ChangeTrial):
         if trial.change.kind == "late torque" or _by_cad(trial):  # proven where they are found
             return True
-        if not np.isfinite(trial.deviation) and trial.change.kind not in DOUBTED_KINDS:
+        if trial.deviation_of_size is None and trial.change.kind not in DOUBTED_KINDS:
             return there.gained > 0
     clear = there.gained > MIN_HELD_OUT_DEVIATIONS * there.deviation
     return there.gained > MIN_HINT_GAIN and (clear or of_cad > MIN_CAD_GAIN)
 
 
-def _alike(one: Change, other: Change) -> bool:
+def _alike(one: Change | Addition, other: Change | Addition) -> bool:
     """Whether two changes differ in their size alone."""
-    return (one.kind, one.joints, one.alone) == (other.kind, other.joints, other.alone)
+    alone = [getattr(change, "alone", "") for change in (one, other)]
+    return (one.kind, one.joints, alone[0]) == (other.kind, other.joints, alone[1])
 
 
 def _hints(trials: Sequence[ChangeTrial], before: Array) -> Iterator[DataFault]:
     """The change of an unknown size that gains most, if it is clearly none."""
-    sized = [trial for trial in trials if trial.gained > MIN_HINT_GAIN and np.isfinite(trial.deviation)]
+    sized = [trial for trial in trials if trial.gained > MIN_HINT_GAIN and trial.deviation_of_size is not None]
     clear = [trial for trial in sized if _size(trial.change) > MIN_HINT_DEVIATIONS * trial.deviation]
     if clear:
         best = max(clear, key=lambda trial: trial.gained)
@@ -421,7 +471,7 @@ def _late(now: Examined) -> Iterator[ChangeTrial]:
         samples = replace(thinned.samples, tau=thinned.torque(lags))
         change = Change("late torque", joints, factor=float(seconds))
         own = trial_of(now.torque_model, change, before, samples, fit)
-        yield replace(own, gained=float(gained), deviation=float(deviation))
+        yield replace(own, gained=float(gained), deviation_of_size=partial(float, deviation))
 
 
 def _undone(piece: Piece, change: Change, columns: RecordedColumns) -> Piece:

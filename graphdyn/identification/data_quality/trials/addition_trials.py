@@ -12,7 +12,7 @@ from graphdyn.identification.data_quality.causes.additions import Addition, addi
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.held_out import held_out_squares
 from graphdyn.identification.data_quality.fits.size_deviation import covariance
-from graphdyn.identification.data_quality.trials.trials import MIN_HINT_GAIN, Part, cad_misfit
+from graphdyn.identification.data_quality.trials.trials import MIN_HINT_GAIN, Part, cad_misfit, worth_from
 from graphdyn.layout import Array
 
 
@@ -21,7 +21,7 @@ class AdditionTrial:
     """An addition that was tried.
 
     gained, errors, cad_misfit, held_out: as in ChangeTrial
-    parameters: of its columns (c,); deviation: standard deviation of the first of them
+    parameters: of its columns (c,); deviation_of_size: computes the standard deviation of the first of them
     """
 
     addition: Addition
@@ -30,17 +30,21 @@ class AdditionTrial:
     cad_misfit: Callable[[], float]
     held_out: Callable[[], Array]
     parameters: Array
-    deviation: float
+    deviation_of_size: Callable[[], float]
 
 
-def tried_additions(part: Part) -> Iterator[AdditionTrial]:
-    """Trials of what may have changed; of each kind and joint the best one, if it promises a gain."""
+def tried_additions(part: Part, changed: float = 0.0) -> Iterator[AdditionTrial]:
+    """Trials of what may have changed; of each kind and joint the best one, if it promises a gain.
+
+    changed: gain of the best change of the whole recording
+    """
     few = part.screened
     best: dict[tuple[str, tuple[int, ...]], tuple[float, int]] = {}
     for k, addition in enumerate(additions(few.torque_model, few.fit, few.samples.tau)):
         gained = few.misfit - few.free_fit.misfit_with(addition.columns)
         best[addition.kind, addition.joints] = max(best.get((addition.kind, addition.joints), (0.0, k)), (gained, k))
-    chosen = {k for gained, k in best.values() if gained > MIN_HINT_GAIN}
+    least = max(MIN_HINT_GAIN, worth_from(max((changed, *(gained for gained, _ in best.values())))))
+    chosen = {k for gained, k in best.values() if gained > least}
     if not chosen:
         return
     before = part.fit.errors(part.samples.tau)
@@ -56,8 +60,10 @@ def _trial(part: Part, addition: Addition, before: Array) -> AdditionTrial:
     own = x[-addition.columns.shape[-1] :]
     spread = addition.spread(own)
     gained = float(np.sum(np.log(before / errors))) + spread
-    slope = addition.columns[..., 0]
-    deviation = float(np.sqrt(covariance(part.fit, fit.residual(tau, x), slope[None])[0, 0]))
+
+    def deviation() -> float:
+        return float(np.sqrt(covariance(part.fit, fit.residual(tau, x), addition.columns[None, ..., 0])[0, 0]))
+
     cad = partial(cad_misfit, part.torque_model, part.samples, part.fit, addition.columns)
     return AdditionTrial(addition, gained, errors, cad, partial(_held_out, fit, tau, addition, spread), own, deviation)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from graphdyn.identification.data_quality.trials.trials import (
     fit_of,
     misfit_of,
     trial,
+    worth_from,
 )
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import STANDARD_GRAVITY
@@ -100,9 +102,13 @@ def _with_fine(curve: Curve, rises: Array) -> Curve:
     return _curve(curve.change, sizes, np.append(curve.rises[changed], rises))
 
 
-def refined(part: Part, columns: RecordedColumns, found: Sequence[Curve]) -> Iterator[ChangeTrial]:
-    """Trials of the changes of unknown size that promise a gain, each of the best size."""
-    promising = sorted((curve for curve in found if curve.rises.min() < -MIN_HINT_GAIN), key=lambda c: c.rises.min())
+def refined(part: Part, columns: RecordedColumns, found: Sequence[Curve], gained: float = 0.0) -> Iterator[ChangeTrial]:
+    """Trials of the changes of unknown size that promise a gain, each of the best size.
+
+    gained: what the best of the other changes gains
+    """
+    least = max(MIN_HINT_GAIN, worth_from(max((gained, *(-curve.rises.min() for curve in found)))))
+    promising = sorted((curve for curve in found if -curve.rises.min() > least), key=lambda c: c.rises.min())
     before = part.fit.errors(part.samples.tau)
     for curve in promising[:MAX_REFINED]:
         change, low, high = curve.change, *_neighbors(curve)
@@ -114,7 +120,7 @@ def refined(part: Part, columns: RecordedColumns, found: Sequence[Curve]) -> Ite
             other = trial(part, change.of(round_size), columns, before) if low <= round_size <= high else None
             if other is not None and other.gained > best.gained - MAX_ROUNDING_LOSS:
                 size, best = round_size, other
-        yield replace(best, deviation=_size_deviation(part, columns, change, size))
+        yield replace(best, deviation_of_size=partial(_size_deviation, part, columns, change, size))
 
 
 def tried_gravity(part: Part, min_gain: float = MIN_HINT_GAIN) -> Iterator[ChangeTrial]:
@@ -139,7 +145,7 @@ def tried_gravity(part: Part, min_gain: float = MIN_HINT_GAIN) -> Iterator[Chang
         if size > 0:  # an error of its size is rare, and hard to tell from one of the clock
             rotated = _trial_of_gravity(part, size * found / np.linalg.norm(found))
             best = rotated if rotated is not None and rotated.gained > best.gained - MIN_MISFIT_RISE else best
-        yield replace(best, deviation=_gravity_deviation(part, best.change))
+        yield replace(best, deviation_of_size=partial(_gravity_deviation, part, best.change))
 
 
 def _trial_of_gravity(part: Part, gravity: Array, kind: ChangeKind = "gravity") -> ChangeTrial | None:

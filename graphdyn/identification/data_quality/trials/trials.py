@@ -5,7 +5,7 @@ Few rows and no bounds decide which changes are worth a fit within bounds (free_
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -32,6 +32,10 @@ MIN_COMPARED_GAIN = 0.1
 
 KINDS_THAT_CAD_SHOWS = ("gravity subtracted",)
 """Kinds of changes that the fit of CAD shows, and no other: what subtracted gravity leaves looks like light links."""
+
+CLEAR_GAIN, COMPARED_SHARE = 2.0, 0.3
+"""Fall of Σ log ‖e_j‖ from which a recording has a clear fault, and the share of it that the right change gains at
+least, when a wrong one gains most in a fit without bounds."""
 
 EVERY_SCREENED_ROW = 3
 """Distance of the examined rows that decide whether a change is worth a fit within bounds."""
@@ -89,7 +93,7 @@ class ChangeTrial:
     gained: fall of Σ log ‖e_j‖; errors: ‖e_j‖ / ‖τ_j‖ afterwards (n,)
     unexplained: the same relative to the variation of the torque, geometric mean over the joints
     after: rows and fit after the change; None if it gains too little to be compared with others
-    deviation: standard deviation of a size that was found, in its unit; NaN for another change
+    deviation_of_size: computes the standard deviation of a size that was found; None for another change
     """
 
     change: Change
@@ -97,7 +101,12 @@ class ChangeTrial:
     errors: Array
     unexplained: float
     after: Part | None
-    deviation: float = float("nan")
+    deviation_of_size: Callable[[], float] | None = None
+
+    @cached_property
+    def deviation(self) -> float:
+        """Standard deviation of a size that was found, in its unit; NaN for another change."""
+        return float("nan") if self.deviation_of_size is None else self.deviation_of_size()
 
     def cad_misfit(self) -> float:
         """Σ log of the errors of CAD with fitted drives afterwards."""
@@ -120,11 +129,21 @@ def tried_changes(part: Part, columns: RecordedColumns, considered: Sequence[Cha
     """Trials of those changes after which the recording may fit better, or about as well."""
     few = part.screened
     lower = free_misfits([few.after(change, columns) for change in considered])
-    worth = [x for x, misfit in zip(considered, lower, strict=True) if few.misfit - misfit > -MIN_MISFIT_RISE]
-    before = part.fit.errors(part.samples.tau)
-    for change in worth:
+    gains = few.misfit - np.array(lower)
+    least, before = worth_from(gains.max(initial=0.0)), part.fit.errors(part.samples.tau)
+    for k in np.flatnonzero(gains > least).tolist():
+        change = considered[k]
         if (found := trial(part, change, columns, before)) is not None:
             yield found
+
+
+def worth_from(best: float) -> float:
+    """Gain of the fit without bounds from which a change is worth a fit within bounds. best: the largest such gain
+
+    Beside a clear fault only those count that gain about as much; else also those that gain nothing, because the
+    recording cannot reveal them.
+    """
+    return COMPARED_SHARE * best if best > CLEAR_GAIN else -MIN_MISFIT_RISE
 
 
 def misfit_of(fit: BoundedFit, tau: Array) -> float:
