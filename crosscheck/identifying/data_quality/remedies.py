@@ -12,6 +12,13 @@ from graphdyn.layout import Array
 MIN_TILT = 0.5
 """Angle [°] from which gravity has another direction than that of the model."""
 
+GEAR_RATIOS = (30, 40, 50, 60, 80, 81, 100, 101, 120, 121, 160, 161)
+"""Ratios of strain wave gears in data sheets; the odd ones are those of the other output."""
+
+RATIO_DEVIATIONS, MAX_RATIO_DEVIATION, MAX_RATIOS = 2.0, 0.02, 3
+"""Distance of a quotient of two such ratios in σ, largest relative σ that tells them from each other, and the number of
+pairs that are named."""
+
 SAME_DIRECTION = 1e-6
 """Relative difference of vectors below which they are the same up to rounding."""
 
@@ -56,7 +63,8 @@ def change_in_words(
         case "gear ratio":
             torques = "" if change.torque is None else f", and its torque {change.factor:.4g} times"
             size = f"{1 / change.factor:.4g}{_plus_minus(deviation / change.factor**2)}"
-            return f"the position of {names} is {size} times the right one{torques}, as with another gear ratio"
+            ratios = _ratios(1 / change.factor, deviation / change.factor**2)
+            return f"the position of {names} is {size} times the right one{torques}, as with {ratios}"
         case "time scale":
             size = f"{1 / change.factor:.4g}{_plus_minus(deviation / change.factor**2)}"
             return f"the clock runs at {size} times the right rate, or gravity has another size than in the model"
@@ -72,11 +80,22 @@ def change_in_words(
         case "scaled torque":
             if len(change.joints) > 1:
                 return f"all torques are {change.factor:.3g} times those of CAD and drives, as in another unit"
-            return f"the torque of {names} is {change.factor:.3g} times that of the others, as in another unit"
+            size = f"{change.factor:.3g}{_plus_minus(deviation)}"
+            return f"the torque of {names} is {size} times that of the others, as in another unit"
         case "late torque":
             who = "the torques were" if len(change.joints) > 1 else f"the torque of {names} was"
             when = "late" if change.factor > 0 else "early"
             return f"{who} recorded {1e3 * abs(change.factor):.1f} ± {1e3 * deviation:.1f} ms {when}"
+
+
+def _ratios(found: float, deviation: float) -> str:
+    """Pairs of gear ratios of data sheets whose quotient is the one found, within its deviations, as text."""
+    pairs = [(one, other) for one in GEAR_RATIOS for other in GEAR_RATIOS if one != other]
+    near = [pair for pair in pairs if abs(pair[0] / pair[1] - found) <= RATIO_DEVIATIONS * deviation]
+    near = sorted(near, key=lambda pair: (abs(pair[0] / pair[1] - found), pair[0]))[:MAX_RATIOS]
+    if not near or deviation > MAX_RATIO_DEVIATION * found:
+        return "another gear ratio"
+    return "a gear ratio of " + " or ".join(f"{one} in place of {other}" for one, other in near)
 
 
 def _positions(change: Change, names: str) -> str:

@@ -64,6 +64,12 @@ EYE = np.eye(3)
             "correct it in the mapping",
         ),
         (
+            Change("scaled torque", ONE, torque=EYE, factor=1.3),
+            "scaled-torque",
+            "the torque of shoulder is 1.3 ± 0.02 times that of the others, as in another unit",
+            "correct it in the mapping",
+        ),
+        (
             Change("time scale", EVERY, velocity=EYE, factor=2.0),
             "time-scale",
             "the clock runs at 0.5 ± 0.005 times the right rate, or gravity has another size than in the model",
@@ -110,6 +116,16 @@ EYE = np.eye(3)
 )
 def test_a_change_of_a_size(cause, code, said, remedy):
     assert (code_of(cause), words(cause), remedy_of(cause)) == (code, said, remedy)
+
+
+def test_ratios_of_data_sheets():
+    gear = Change("gear ratio", ONE, position=EYE, factor=81 / 101)
+    ratios = "101 in place of 81 or 50 in place of 40 or 100 in place of 80"
+    assert (
+        words(gear, 0.002)
+        == f"the position of shoulder is 1.247 ± 0.003 times the right one, as with a gear ratio of {ratios}"
+    )
+    assert words(gear, 0.02).endswith("as with another gear ratio")
 
 
 @pytest.mark.parametrize(

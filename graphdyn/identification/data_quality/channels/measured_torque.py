@@ -28,7 +28,7 @@ MAX_FIT_RESIDUAL, MIN_FIT_RATIO, MAX_NOISE_RATIO = 0.01, 4.0, 0.1
 """The same of the fit, which is closer to any torque, for a torque that also has less than this part of the noise of
 the others: measured torques have ratios of residuals up to 3."""
 
-UNITS = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 121)])
+TRIED_UNITS = np.concatenate([[0.0], np.geomspace(1e-3, 1e3, 121)])
 """Units of the torques in N m or N that are tried, 12 % apart."""
 
 NEGLIGIBLE_TORQUE_SHARE = 1e-6
@@ -77,9 +77,9 @@ def gains(torque_model: TorqueModel, samples: Samples, fit: BoundedFit, further:
 
 
 def misfits_in_units(torque_model: TorqueModel, samples: Samples, fit: BoundedFit) -> Array:
-    """Σ_j log ‖e_j‖ / ‖τ_j‖ of CAD with fitted drives, in each of UNITS. fit: of the same samples"""
+    """Σ_j log ‖e_j‖ / ‖τ_j‖ of CAD with fitted drives, in each of TRIED_UNITS. fit: of the same samples"""
     model, drives = fit.matrix @ torque_model.prior() + fit.known, drive_columns(torque_model)
-    total = np.zeros(len(UNITS))
+    total = np.zeros(len(TRIED_UNITS))
     for j in range(samples.tau.shape[1]):
         kept = fit.kept[:, j]
         size = np.linalg.norm(samples.tau[kept, j])
@@ -89,7 +89,7 @@ def misfits_in_units(torque_model: TorqueModel, samples: Samples, fit: BoundedFi
             )
             sides = np.column_stack([samples.tau[kept, j], model[kept, j]])
             tau, predicted = (sides - basis @ (basis.T @ sides)).T
-            errors = np.linalg.norm(tau[:, None] - predicted[:, None] * UNITS, axis=0)
+            errors = np.linalg.norm(tau[:, None] - predicted[:, None] * TRIED_UNITS, axis=0)
             total += np.log(np.maximum(errors / size, MIN_RESIDUAL))
     return total
 
