@@ -14,6 +14,7 @@ import pyarrow
 import pytest
 import typer
 from faults.textbook import TextbookArm
+from identified.remembered_quality import remember_quality
 from identified.study_tables import study_tables
 from planting import PLANTED, Plant, compared, mixed_tree, remember_comparisons, remember_our_answers, with_body
 from pyarrow.parquet import write_table
@@ -201,6 +202,7 @@ def _our_answers_once(request):
             remember_our_answers(patch)
         if any(room in request.path.parts for room in SAYING):
             remember_comparisons(patch)
+            remember_quality(patch)
         yield
 
 
