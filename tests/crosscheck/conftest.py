@@ -95,6 +95,11 @@ def small_arm_text():
     return SMALL_ARM
 
 
+@pytest.fixture(scope="session")
+def pendulum_text():
+    return PENDULUM
+
+
 @pytest.fixture
 def small_arm(tmp_path):
     path = tmp_path / "small.urdf"
