@@ -2,6 +2,7 @@
 
 import errno
 import functools
+import importlib
 import math
 import os
 import re
@@ -144,6 +145,13 @@ def textbook(ur5):
 def undiagnosed(monkeypatch):
     """Judgments without the search for a fault, which takes most of their time."""
     monkeypatch.setattr("crosscheck.judging.judge.diagnoses_of", lambda *_: [])
+
+
+@pytest.fixture
+def unexamined(monkeypatch):
+    """Identifications without the search for faults of their recordings, which takes half of their time."""
+    module = importlib.import_module("crosscheck.identifying.identify")  # the function has the same name
+    monkeypatch.setattr(module, "data_quality", lambda *_: None)
 
 
 @pytest.fixture(scope="session")
