@@ -150,8 +150,9 @@ def undiagnosed(monkeypatch):
 @pytest.fixture
 def unexamined(monkeypatch):
     """Identifications without the search for faults of their recordings, which takes half of their time."""
-    module = importlib.import_module("crosscheck.identifying.identify")  # the function has the same name
-    monkeypatch.setattr(module, "data_quality", lambda *_: None)
+    for name in ("identify", "long_recordings"):
+        module = importlib.import_module(f"crosscheck.identifying.{name}")  # a function has the same name
+        monkeypatch.setattr(module, "data_quality", lambda *_: None)
 
 
 @pytest.fixture(scope="session")
