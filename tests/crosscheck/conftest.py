@@ -2,6 +2,7 @@
 
 import errno
 import functools
+import importlib
 import math
 import os
 import re
@@ -14,6 +15,7 @@ import pyarrow
 import pytest
 import typer
 from faults.textbook import TextbookArm
+from identified.remembered_quality import remember_quality
 from identified.study_tables import study_tables
 from planting import PLANTED, Plant, compared, mixed_tree, remember_comparisons, remember_our_answers, with_body
 from pyarrow.parquet import write_table
@@ -94,6 +96,11 @@ def small_arm_text():
     return SMALL_ARM
 
 
+@pytest.fixture(scope="session")
+def pendulum_text():
+    return PENDULUM
+
+
 @pytest.fixture
 def small_arm(tmp_path):
     path = tmp_path / "small.urdf"
@@ -138,6 +145,14 @@ def textbook(ur5):
 def undiagnosed(monkeypatch):
     """Judgments without the search for a fault, which takes most of their time."""
     monkeypatch.setattr("crosscheck.judging.judge.diagnoses_of", lambda *_: [])
+
+
+@pytest.fixture
+def unexamined(monkeypatch):
+    """Identifications without the search for faults of their recordings, which takes half of their time."""
+    for name in ("identify", "long_recordings"):
+        module = importlib.import_module(f"crosscheck.identifying.{name}")  # a function has the same name
+        monkeypatch.setattr(module, "data_quality", lambda *_: None)
 
 
 @pytest.fixture(scope="session")
@@ -193,6 +208,9 @@ OURS_PLANTED = "test_can_fail.py"
 SAYING = ("commands", "report", "viewing")
 """Rooms whose tests are about what is said of a comparison."""
 
+EXAMINING = ("test_data_quality.py", "test_causes.py", "test_spoilt_recordings.py")
+"""Tests of how recordings are examined."""
+
 
 @pytest.fixture(autouse=True, scope="module")
 def _our_answers_once(request):
@@ -201,6 +219,8 @@ def _our_answers_once(request):
             remember_our_answers(patch)
         if any(room in request.path.parts for room in SAYING):
             remember_comparisons(patch)
+        if request.path.name not in EXAMINING:
+            remember_quality(patch)
         yield
 
 

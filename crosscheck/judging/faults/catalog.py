@@ -71,7 +71,12 @@ def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
 
 
 def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float) -> Iterator[CodeFault]:
-    """Laws of friction fitted to deviations (N, n) of torques at velocities v (N, n), joint by joint; bound: [N m]."""
+    """Laws of friction fitted to deviations (N, n) of torques at velocities v (N, n), joint by joint; bound: [N m].
+
+    None where a joint at rest deviates: no law gives it a torque.
+    """
+    if (np.abs(deviation[v == 0]) > bound).any():
+        return
     for name, (law, labels, p) in FRICTION_LAWS.items():
         found = np.zeros((p, v.shape[1]))
         found[[2, -1]] = 1.0

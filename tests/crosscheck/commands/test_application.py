@@ -1,6 +1,7 @@
 """The program: exit codes, files, messages. In process through its entry point, and as the installed script."""
 
 import errno
+import functools
 import json
 import os
 import re
@@ -266,6 +267,9 @@ print(*{"pinocchio", "yourdfpy", "scipy", "matplotlib"} & set(sys.modules))
         assert "_GRAPHDYN_COMPLETE=complete_" in program().out
 
 
+commands_of_the_program = functools.cache(lambda: typer.main.get_command(app))
+
+
 class TestExamples:
     """What the help shows can be typed."""
 
@@ -278,7 +282,7 @@ class TestExamples:
 
     @pytest.mark.parametrize(("command", "arguments"), EXAMPLES, ids=lambda value: str(value))
     def test_parsed(self, command, arguments):
-        context = typer.main.get_command(app).commands[command].make_context(command, list(arguments))
+        context = commands_of_the_program().commands[command].make_context(command, list(arguments))
         assert not context.args
 
     @pytest.fixture

@@ -231,6 +231,7 @@ def test_the_same_steps_as_mujoco():
     assert np.abs(np.concatenate([ours.q[:, -1], ours.v[:, -1]], axis=-1) - theirs).max() < 1e-12
 
 
+@pytest.mark.usefixtures("unexamined")
 def test_identified_from_its_own_bag(tmp_path):
     """Every base parameter is found again within three standard deviations, friction among them; measured 2.01."""
     model, rng = mixed_tree(), np.random.default_rng(0)
@@ -257,6 +258,7 @@ def test_identified_from_its_own_bag(tmp_path):
         terms=(RigidBodies(), Viscous(), Coulomb(), Offset()),
         methods=["wls"],
         preparation=Preparation(cutoff=10.0),
+        poses=1,
     )
     parameters = [model.inertial_parameters, friction.viscous, friction.coulomb, friction.offset]
     truth = found.problem.base.values(np.concatenate(parameters))

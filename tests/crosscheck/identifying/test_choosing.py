@@ -173,6 +173,7 @@ class TestIdentified:
         assert facts["offsets"].startswith("left out: ")
         assert facts["steps"] == "none: no change predicts better by more than its deviation"
 
+    @pytest.mark.usefixtures("unexamined")
     def test_standard_terms(self):
         arm = virtual()
         options = {"methods": ["wls"], "preparation": CUTOFF, "poses": 1}
@@ -183,6 +184,7 @@ class TestIdentified:
         assert found.ladder is None
         assert ladder_section(found) == ()
 
+    @pytest.mark.usefixtures("unexamined")
     def test_too_short(self):
         arm = virtual()
         short = arm.fitted.take(slice(0, 1000))
@@ -233,6 +235,7 @@ class TestResidualCauses:
         causes = {cause.name: cause for cause in residual_causes(model, warm, CUTOFF, noise + planted)}
         assert np.all(np.abs(causes["temperature"].shares - SHARE) <= SHARE_ERROR)
 
+    @pytest.mark.usefixtures("unexamined")
     def test_report(self, white):
         arm = virtual()
         options = {"methods": ["wls"], "preparation": CUTOFF, "poses": 1}

@@ -65,6 +65,7 @@ class TestHoldingOut:
         with pytest.raises(InvalidInput, match="2 recordings cannot be divided by rows"):
             ByRows((0, 1), (1, 2)).divide([recording, recording])
 
+    @pytest.mark.usefixtures("unexamined")
     def test_folds_pool_their_errors(self):
         found = identified(["wls", "graph"], held_out=Folds(3))
         wls = found.comparison.of("WLS")
@@ -86,6 +87,7 @@ class TestHoldingOut:
         assert said[:4] == ["data_quality", "filter", "read", "OLS"]
         assert said[-1] == "CAD links: WLS"
 
+    @pytest.mark.usefixtures("unexamined")
     def test_a_method_that_fails_in_a_fold_fails(self):
         calls = []
 
@@ -159,6 +161,7 @@ class TestHoldingOut:
 
 
 class TestPreparation:
+    @pytest.mark.usefixtures("unexamined")
     def test_decimation_keeps_times_and_rows_together(self):
         found = identified(["wls"], preparation=Preparation(10.0, decimate=(5,), min_speed=0.05))
         for trial in (found.fit, *found.trials):

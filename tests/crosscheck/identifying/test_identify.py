@@ -52,6 +52,7 @@ class TestBaselines:
         assert estimate.settings["difference"] <= SAME
         assert np.array_equal(estimate.noise, NOISE)
 
+    @pytest.mark.usefixtures("unexamined")
     def test_another_regressor_would_be_noticed(self):
         """Pinocchio's reading of a robot with one joint moved."""
         model = virtual().subject.model
@@ -109,12 +110,14 @@ class TestBaselines:
         step = ((found - prior.mean) / scale)[free]
         assert np.abs(idle.T @ step).max(initial=0) <= 1e-9 * np.linalg.norm(step)
 
+    @pytest.mark.usefixtures("unexamined")
     def test_graph_method_says_why_not(self):
         bare = replace(virtual().fitted, joint_wrenches=None)
         found = identified_from(bare, ["graph", "wls"])
         assert "the method needs all six components" in found.comparison.of("graph method").failure
         assert found.comparison.of("WLS").failure is None
 
+    @pytest.mark.usefixtures("unexamined")
     def test_a_channel_that_is_zero(self):
         recording = CUTOFF.differentiated(virtual().fitted)
         dead = replace(recording, tau=recording.tau * [0, 1, 1])
@@ -122,6 +125,7 @@ class TestBaselines:
         assert found.everything.rms[0] == 0
         assert np.all(found.everything.rms[1:] > 1)
 
+    @pytest.mark.usefixtures("unexamined")
     def test_known_bodies_leave_nothing_to_exchange(self):
         found = identified(["graph", "wls-pinocchio", "wls"], terms=(Viscous(), Offset()), known=(KnownBodies(),))
         assert found.comparison.of("graph method").failure == "no body is unknown"
@@ -157,6 +161,7 @@ class TestParameters:
             assert row.eigenvalue == pytest.approx(np.linalg.eigvalsh(whole)[0])
             assert row.mass == of["m"]
 
+    @pytest.mark.usefixtures("unexamined")
     def test_a_known_payload_is_no_part_of_the_links(self):
         load = KnownPayload(LOAD)
         with_load = identified(["wls"], known=(load,))
@@ -172,6 +177,7 @@ class TestParameters:
             mass_of_base(with_load, load_parameters(model)), abs=1e-8
         )
 
+    @pytest.mark.usefixtures("unexamined")
     def test_an_unknown_payload_belongs_to_its_link(self):
         terms = (Payload(), *virtual().torque_model.terms[1:])
         found = identified(["wls"], terms=terms, known=(KnownBodies(),))
@@ -277,6 +283,7 @@ class TestNames:
         expected = (np.sign(v) * np.exp(-100 * v**2))[..., None] * np.eye(model.nv)
         np.testing.assert_allclose(rows, expected, rtol=1e-12)
 
+    @pytest.mark.usefixtures("unexamined")
     def test_a_method_of_ones_own_stands_beside_the_others(self):
         class Half:
             name, reference, assumptions, needs = "half", "none", "none", "nothing"

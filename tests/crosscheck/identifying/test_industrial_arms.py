@@ -143,6 +143,7 @@ def without(command, *options):
     return [word for k, word in enumerate(command) if k not in places and k - 1 not in places]
 
 
+@LONG
 def test_ur10_chooses_its_terms(run):
     """Those of *smooth*, so that its results are those of the document."""
     (command,) = commands("ur10")

@@ -29,6 +29,7 @@ def detent(q, v, a):
     return np.sign(np.sin(6 * q))
 
 
+@pytest.mark.usefixtures("unexamined")
 @pytest.mark.parametrize(
     "preparation",
     [
@@ -110,6 +111,7 @@ class TestCorrelation:
         assert (written["correlation_time"], written["correlation_times"]) == (correlation.time, correlation.times)
         assert written["lower_bound"] is lower_bound
 
+    @pytest.mark.usefixtures("unexamined")
     def test_of_a_white_residual(self):
         arm = virtual_robot(mixed_tree(), (), seconds=10.0)
         options = {"terms": (RigidBodies(),), "methods": ["wls"], "preparation": Preparation({"q": 5.0}), "poses": 5}

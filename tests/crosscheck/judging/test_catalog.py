@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from urdf_text import inertial
 
 import urdf
+from crosscheck.judging.faults import catalog
 from crosscheck.judging.faults.arguments import angles, arguments, orders, units
 from crosscheck.judging.faults.fault import is_round
 from crosscheck.judging.faults.file_reading import file_reading
@@ -607,3 +608,14 @@ def test_misread_files(small_arm_text, tmp_path, state):
 
 MISREAD = {"inertial_frame": 23, "massless_link": 2, "fixed_link": 7 + 3 * 3 + 1, "rounding": 12}
 """How many: of fixed links the sets of three with mass, three parts of three placements, and two siblings."""
+
+
+def test_no_law_of_friction_is_fitted_where_a_joint_at_rest_deviates(model, monkeypatch):
+    """Both laws vanish there: whatever is fitted to the other states, it would not hold."""
+    v = np.random.default_rng(0).normal(size=(12, 3))
+    v[1, 0] = 0.0
+    torque = 0.4 * v + 0.2 * np.tanh(v / 0.1)
+    assert "tanh" in said(next(catalog.smooth_friction(model, v, torque, 1e-9))).message
+    monkeypatch.setattr(catalog, "_fitted", lambda *_: pytest.fail("the search began"))
+    torque[1, 0] = 1e-3
+    assert list(catalog.smooth_friction(model, v, torque, 1e-9)) == []

@@ -166,7 +166,7 @@ class TestPrecision:
     def test_faults_above_single_precision(self, case):
         if case.robot == "kr210":
             existing(Path(ROBOTS[case.robot]))
-        judgment = judged(case, 20, single=True)[0]
+        judgment = judged(case, 5, single=True)[0]
         assert verdict(case, judgment) == "named"
         assert all(1e-9 < diagnosis.explains < 1e-5 for diagnosis in judgment.diagnoses)
         assert "as in single precision" in judgment.diagnoses[0].evidence
@@ -186,16 +186,16 @@ class TestPrecision:
 
 
 @pytest.fixture(scope="module")
-def judgment(ur5):
-    arm = TextbookArm.of(ur5)
+def judgment(short):
+    arm = TextbookArm.of(short)
     arm.centers[2] += [0, 0.01, -0.02]
-    return judge("ur5", inverse_dynamics=arm.inverse_dynamics, samples=10)
+    return judge(short, inverse_dynamics=arm.inverse_dynamics, samples=10)
 
 
 class TestFittedNumbers:
-    def test_theirs_ours_difference(self, judgment, ur5):
+    def test_theirs_ours_difference(self, judgment, short):
         (diagnosis,) = judgment.diagnoses
-        center = ur5.bodies[2].center_of_mass
+        center = short.bodies[2].center_of_mass
         assert [number.name for number in diagnosis.numbers] == ["c_y", "c_z"]
         assert [number.ours for number in diagnosis.numbers] == pytest.approx(list(center[1:]))
         assert [number.difference for number in diagnosis.numbers] == pytest.approx([0.01, -0.02], abs=1e-9)
@@ -215,16 +215,16 @@ class TestFittedNumbers:
 def test_a_limit_has_no_value_here():
     """It is infinite in graphdyn, null in JSON."""
     (case,) = (case for case in CASES if case.name.startswith("torque clipped"))
-    judgment = judged(case, 100)[0]
+    judgment = judged(case, 20)[0]
     (diagnosis,) = json.loads(json.dumps(plain(record(judgment, [])), allow_nan=False))["diagnoses"]
     assert diagnosis["numbers"][0]["ours"] is None
 
 
-def test_a_pair_is_verified_together(ur5):
+def test_a_pair_is_verified_together(short):
     plant = factors("weight", 2, 0)
-    arm = TextbookArm.of(ur5)
+    arm = TextbookArm.of(short)
     arm.axes[2] *= -1
-    messages = {x.message: x.status for x in diagnoses(plant(arm, ur5))}
+    messages = {x.message: x.status for x in diagnoses(plant(arm, short), short)}
     assert messages == {
         "gravity on body 'forearm_link' is left out": "confirmed",
         "the axis of joint 'elbow_joint' points the other way": "confirmed",

@@ -101,7 +101,16 @@ SENTENCES = {
 }
 
 
-@pytest.mark.parametrize(("kind", "variant"), SENTENCES)
+REPEATED = {
+    *(("gravity", variant) for variant in ("left out", "9.7", "along y")),
+    *(("coriolis", variant) for variant in ("none at all", "doubled")),
+    ("sign", "torque of joint 2"),
+    *(("unit", variant) for variant in ("torques in kN m", "tensors in kg mm²", "translations in mm")),
+}
+"""Further faults of kinds whose first one is judged above."""
+
+
+@pytest.mark.parametrize(("kind", "variant"), few(SENTENCES, *(SENTENCES.keys() - REPEATED)))
 def test_sentences(kind, variant):
     judgment = planted(kind, variant)
     (diagnosis,) = judgment.diagnoses

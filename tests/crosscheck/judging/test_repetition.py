@@ -30,6 +30,11 @@ ELBOW, LIFT = 2, 1
 """Numbers of the joints with faults."""
 
 
+@pytest.fixture(scope="module")
+def arm():
+    return urdf.load("ur5", lock=WRIST_LOCKED)
+
+
 def tau_of(model):
     return lambda q, v, a: graphdyn.inverse_dynamics(model, q, v, a).tau
 
@@ -230,11 +235,6 @@ REGIONS = {
 
 
 class TestRegions:
-    @pytest.fixture(scope="class")
-    @classmethod
-    def arm(cls):
-        return urdf.load("ur5", lock=WRIST_LOCKED)
-
     @pytest.mark.parametrize("where", REGIONS)
     def test_said(self, arm, where):
         states = crosscheck.judging.states.JudgedStates.draw(arm, 100, 0, needs_tau=False)
@@ -309,10 +309,10 @@ class TestRegions:
 
 class TestPrecision:
     @pytest.mark.parametrize("name", sorted(set(FUNCTIONS) - {"frame_placement", *REACTIONS}))
-    def test_single(self, ur5, name):
+    def test_single(self, arm, name):
         """The recursions in single precision: no agreement in double, agreement in single."""
-        options = {name: single_precision(ur5, name, "wrist_3_link"), "frame": "wrist_3_link", "batched": True}
-        judgment = crosscheck.judge("ur5", **options, precision="single", samples=10)
+        options = {name: single_precision(arm, name, "wrist_3_link"), "frame": "wrist_3_link", "batched": True}
+        judgment = crosscheck.judge(arm, **options, precision="single", samples=10)
         assert judgment.agrees
         (function,) = judgment.functions.values()
         assert (

@@ -1,5 +1,7 @@
 """The smallest example of a fault: as few numbers other than zero as there can be, and a test that fails with it."""
 
+import functools
+
 import numpy as np
 import pytest
 from faults.textbook import TextbookArm
@@ -11,6 +13,8 @@ from crosscheck.judging.judge import judge
 from crosscheck.report.snippets import smallest_test
 from crosscheck.report.text import as_text
 
+pytestmark = pytest.mark.usefixtures("undiagnosed")  # smallest examples are looked for whatever the fault
+
 SAMPLES = 10
 
 
@@ -19,6 +23,7 @@ def judged(function, name="inverse_dynamics", robot="ur5", **options):
     return judgment, judgment.functions[name]
 
 
+@functools.cache
 def arm():
     return TextbookArm.of(urdf.load("ur5"))
 

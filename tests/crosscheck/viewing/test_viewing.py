@@ -440,6 +440,7 @@ class TestCommand:
         assert figure["name"] == "ur5"
         assert figure["motion"] is None
 
+    @pytest.mark.usefixtures("unexamined")
     def test_on_the_page_of_identify(self, figures, small_arm):
         """The motion that was fitted, with the torque of the recording."""
         (figure,) = figures("identify", "--robot", small_arm, "--seconds", 10, "--methods", "consistent", "--poses", 9)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from faults.textbook import TextbookArm
+from faults.textbook import TextbookArm, cross
 from scipy.spatial.transform import Rotation
 from slips import lagrange, link_frames, spatial_vectors, world_frames
 
@@ -17,12 +17,24 @@ def hat(x):
 
 def crm(m):
     """The matrix of the product with motions."""
-    return np.block([[hat(m[:3]), np.zeros((3, 3))], [hat(m[3:]), hat(m[:3])]])
+    found = np.zeros((6, 6))
+    found[:3, :3] = found[3:, 3:] = hat(m[:3])
+    found[3:, :3] = hat(m[3:])
+    return found
 
 
 def crf(m):
     """The matrix of the product with forces."""
     return -crm(m).T
+
+
+class QuickNumPy:
+    """NumPy whose cross product is of two vectors, which takes a tenth of the time."""
+
+    cross = staticmethod(cross)
+
+    def __getattr__(self, name):
+        return getattr(np, name)
 
 
 @dataclass(frozen=True)
@@ -62,7 +74,7 @@ def compiled(text, slip, model, joints):
         indent = right[: len(right) - len(right.lstrip())]
         choice = f"{indent}if j in BAD:\n    {wrong}\n{indent}else:\n    {right}"
         text = text[:start] + choice + text[start + len(right) :]
-    names = {"np": np, "Rotation": Rotation, "hat": hat, "crm": crm, "crf": crf, "O3": np.zeros((3, 3))}
+    names = {"np": QuickNumPy(), "Rotation": Rotation, "hat": hat, "crm": crm, "crf": crf, "O3": np.zeros((3, 3))}
     exec(text, names)
     arm, bad = TextbookArm.of(model), frozenset(joints)
     return lambda q, v, a: names["inverse_dynamics"](arm, q, v, a, bad)

@@ -20,6 +20,9 @@ SECONDS = 300
 
 MEGABYTES = 500
 
+MANY = 25_000
+"""Elements of which work that grows with the square of their number hangs."""
+
 LAUGHS = "".join(f'<!ENTITY a{k} "' + f"&a{k - 1};" * 10 + '">' for k in range(1, 12))
 LONG = "x" * 50_000
 
@@ -38,6 +41,10 @@ def ring(n):
 
 def within(content):
     return f'<robot name="r">{content}</robot>'
+
+
+def with_inertials(n):
+    return within('<link name="a">' + "<inertial/>" * n + "</link>")
 
 
 REFUSED = {
@@ -73,12 +80,12 @@ REFUSED = {
         rf"the file has {MAX_TAGS + 2} tags, more than {MAX_TAGS}; give a smaller file",
     ),
     "many elements of one kind": (
-        lambda: within('<link name="a">' + "<inertial/>" * (MAX_TAGS - 10) + "</link>"),
+        lambda: with_inertials(MANY),
         "duplicate-element",
-        f"{MAX_TAGS - 10} elements <inertial>",
+        f"{MANY} elements <inertial>",
     ),
     "many namespaces": (
-        lambda: within("".join(f'<a xmlns:a{k}="u{k}" a{k}:x="1"/>' for k in range(90_000))),
+        lambda: within("".join(f'<a xmlns:a{k}="u{k}" a{k}:x="1"/>' for k in range(MANY))),
         "no-links",
         "there is no <link>",
     ),
@@ -220,7 +227,7 @@ print(int(re.search(r"VmHWM:\\s*(\\d+) kB", open("/proc/self/status").read())[1]
 
 LARGE = {
     "attributes": lambda: within('<link name="${a}" b="1"/>' * (MAX_TAGS - 10)),
-    "inertials": REFUSED["many elements of one kind"][0],
+    "inertials": lambda: with_inertials(MAX_TAGS - 10),
     "attribute": REFUSED["many attributes"][0],
     "chain": lambda: chain(MAX_LINKS),
 }

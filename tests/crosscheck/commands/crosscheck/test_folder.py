@@ -89,12 +89,12 @@ def without_mass(text):
 
 
 @pytest.fixture
-def folder(tmp_path, small_arm):
+def folder(tmp_path, pendulum):
     """good.urdf, sub/bare.urdf without mass, sub/broken.urdf, and an empty folder."""
     folder = tmp_path / "robots"
     (folder / "sub").mkdir(parents=True)
     (folder / "empty").mkdir()
-    text = small_arm.read_text(encoding="utf-8")
+    text = pendulum.read_text(encoding="utf-8")
     (folder / "good.urdf").write_text(text, encoding="utf-8")
     (folder / "sub" / "bare.urdf").write_text(without_mass(text), encoding="utf-8")
     (folder / "sub" / "broken.urdf").write_text("<robot name='x'>\n", encoding="utf-8")
@@ -114,8 +114,10 @@ def written(path):
 
 
 @pytest.fixture(scope="module")
-def some_record():
-    return sweeping.examine(sweeping.ComparisonTask("kr500", 1, 0, "none")).record
+def some_record(tmp_path_factory, pendulum_text):
+    path = tmp_path_factory.mktemp("robots") / "pendulum.urdf"
+    path.write_text(pendulum_text, encoding="utf-8")
+    return sweeping.examine(sweeping.ComparisonTask(str(path), 1, 0, "none")).record
 
 
 @pytest.fixture
@@ -132,11 +134,8 @@ def examined(monkeypatch, some_record):
 
 
 class TestOutcomes:
-    def test_in_processes(self, program, folder, pendulum, tmp_path, monkeypatch):
+    def test_in_processes(self, program, folder, tmp_path, monkeypatch):
         monkeypatch.setattr(console, "PROGRESS_INTERVAL", math.inf)  # however slow the machine, no line of progress
-        text = pendulum.read_text(encoding="utf-8")
-        (folder / "good.urdf").write_text(text, encoding="utf-8")
-        (folder / "sub" / "bare.urdf").write_text(without_mass(text), encoding="utf-8")
         done = program(folder, "--samples", 1, "--jobs", 1, "--json", tmp_path / "r.json")
         assert done.code == BAD_INPUT
         assert done.err == ""
@@ -160,8 +159,8 @@ class TestOutcomes:
         assert done.code == AGREED
         assert written(tmp_path / "r.json")["agrees"] is True
 
-    def test_some_mass_is_too_little(self, program, here, folder):
-        text = (folder / "sub/bare.urdf").read_text(encoding="utf-8")
+    def test_some_mass_is_too_little(self, program, here, folder, small_arm_text):
+        text = without_mass(small_arm_text)
         inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
         text = re.sub(r'<link name="upper"\s*/?>(</link>)?', f'<link name="upper">{inertial}</link>', text, count=1)
         (folder / "sub/half.urdf").write_text(text, encoding="utf-8")

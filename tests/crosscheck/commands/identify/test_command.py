@@ -156,6 +156,7 @@ class TestFiles:
         self.check_page(page, recording)
         assert CHROMIUM is None or too_wide({"page.html": page}, tmp_path) == []
 
+    @pytest.mark.usefixtures("unexamined")
     def test_terms_that_choose_themselves(self, program, two_files, tmp_path):
         """The report and the file say how; the terms are a file for --models."""
         json_file = tmp_path / "found.json"
@@ -224,6 +225,7 @@ class TestFiles:
         assert "is not written: OLS is not physically consistent" in said
         assert not (tmp_path / "out.urdf").exists()
 
+    @pytest.mark.usefixtures("unexamined")
     def test_a_mass_that_a_limit_holds_is_told_where_it_is_written(self, program, two_files, tmp_path):
         """In the table of links, in JSON, on the page, and beside the written file."""
         files = [tmp_path / f"found.{suffix}" for suffix in ("json", "html", "urdf")]
@@ -279,6 +281,7 @@ class TestLimits:
         assert "there is no link 'wrist' to limit" in said
 
 
+@pytest.mark.usefixtures("unexamined")
 class TestModels:
     def test_several_in_one_comparison(self, program, two_files, arm, tmp_path):
         """Folds of the first recording choose, the second is predicted; every row has its errors in the file."""
@@ -426,6 +429,7 @@ class TestSimulated:
         assert "a term reads samples.tau, the torque it is to explain" in said
 
 
+@pytest.mark.usefixtures("unexamined")
 class TestOptions:
     def test_own_code(self, program, two_files, arm):
         own = arm / "own.py"

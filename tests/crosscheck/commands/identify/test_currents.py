@@ -37,7 +37,7 @@ def folder(tmp_path_factory, gains):
 @pytest.fixture
 def run(program, folder, monkeypatch):
     monkeypatch.chdir(folder)
-    options = ("--robot", "ur5", "--cutoff", 8, "--methods", "wls")
+    options = ("--robot", "ur5", "--cutoff", 8, "--methods", "wls", "--terms", "viscous,coulomb,offset", "--poses", 20)
     return lambda *arguments: program("identify", *arguments, *options)
 
 

@@ -33,6 +33,7 @@ def folder(tmp_path, monkeypatch, small_arm, columns):
     return tmp_path
 
 
+@pytest.mark.usefixtures("unexamined")
 @pytest.mark.parametrize("name", ["log.csv", "log.parquet"])
 def test_read_part_by_part(program, folder, small_arm, name):
     done = program("identify", name, "--robot", str(small_arm), *QUICK, "--json", "found.json")
@@ -49,6 +50,7 @@ def test_read_part_by_part(program, folder, small_arm, name):
     np.testing.assert_allclose(wls["mean_error"], other["mean_error"], rtol=0.05)  # the borders are others
 
 
+@pytest.mark.usefixtures("unexamined")
 @pytest.mark.parametrize("options", [("--folds", "4"), ("--methods", "huber"), ("--decimate", "2")])
 def test_options_that_need_every_sample(program, folder, small_arm, options):
     done = program("identify", "log.csv", "--robot", str(small_arm), *QUICK, *options)
@@ -66,6 +68,7 @@ def test_rows_that_must_be_dropped(program, folder, small_arm):
     assert "too few for the borders of the filter" in done.err
 
 
+@pytest.mark.usefixtures("unexamined")
 def test_what_is_short_or_no_table(program, folder, small_arm, monkeypatch):
     monkeypatch.setattr("crosscheck.commands.identify.long_logs.LONG_ROWS", 10_000)
     assert IN_PARTS not in program("identify", "log.csv", "--robot", str(small_arm), *QUICK).err

@@ -197,6 +197,7 @@ class TestErrors:
         monkeypatch.setattr(own_process, "tell", lambda _: None)
         return folder / "own.py"
 
+    @pytest.mark.usefixtures("unexamined")
     @pytest.mark.parametrize(
         ("name", "after", "words"),
         [

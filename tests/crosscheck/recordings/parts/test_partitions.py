@@ -342,6 +342,7 @@ class TestIdentified:
             assert shown.provenance.mapping == begun.mapping
         assert long.fit.squares(1).everything["WLS"].shape == (len(long.problem.data.parts(20)), 3)
 
+    @pytest.mark.usefixtures("unexamined")
     def test_terms_that_choose_themselves(self, folder, monkeypatch):
         """From the beginning, without memory; standard ones where it is too short."""
         data, options = problem(folder / "log").data, {"methods": ["wls"], "poses": 5}
