@@ -53,6 +53,8 @@ def remedy_of(cause: Change | Addition) -> str:
             return "give it to the model: --terms with coulomb*time and viscous*time beside coulomb and viscous"
         case "friction subtracted":
             return "record whole torques, or take --terms none"
+        case "filtered torque":
+            return "record the torque in front of that filter"
     return "use one part of the recording, by --split"
 
 
@@ -82,6 +84,11 @@ def _added(cause: Addition, names: str, fault: DataFault) -> str:
             return f"a load of {size} kg was taken off {at}"
         case "torque jump":
             return f"the torque of {names} jumps by {size} N m or N {at}"
+        case "filtered torque":
+            return (
+                f"the torque of {names} went through a low-pass of {1 / (2 * np.pi * x[0]):.3g} Hz, a time constant of "
+                f"{1e3 * x[0]:.3g} ± {1e3 * fault.deviation:.2g} ms"
+            )
         case "friction subtracted":
             return f"the torque of {names} holds negative friction; too much was subtracted before it was recorded"
 

@@ -153,7 +153,8 @@ class Examined:
 
     @cached_property
     def part(self) -> Part:
-        return Part(self.torque_model, self.samples, self.fit)
+        rate = self.thinned.torque_rate(np.zeros(self.samples.tau.shape[1]))
+        return Part(self.torque_model, self.samples, self.fit, rate)
 
     def with_derived_velocities(self) -> Examined:
         """The recording with velocities and accelerations from its positions."""

@@ -187,6 +187,15 @@ def test_what_changed_in_between(kind, joints, code, said, remedy):
     assert (code_of(cause), words(cause, 0.02, np.array([-0.3])), remedy_of(cause)) == (code, said, remedy)
 
 
+def test_a_low_pass():
+    cause = Addition("filtered torque", ONE, COLUMNS)
+    assert code_of(cause) == "filtered-torque"
+    assert words(cause, 0.002, np.array([0.08])) == (
+        "the torque of shoulder went through a low-pass of 1.99 Hz, a time constant of 80 ± 2 ms"
+    )
+    assert remedy_of(cause) == "record the torque in front of that filter"
+
+
 def with_mapping(recording, **tables):
     """The recording as if a mapping file with these tables had read it."""
     joints = list(recording.joint_names)

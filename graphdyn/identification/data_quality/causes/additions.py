@@ -1,8 +1,9 @@
 """What may have changed during a recording, as columns that the torque model lacks.
 
 Friction or torque constant that drifts, a load that is attached or taken off, a torque that jumps, friction that was
-subtracted before the torque was recorded. If the equations with these columns fit much better, the recording has the
-fault. No change of the columns corrects it: use a part of the recording, or another torque model.
+subtracted before the torque was recorded, a low-pass in front of it. If the equations with these columns fit much
+better, the recording has the fault. No change of the columns corrects it: use a part of the recording, or another
+torque model.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ AdditionKind = Literal[
     "detached load",
     "torque jump",
     "friction subtracted",
+    "filtered torque",
 ]
 
 DISSIPATING_TERMS = (
@@ -92,8 +94,10 @@ class Addition:
         return len(self.joints) * float(np.mean(np.log(np.maximum(np.abs(factors), MIN_FACTOR))))
 
 
-def additions(torque_model: TorqueModel, fit: BoundedFit, tau: Array) -> Iterator[Addition]:
-    """All additions to try. fit: of all samples; tau: measured torque (N, n)."""
+def additions(
+    torque_model: TorqueModel, fit: BoundedFit, tau: Array, torque_rate: Array | None = None
+) -> Iterator[Addition]:
+    """All additions to try. fit: of all samples; tau, torque_rate: measured torque and its rate (N, n)."""
     rows, n = tau.shape
     progress = np.linspace(-0.5, 0.5, rows)
     every, dissipating = tuple(range(n)), _columns_of(torque_model, DISSIPATING_TERMS)
@@ -113,6 +117,10 @@ def additions(torque_model: TorqueModel, fit: BoundedFit, tau: Array) -> Iterato
         yield Addition("friction drift", every, (friction * progress[:, None])[..., None] * np.eye(n))
         for j in range(n):
             yield Addition("friction drift", (j,), _of_joint(friction[:, j] * progress, j, n))
+    if torque_rate is not None:  # τ + T dτ/dt is what a low-pass of the time constant T filtered
+        yield Addition("filtered torque", every, -torque_rate[..., None])
+        for j in range(n):
+            yield Addition("filtered torque", (j,), _of_joint(-torque_rate[:, j], j, n))
     if (bodies := torque_model.slice_of(RigidBodies)) is not None:
         first = bodies.stop - BODY_PARAMETERS
         last = fit.matrix[..., first : first + LOAD_PARAMETERS]

@@ -40,7 +40,7 @@ def tried_additions(part: Part, changed: float = 0.0) -> Iterator[AdditionTrial]
     """
     few = part.screened
     best: dict[tuple[str, tuple[int, ...]], tuple[float, int]] = {}
-    for k, addition in enumerate(additions(few.torque_model, few.fit, few.samples.tau)):
+    for k, addition in enumerate(additions(few.torque_model, few.fit, few.samples.tau, few.torque_rate)):
         gained = few.misfit - few.free_fit.misfit_with(addition.columns)
         best[addition.kind, addition.joints] = max(best.get((addition.kind, addition.joints), (0.0, k)), (gained, k))
     least = max(MIN_HINT_GAIN, worth_from(max((changed, *(gained for gained, _ in best.values())))))
@@ -48,9 +48,11 @@ def tried_additions(part: Part, changed: float = 0.0) -> Iterator[AdditionTrial]
     if not chosen:
         return
     before = part.fit.errors(part.samples.tau)
-    for k, addition in enumerate(additions(part.torque_model, part.fit, part.samples.tau)):
+    for k, addition in enumerate(additions(part.torque_model, part.fit, part.samples.tau, part.torque_rate)):
         if k in chosen:
-            yield _trial(part, addition, before)
+            found = _trial(part, addition, before)
+            if addition.kind != "filtered torque" or found.parameters[0] > 0:  # a low-pass lags
+                yield found
 
 
 def _trial(part: Part, addition: Addition, before: Array) -> AdditionTrial:

@@ -43,11 +43,15 @@ EVERY_SCREENED_ROW = 3
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Rows of a recording, and their fit within bounds."""
+    """Rows of a recording, and their fit within bounds.
+
+    torque_rate: rate of the measured torque (N, n); None after a change
+    """
 
     torque_model: TorqueModel
     samples: Samples
     fit: BoundedFit
+    torque_rate: Array | None = None
 
     def after(self, change: Change, columns: RecordedColumns) -> Motion:
         """Torque model, samples, and the rows that count, after a change."""
@@ -58,7 +62,8 @@ class Part:
     def screened(self) -> Part:
         """Some of the rows."""
         rows = slice(None, None, EVERY_SCREENED_ROW)
-        return Part(self.torque_model, self.samples[rows], self.fit.part(rows))
+        rate = None if self.torque_rate is None else self.torque_rate[rows]
+        return Part(self.torque_model, self.samples[rows], self.fit.part(rows), rate)
 
     @cached_property
     def free_fit(self) -> FreeFit:

@@ -160,6 +160,14 @@ class TestFaults:
         assert found.modeled == (1,)
         assert [(fault.change.kind, fault.change.joints) for fault in found.faults] == [("reversed torque", (2,))]
 
+    def test_a_torque_through_a_low_pass(self):
+        share, tau = 1 - np.exp(-PERIOD / 0.1), np.array(clean().tau)
+        for k in range(1, ROWS):
+            tau[k] = tau[k - 1] + share * (tau[k] - tau[k - 1])
+        (fault,) = assessed(replace(clean(), tau=tau)).faults
+        assert fault.change.kind == "filtered torque"
+        assert fault.parameters[0] == pytest.approx(0.1, abs=0.02)
+
     def test_subtracted_friction(self):
         v = clean().v
         friction = 300.0 * v + 200.0 * np.tanh(v / 0.05)
