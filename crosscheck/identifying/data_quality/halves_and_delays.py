@@ -34,8 +34,8 @@ def findings_of_halves(found: RecordingQuality) -> Iterator[QualityFinding]:
 
 
 def hints_of_delays(found: RecordingQuality) -> Iterator[QualityFinding]:
-    """Hints of delays that are left and are no faults; none where something changed in between."""
-    if found.contradictions.any():
+    """Hints of delays that are left and are no faults; none where something changed in between, or a filter delays."""
+    if found.contradictions.any() or any(fault.change.kind == "filtered torque" for fault in found.faults):
         return
     late, n = found.lag_left, len(found.joint_names)
     every = tuple(range(n))
