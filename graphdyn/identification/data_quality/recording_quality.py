@@ -36,6 +36,10 @@ FIRST_MOMENTS = sum(not name.startswith("I") for name in PARAMETER_NAMES)
 """Number of a body's parameters before the tensor: mass and m c come first among the ten."""
 
 
+KINDS_OF_THE_WHOLE = ("friction subtracted", "filtered torque")
+"""Additions that concern all rows alike, unlike those of what changed in between."""
+
+
 @dataclass(frozen=True)
 class Excitation:
     """Excitation of one group of base parameters.
@@ -170,6 +174,8 @@ def assess_recording(
             faults, hints, unseen, curves, left = search(now, columns, found_gains)
             visible = visible_sizes(left.part, left.thinned, curves, MIN_CHANGE_GAIN)
             apart = contradictions(halves) & contradictions(halves_apart(left.samples.tau, left.fit))
+            if any(fault.change.kind in KINDS_OF_THE_WHOLE for fault in faults):
+                apart = np.zeros_like(apart)  # the fit of each half lacks the same as that of both
         if apart.any():
 
             def searched(part: Sequence[Piece]) -> tuple[DataFault, ...]:

@@ -52,7 +52,8 @@ MIN_HELD_OUT_DEVIATIONS = 3.0
 the KR300, whose load does not change, a load that is taken off gains 0.6, and there -1.9 ± 1.2."""
 
 MAX_BEHIND_DEVIATIONS = 2.0
-"""Gain of the best change over another one, in its standard deviations, up to which CAD decides between them."""
+"""Gain of the best change over another one, in its standard deviations, up to which CAD decides between them; and of
+further columns, from which CAD confirms them."""
 
 MIN_CAD_GAIN = 1.0
 """Fall of the criterion of CAD with fitted drives that confirms a size if the blocks disagree about it, and shows that
@@ -421,6 +422,8 @@ def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float
         if trial.deviation_of_size is None and trial.change.kind not in DOUBTED_KINDS:
             return there.gained > 0
     clear = there.gained > MIN_HELD_OUT_DEVIATIONS * there.deviation
+    if isinstance(trial, AdditionTrial) and not there.gained > MAX_BEHIND_DEVIATIONS * there.deviation:
+        return False  # CAD fits better with any further columns
     return there.gained > MIN_HINT_GAIN and (clear or of_cad > MIN_CAD_GAIN)
 
 

@@ -114,7 +114,7 @@ def additions(
         if np.any(own):
             yield Addition("friction subtracted", (j,), _of_joint(own[:, np.any(own != 0, axis=0)], j, n))
     if np.any(friction):
-        yield Addition("friction drift", every, (friction * progress[:, None])[..., None] * np.eye(n))
+        yield Addition("friction drift", every, (friction * progress[:, None])[..., None])
         for j in range(n):
             yield Addition("friction drift", (j,), _of_joint(friction[:, j] * progress, j, n))
     if torque_rate is not None:  # τ + T dτ/dt is what a low-pass of the time constant T filtered
