@@ -22,7 +22,7 @@ from shared_data import ARMS
 import urdf
 from crosscheck.identifying import Preparation, friction_terms
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.data_quality.recording_quality import examined
+from graphdyn.identification.data_quality.searching import Examined
 from graphdyn.identification.terms import RigidBodies
 
 CUTOFFS = (4.0, 10.0, "residual")
@@ -63,7 +63,7 @@ def measured(name, seed):
     rows = []
     for cutoff in CUTOFFS:
         pieces, _ = Preparation(cutoff).pieces(log.recording)
-        lag = examined(assumed, pieces, 0.0).delays
+        lag = Examined.of(assumed, pieces, 0.0).delays
         kind = {"cutoff": cutoff, "friction": log.friction, "motion": log.motion, "robot": Path(name).stem}
         rows.append(kind | {"error": lag.common - log.delay, "deviation": lag.deviation})
     return rows
