@@ -60,6 +60,9 @@ MIN_CAD_GAIN = 1.0
 gravity was subtracted. On three arms it falls by 1.6 to 9.9 where it was, even from the best common unit, and rises by
 4.7 or more where it was not."""
 
+MAX_CAD_LOSS = 2.0
+"""Rise of the criterion of CAD, in gains of a change, beyond which CAD contradicts it."""
+
 MAX_HELD_OUT = 8
 """Largest number of changes whose gain over blocks that were not fitted is computed, those that gain most."""
 
@@ -419,6 +422,8 @@ def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float
     if isinstance(trial, ChangeTrial):
         if trial.change.kind == "late torque" or _by_cad(trial):  # proven where they are found
             return True
+        if of_cad < -MAX_CAD_LOSS * trial.gained:
+            return False
         if trial.deviation_of_size is None and trial.change.kind not in DOUBTED_KINDS:
             return there.gained > 0
     clear = there.gained > MIN_HELD_OUT_DEVIATIONS * there.deviation

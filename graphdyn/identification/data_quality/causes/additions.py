@@ -100,7 +100,7 @@ def additions(
     """All additions to try. fit: of all samples; tau, torque_rate: measured torque and its rate (N, n)."""
     rows, n = tau.shape
     progress = np.linspace(-0.5, 0.5, rows)
-    every, dissipating = tuple(range(n)), _columns_of(torque_model, DISSIPATING_TERMS)
+    every, dissipating = tuple(range(n)), columns_of(torque_model, DISSIPATING_TERMS)
     x = fit.parameters(tau)
     friction = fit.matrix[..., dissipating] @ x[dissipating]
     for right_at in RIGHT_AT:
@@ -145,7 +145,7 @@ def _of_gain(
     return Addition(kind, joints, columns[..., None], instant=instant, growth=growth)
 
 
-def _columns_of(torque_model: TorqueModel, kinds: tuple[type, ...]) -> NDArray[np.intp]:
+def columns_of(torque_model: TorqueModel, kinds: tuple[type, ...]) -> NDArray[np.intp]:
     """The columns of terms of these classes (c,)."""
     parts = [np.arange(part.start, part.stop) for term, part in torque_model.parts if isinstance(term, kinds)]
     return np.concatenate(parts) if parts else np.zeros(0, dtype=np.intp)

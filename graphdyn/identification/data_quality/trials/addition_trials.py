@@ -8,7 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from graphdyn.identification.data_quality.causes.additions import Addition, additions
+from graphdyn.identification.data_quality.causes.additions import (
+    DISSIPATING_TERMS,
+    Addition,
+    additions,
+    columns_of,
+)
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.held_out import held_out_squares
 from graphdyn.identification.data_quality.fits.size_deviation import covariance
@@ -51,8 +56,21 @@ def tried_additions(part: Part, changed: float = 0.0) -> Iterator[AdditionTrial]
     for k, addition in enumerate(additions(part.torque_model, part.fit, part.samples.tau, part.torque_rate)):
         if k in chosen:
             found = _trial(part, addition, before)
-            if addition.kind != "filtered torque" or found.parameters[0] > 0:  # a low-pass lags
-                yield found
+            if addition.kind == "filtered torque" and found.parameters[0] <= 0:
+                continue  # a low-pass lags
+            if addition.kind == "friction subtracted" and not _drives(part, addition):
+                continue
+            yield found
+
+
+def _drives(part: Part, addition: Addition) -> bool:
+    """Whether the friction of each of its joints drives: that of some joints alone has another cause."""
+    tau, dissipating = part.samples.tau, columns_of(part.torque_model, DISSIPATING_TERMS)
+    fit = part.fit.extended(addition.columns, body=False)
+    x = fit.parameters(tau)
+    friction = part.fit.matrix[..., dissipating] @ x[dissipating] + addition.columns @ x[-addition.columns.shape[-1] :]
+    power = np.sum(np.where(part.fit.kept, friction * part.samples.v, 0.0), axis=0)
+    return bool(np.all(power[list(addition.joints)] < 0))
 
 
 def _trial(part: Part, addition: Addition, before: Array) -> AdditionTrial:
