@@ -22,7 +22,7 @@ from shared_data import ARMS
 import urdf
 from crosscheck.identifying import Preparation, friction_terms
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.data_quality.searching import Examined
+from graphdyn.identification.data_quality.search.examined import Examined
 from graphdyn.identification.terms import RigidBodies
 
 CUTOFFS = (4.0, 10.0, "residual")

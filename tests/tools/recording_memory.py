@@ -34,7 +34,7 @@ CHUNK_ROWS = 50_000
 INTERVAL = 0.01
 """Time between two looks at the memory [s]."""
 
-IMPORTS = "import crosscheck.commands.identify.report, crosscheck.identifying, pyarrow, scipy.signal, cvxpy, clarabel"
+IMPORTS = "import crosscheck.commands.identify.reports.report, crosscheck.identifying, pyarrow, scipy.signal, clarabel"
 """What every identification imports."""
 
 

@@ -95,7 +95,7 @@ def run(options: IdentifyOptions) -> None:
     in_parts = options.in_parts or are_long(options)
     models = options.candidates(methods_of(options.methods, of_sums=in_parts, wrenches=not options.logs))
     preparation, loop = options.preparation, options.loop
-    from crosscheck.commands.identify.report import identify_report
+    from crosscheck.commands.identify.reports.report import identify_report
 
     with warnings_shown():
         way = simulated if not options.logs else from_parts if in_parts else from_recordings

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from crosscheck.commands.identify.gains_report import gains_section
+from crosscheck.commands.identify.reports.gains_report import gains_section
 from crosscheck.commands.payload.record import record
 from crosscheck.identifying import IdentifiedPayload
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict

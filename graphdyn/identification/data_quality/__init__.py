@@ -14,12 +14,9 @@ from graphdyn.identification.data_quality.recording_quality import (
     assess_recording,
     excitation,
 )
-from graphdyn.identification.data_quality.searching import (
-    MAX_RATE_GAIN_ERROR,
-    DataFault,
-    FoundGravity,
-    found_gravity,
-)
+from graphdyn.identification.data_quality.search.deciding import DataFault
+from graphdyn.identification.data_quality.search.gravity_search import FoundGravity, found_gravity
+from graphdyn.identification.data_quality.search.searching import MAX_RATE_GAIN_ERROR
 from graphdyn.identification.data_quality.visible import VisibleSizes
 
 __all__ = [

@@ -22,8 +22,10 @@ from graphdyn.identification.data_quality.channels.measured_torque import Gains,
 from graphdyn.identification.data_quality.delays.torque_delays import Lag
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit, contradictions, halves_apart
 from graphdyn.identification.data_quality.fits.thinning import Piece
-from graphdyn.identification.data_quality.halves import FaultsByHalves, faults_by_halves
-from graphdyn.identification.data_quality.searching import MIN_CHANGE_GAIN, DataFault, Examined, search
+from graphdyn.identification.data_quality.search.deciding import MIN_CHANGE_GAIN, DataFault
+from graphdyn.identification.data_quality.search.examined import Examined
+from graphdyn.identification.data_quality.search.halves import FaultsByHalves, faults_by_halves
+from graphdyn.identification.data_quality.search.searching import search
 from graphdyn.identification.data_quality.trials.trials import variation
 from graphdyn.identification.data_quality.visible import VisibleSizes, visible_sizes
 from graphdyn.identification.problem.problem import Problem

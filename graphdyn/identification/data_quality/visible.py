@@ -1,7 +1,7 @@
 """The smallest faults that a recording would show, of each kind and joint, from its own fit.
 
 Each fault is planted in the recording as it is after corrections. It shows if Σ log ‖e_j‖ rises by as much as a change
-must gain to be a fault (searching.py). Between the sizes that are planted the rise is interpolated.
+must gain to be a fault (search/deciding.py). Between the sizes that are planted the rise is interpolated.
 """
 
 from __future__ import annotations

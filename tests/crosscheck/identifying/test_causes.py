@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from identified import identified_arm
 
-from crosscheck.commands.identify.report import identify_report
+from crosscheck.commands.identify.reports.report import identify_report
 from crosscheck.identifying import identify
 from crosscheck.identifying.data_quality.causes import cause_in_words, code_of, remedy_of
 from crosscheck.identifying.data_quality.data_quality import data_quality

@@ -10,7 +10,7 @@ from long_check import LONG
 from planting import mixed_tree
 
 import crosscheck
-from crosscheck.commands.identify.ladder_report import ladder_section, residual_section
+from crosscheck.commands.identify.reports.ladder_report import ladder_section, residual_section
 from crosscheck.identifying import CandidateModel, Folds, friction_terms, virtual_robot
 from crosscheck.identifying.choosing.drive_models import DriveModel, every_term, parts_without_use
 from crosscheck.identifying.choosing.ladder import climbed

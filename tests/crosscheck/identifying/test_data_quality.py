@@ -20,7 +20,7 @@ import urdf
 from crosscheck import identify
 from crosscheck.commands import app
 from crosscheck.commands.identify.record import record
-from crosscheck.commands.identify.report import identify_report
+from crosscheck.commands.identify.reports.report import identify_report
 from crosscheck.identifying import OtherRecordings, friction_terms, virtual_robot
 from crosscheck.identifying.data_quality.data_quality import QualityFinding, data_quality
 from crosscheck.identifying.data_quality.mapping_lines import mapping_lines, recorded_columns

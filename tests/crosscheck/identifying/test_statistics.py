@@ -13,7 +13,7 @@ from planting import mixed_tree
 
 import crosscheck
 from crosscheck.commands.identify.record import record
-from crosscheck.commands.identify.report import identify_report
+from crosscheck.commands.identify.reports.report import identify_report
 from crosscheck.identifying import LastPart, Preparation, friction_terms, virtual_robot
 from crosscheck.identifying.results.parameters import base_rows, correlation_of, deviations_of
 from crosscheck.report.text import as_text

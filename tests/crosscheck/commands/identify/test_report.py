@@ -12,11 +12,11 @@ from shown.approved import approve_record, approve_report, approve_result
 from shown.blocks import cells, tables
 
 import graphdyn
-from crosscheck.commands.identify.model_report import _torque_sizes
 from crosscheck.commands.identify.models import methods_of
-from crosscheck.commands.identify.quality_report import _of_predicted
 from crosscheck.commands.identify.record import record as identify_record
-from crosscheck.commands.identify.report import _singular_values, _without_reasons, identify_report
+from crosscheck.commands.identify.reports.model_report import _torque_sizes
+from crosscheck.commands.identify.reports.quality_report import _of_predicted
+from crosscheck.commands.identify.reports.report import _singular_values, _without_reasons, identify_report
 from crosscheck.identifying import Folds
 from crosscheck.report.records.record import plain
 from crosscheck.report.report import Facts, Plot

@@ -34,9 +34,9 @@ from graphdyn.identification.data_quality.delays.torque_delays import (
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.held_out import held_out_gain, held_out_squares
 from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording, TooShort
-from graphdyn.identification.data_quality.halves import faults_by_halves, halved
 from graphdyn.identification.data_quality.recording_quality import groups
-from graphdyn.identification.data_quality.searching import Examined
+from graphdyn.identification.data_quality.search.examined import Examined
+from graphdyn.identification.data_quality.search.halves import faults_by_halves, halved
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 

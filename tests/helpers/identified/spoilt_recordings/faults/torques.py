@@ -68,7 +68,9 @@ def model_torque(whose, j=None):
             drives = case.columns_of(bodies=False)
             x[drives] = case.parameters[drives]
         output = case.torque_of(x) + case.known_torque()
-        tau = output if j is None else np.where(np.arange(case.n) == j, output, case.recording.tau)
+        t, moved = case.recording.t, case.motion[0]
+        known = ((t >= moved[0]) & (t <= moved[-1]))[:, None]  # the preparation cuts both ends off
+        tau = np.where(known & ((j is None) | (np.arange(case.n) == j)), output, case.recording.tau)
         return case.changed(tau=tau)
 
     who = "" if j is None else f" of joint {j + 1}"

@@ -8,12 +8,16 @@ from pathlib import Path
 
 import numpy as np
 
-from crosscheck.commands.identify.gains_report import gains_of_identified
-from crosscheck.commands.identify.ladder_report import ladder_section, residual_section
-from crosscheck.commands.identify.methods_report import methods_section, singular_values
-from crosscheck.commands.identify.model_report import parameters_section, torques_section
-from crosscheck.commands.identify.quality_report import data_quality_section, excitation_table, rejection_sections
 from crosscheck.commands.identify.record import record
+from crosscheck.commands.identify.reports.gains_report import gains_of_identified
+from crosscheck.commands.identify.reports.ladder_report import ladder_section, residual_section
+from crosscheck.commands.identify.reports.methods_report import methods_section, singular_values
+from crosscheck.commands.identify.reports.model_report import parameters_section, torques_section
+from crosscheck.commands.identify.reports.quality_report import (
+    data_quality_section,
+    excitation_table,
+    rejection_sections,
+)
 from crosscheck.identifying import Identified, IdentifiedModel
 from crosscheck.identifying.results.parameters import correlation_of, deviations_of
 from crosscheck.report.report import Block, Facts, Picture, Prose, Report, Section, Verdict

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from graphdyn.identification.data_quality.causes.additions import Addition
 from graphdyn.identification.data_quality.causes.changes import Change
 from graphdyn.identification.data_quality.fits.thinning import Piece, TooShort
-from graphdyn.identification.data_quality.searching import DataFault
+from graphdyn.identification.data_quality.search.deciding import DataFault
 
 
 @dataclass(frozen=True, eq=False)

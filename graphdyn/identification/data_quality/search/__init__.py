@@ -1,0 +1,1 @@
+"""Search for the faults of a recording among what was tried."""
