@@ -34,6 +34,9 @@ MAX_BEHIND_DEVIATIONS = 2.0
 """Gain of the best change over another one, in its standard deviations, up to which CAD decides between them; and of
 further columns, from which CAD confirms them."""
 
+MAX_BEHIND_SHARE = 0.25
+"""Part of the gain of the best change that another one may lack: of several faults each hides a part of the others."""
+
 MIN_CAD_GAIN = 1.0
 """Fall of the criterion of CAD with fitted drives that confirms a size if the blocks disagree about it, and shows that
 gravity was subtracted. On three arms it falls by 1.6 to 9.9 where it was, even from the best common unit, and rises by
@@ -107,10 +110,11 @@ def decided(
     if not shown:
         return None
     first, _, least, _ = max(shown, key=lambda found: np.inf if _by_cad(found[0]) else found[1])
+    behind = max(MIN_CHANGE_GAIN, MAX_BEHIND_SHARE * first.gained)
     close = [
         (trial, cad)
         for trial, _, squares, cad in shown
-        if _about_as_good(held_out_gain(squares, least)) and first.gained - trial.gained < MIN_CHANGE_GAIN
+        if _about_as_good(held_out_gain(squares, least)) and first.gained - trial.gained < behind
     ]
     best = min(close, key=_doubt)[0]
     if isinstance(best, AdditionTrial):
