@@ -106,8 +106,8 @@ def identify(
     recordings = [_of_robot(recording, compared.model.independent_joints) for recording in recordings]
     held_out = held_out or LastPart()
     others = [_of_robot(recording, compared.model.independent_joints) for recording in _other_recordings(held_out)]
-    found_quality = data_quality(first, recordings, preparation)
-    quality_of_others = tuple(data_quality(first, [recording], preparation) for recording in others)
+    examined = [recordings, *([recording] for recording in others)]
+    qualities = [data_quality(first, part, preparation) for part in examined]
     say("filter")
     prepared = [preparation.differentiated(recording) for recording in recordings]
     ahead = tuple(preparation.differentiated(recording) for recording in others)
@@ -117,6 +117,11 @@ def identify(
     # a simulated loop goes on from state to state, without what friction with memory remembers
     memory = loop is None
     chosen, ladders = with_chosen_drives(asked, compared.model, division.fit, preparation, memory=memory)
+    if ladders:  # what the terms that were chosen explain is no fault of the recording
+        first = chosen[0].of(compared.model)
+        for k, (part, quality) in enumerate(zip(examined, qualities, strict=True)):
+            if quality is not None and quality.faults:
+                qualities[k] = data_quality(first, part, preparation)
     say("read")
     return identified(
         [
@@ -138,8 +143,8 @@ def identify(
         preparation=preparation,
         constant=constant_errors(compared.model, preparation, division),
         gravity=gravity,
-        data_quality=found_quality,
-        validation_data_quality=quality_of_others,
+        data_quality=qualities[0],
+        validation_data_quality=tuple(qualities[1:]),
     )
 
 

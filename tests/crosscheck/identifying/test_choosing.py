@@ -1,6 +1,7 @@
 """Terms of the drives that the recording chooses, and what residuals still hold, on arms with planted terms."""
 
 import functools
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +16,7 @@ from crosscheck.identifying import CandidateModel, Folds, friction_terms, virtua
 from crosscheck.identifying.choosing.drive_models import DriveModel, every_term, parts_without_use
 from crosscheck.identifying.choosing.ladder import climbed
 from crosscheck.identifying.choosing.residual_causes import residual_causes
+from crosscheck.identifying.data_quality.data_quality import data_quality
 from crosscheck.identifying.identify import number_of_steps
 from crosscheck.recordings import samples_of
 from graphdyn import Body, kr500
@@ -262,3 +264,24 @@ def test_load_friction_of_a_joint_without_load():
     prepared = CUTOFF.differentiated(arm.fitted)
     tried = climbed(arm.subject.model, (RigidBodies(),), (), prepared, CUTOFF, memory=False).steps
     assert next(step for step in tried if step.change == "load").difference == pytest.approx(0.0, abs=1e-4)
+
+
+def test_faults_are_those_that_chosen_terms_leave(monkeypatch):
+    """A recording with a fault is examined again with the terms that it chose; a torque with a wrong sign stays one."""
+    arm, _ = recorded("viscous", "coulomb")
+    tau = np.array(arm.fitted.tau)
+    tau[:, 1] *= -1
+    asked = []
+
+    def examined(torque_model, recordings, preparation):
+        asked.append(torque_model)
+        return data_quality(torque_model, recordings, preparation)
+
+    monkeypatch.setattr(sys.modules["crosscheck.identifying.identify"], "data_quality", examined)
+    found = crosscheck.identify(
+        arm.subject.model, replace(arm.fitted, tau=tau), methods=["wls"], preparation=CUTOFF, poses=POSES
+    )
+    assert [type(term).__name__ for term in asked[0].terms] == ["RigidBodies", "Viscous", "Coulomb", "Offset"]
+    assert asked[1].columns == found.problem.torque_model.columns
+    assert [fault.code for fault in found.data_quality.faults] == ["reversed-torque"]
+    assert len(asked) == 2
