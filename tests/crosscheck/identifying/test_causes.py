@@ -1,5 +1,6 @@
 """Findings of a size, of held values, of the clock: words, remedies and lines; the mounting of an identification."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -298,6 +299,20 @@ class TestRows:
         assert found.remedy == "give the robot's own time stamps, or use the parts between the jumps, by --split"
         (part,) = measured_parts([recording], held_rows([recording]))
         assert [rows.start for rows in part.block_slices] == [0, 300, 660]
+
+    def test_of_a_torque_in_coarse_steps(self):
+        def step(tau):
+            size = np.ptp(tau[:, 1]) / 20
+            tau[:, 1] = size * np.round(tau[:, 1] / size)
+            return tau
+
+        found = data_quality(identified_arm.virtual().torque_model, [self.recording(tau=step)], identified_arm.CUTOFF)
+        (finding,) = [finding for finding in found.findings if finding.code == "quantized"]
+        assert (finding.severity, finding.joints) == ("warning", ("joint2",))
+        assert re.fullmatch(
+            r"the torque of joint2 takes 2\d values only: it was recorded in coarse steps", finding.message
+        )
+        assert finding.remedy == "record it with more digits or bits"
 
     def test_what_was_measured(self):
         """Rows that hold a value are left out; blocks begin anew behind them, but not behind single rows."""
