@@ -15,9 +15,9 @@ from crosscheck.bench.machine.timing import Ratio
 from crosscheck.commands.bench import report as ratio_bars
 from crosscheck.commands.crosscheck.report import crosscheck_report
 from crosscheck.commands.excite import report as excite_report
-from crosscheck.commands.identify import methods_report as method_errors
-from crosscheck.commands.identify import model_report as parameter_bars
 from crosscheck.commands.identify.record import record as identify_record
+from crosscheck.commands.identify.reports import methods_report as method_errors
+from crosscheck.commands.identify.reports import model_report as parameter_bars
 from crosscheck.commands.identify.reports.report import identify_report
 from crosscheck.commands.judge.function_report import function_section
 from crosscheck.commands.study import errors_report, ranking_report, scenarios_report

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from long_check import LONG
+from long_check import LONG, few
 from random_trees import body_of_points
 
 import graphdyn
@@ -185,9 +185,14 @@ class TestFaults:
             pytest.param(
                 "exchanged positions", (1, 2), {"position": exchange(1, 2), "velocity": exchange(1, 2)}, marks=LONG
             ),
-            ("exchanged joints", (1, 3), dict.fromkeys(("position", "velocity", "torque"), exchange(1, 3))),
+            pytest.param(
+                "exchanged joints",
+                (1, 3),
+                dict.fromkeys(("position", "velocity", "torque"), exchange(1, 3)),
+                marks=LONG,
+            ),
             ("all torques reversed", tuple(range(N)), {"torque": -np.eye(N)}),
-            ("zero", (2,), {"zero": np.deg2rad([0, 0, 90, 0])}),
+            pytest.param("zero", (2,), {"zero": np.deg2rad([0, 0, 90, 0])}, marks=LONG),
             ("scaled torque", (2,), {"torque": np.diag([1, 1, 1000, 1])}),
         ],
     )
@@ -310,7 +315,7 @@ class TestThinned:
 
 
 class TestDelays:
-    @pytest.mark.parametrize("seconds", [-0.02, 0.0073, pytest.param(0.02, marks=LONG), pytest.param(0.1, marks=LONG)])
+    @pytest.mark.parametrize("seconds", few([-0.02, 0.0073, 0.02, 0.1], 0.0073))
     def test_of_all_joints(self, seconds):
         found = assess_recording(torque_model(), [recording(seconds)])
         assert found.lag.common == pytest.approx(seconds, abs=WITHIN)
