@@ -72,13 +72,14 @@ def search(now: Examined, columns: RecordedColumns, found_gains: Gains) -> Found
     after which CAD fits next best is corrected in its place, too, and the faults that explain more are taken.
     """
     best = _one_by_one(now, columns, found_gains, ())
-    for k, fault in enumerate(best.faults[:-1]):
+    for k, fault in enumerate(best.faults):
         if not fault.instead:
             continue
+        is_last = k + 1 == len(best.faults)  # another one in its place may let a further one show
         other, *rest = fault.instead
         known = (*best.faults[:k], replace(other, instead=(replace(fault, instead=()), *rest)))
         corrected = now.after([x.change for x in known if isinstance(x.change, Change)], columns)
-        found = _one_by_one(corrected, columns, found_gains, known, at_most=len(best.faults))
+        found = _one_by_one(corrected, columns, found_gains, known, at_most=min(len(best.faults) + is_last, MAX_FAULTS))
         if _explains_more(found, best):
             return _one_by_one(found.left, columns, found_gains, found.faults)
     return best
