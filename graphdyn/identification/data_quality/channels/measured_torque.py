@@ -20,7 +20,7 @@ JACKKNIFE_BLOCKS = 20
 """Number of time blocks, each of which is left out once for the standard deviation (jackknife)."""
 
 
-MAX_MODEL_RESIDUAL, MIN_MEASURED_RATIO = 2e-3, 10.0
+MAX_CAD_RESIDUAL, MIN_MEASURED_RATIO = 2e-3, 10.0
 """Residual of CAD with fitted drives, relative to the torque, up to which a torque is its output, and the smallest
 ratio to it of those of the other joints: measured torques leave 2 % or more."""
 
@@ -104,7 +104,7 @@ def modeled_torques(found: Gains, errors: Array, noise: Array) -> tuple[int, ...
     cad, fit, usual = (
         np.array([np.median(np.delete(x, j)) for j in range(len(x))]) for x in (found.without_gain, errors, noise)
     )
-    of_cad = (found.without_gain <= MAX_MODEL_RESIDUAL) & (cad > MIN_MEASURED_RATIO * found.without_gain)
+    of_cad = (found.without_gain <= MAX_CAD_RESIDUAL) & (cad > MIN_MEASURED_RATIO * found.without_gain)
     of_fit = (errors <= MAX_FIT_RESIDUAL) & (fit > MIN_FIT_RATIO * errors) & (noise < MAX_NOISE_RATIO * usual)
     return tuple(np.flatnonzero(of_cad | of_fit).tolist())
 

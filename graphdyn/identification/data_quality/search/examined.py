@@ -14,9 +14,7 @@ from graphdyn.identification.data_quality.causes.changes import Change, Recorded
 from graphdyn.identification.data_quality.delays.torque_delays import Lag, lag
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.data_quality.fits.thinning import Piece, ThinnedRecording
-from graphdyn.identification.data_quality.trials.trials import (
-    Part,
-)
+from graphdyn.identification.data_quality.trials.trials import Part
 from graphdyn.identification.problem.torque_model import TorqueModel
 
 MIN_KEPT_SHARE = 0.05

@@ -12,12 +12,8 @@ from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.fits.thinning import Piece
 from graphdyn.identification.data_quality.search.examined import Examined
-from graphdyn.identification.data_quality.trials.refining import (
-    tried_gravity,
-)
-from graphdyn.identification.data_quality.trials.trials import (
-    MIN_MISFIT_RISE,
-)
+from graphdyn.identification.data_quality.trials.refining import tried_gravity
+from graphdyn.identification.data_quality.trials.trials import MIN_MISFIT_RISE
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 

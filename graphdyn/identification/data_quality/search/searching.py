@@ -25,17 +25,8 @@ from graphdyn.identification.data_quality.search.deciding import (
 )
 from graphdyn.identification.data_quality.search.examined import Examined, undone
 from graphdyn.identification.data_quality.trials.addition_trials import tried_additions
-from graphdyn.identification.data_quality.trials.refining import (
-    Curve,
-    curves,
-    refined,
-    tried_gravity,
-)
-from graphdyn.identification.data_quality.trials.trials import (
-    ChangeTrial,
-    trial_of,
-    tried_changes,
-)
+from graphdyn.identification.data_quality.trials.refining import Curve, curves, refined, tried_gravity
+from graphdyn.identification.data_quality.trials.trials import ChangeTrial, trial_of, tried_changes
 
 MAX_DELAY_SHARE = 0.95
 """Part of the searched interval in which a delay must lie: at its ends there is no valley."""

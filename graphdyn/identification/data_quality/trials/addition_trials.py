@@ -56,28 +56,31 @@ def tried_additions(part: Part, changed: float = 0.0) -> Iterator[AdditionTrial]
     for k, addition in enumerate(additions(part.torque_model, part.fit, part.samples.tau, part.torque_rate)):
         if k in chosen:
             found = _trial(part, addition, before)
-            if addition.kind == "filtered torque" and found.parameters[0] <= 0:
-                continue  # a low-pass lags
-            if addition.kind == "friction subtracted" and not _drives(part, addition):
-                continue
-            yield found
+            if found is not None:
+                yield found
 
 
-def _drives(part: Part, addition: Addition) -> bool:
-    """Whether the friction of each of its joints drives: that of some joints alone has another cause."""
-    tau, dissipating = part.samples.tau, columns_of(part.torque_model, DISSIPATING_TERMS)
-    fit = part.fit.extended(addition.columns, body=False)
-    x = fit.parameters(tau)
+def _drives(part: Part, addition: Addition, x: Array) -> bool:
+    """Whether the friction of each of its joints drives: that of some joints alone has another cause.
+
+    x: parameters of the torque model, then those of the addition
+    """
+    dissipating = columns_of(part.torque_model, DISSIPATING_TERMS)
     friction = part.fit.matrix[..., dissipating] @ x[dissipating] + addition.columns @ x[-addition.columns.shape[-1] :]
     power = np.sum(np.where(part.fit.kept, friction * part.samples.v, 0.0), axis=0)
     return bool(np.all(power[list(addition.joints)] < 0))
 
 
-def _trial(part: Part, addition: Addition, before: Array) -> AdditionTrial:
+def _trial(part: Part, addition: Addition, before: Array) -> AdditionTrial | None:
+    """The trial of an addition; None for a low-pass that leads, and for subtracted friction that does not drive."""
     tau = part.samples.tau
     fit = part.fit.extended(addition.columns, body=addition.body)
     errors, x = fit.errors(tau), fit.parameters(tau)
     own = x[-addition.columns.shape[-1] :]
+    if addition.kind == "filtered torque" and own[0] <= 0:
+        return None
+    if addition.kind == "friction subtracted" and not _drives(part, addition, x):
+        return None
     spread = addition.spread(own)
     gained = float(np.sum(np.log(before / errors))) + spread
 
