@@ -10,23 +10,19 @@ import numpy as np
 from crosscheck.identifying.data_quality.finding import QualityFinding
 from crosscheck.recordings import Recording
 from graphdyn.errors import counted
-from graphdyn.identification.data_quality import HeldValues, RecordingQuality, held_values
+from graphdyn.identification.data_quality import HeldValues, RecordingQuality, common_rate, held_values
 
 MIN_REPEATED_SHARE = 0.02
 """Share of rows that repeat others from which a recording is at fault."""
 
-MIN_CLOCK_ERROR, MAX_CLOCK_SPREAD = 0.03, 0.01
-"""Common ratio of velocities to rates of positions from which the clock is wrong, and the largest difference of the
-joints from it: on recordings of three arms single joints differ by 0.1 %."""
+MIN_CLOCK_ERROR = 0.03
+"""Common ratio of velocities to rates of positions, less 1, from which the clock is wrong."""
 
 MAX_MODEL_RESIDUAL = 1.5e-3
 """Residual of CAD with drives, relative to the torque, up to which all torques are the output of a model."""
 
 MAX_STEP_SHARE = 1.5
 """Step between rows, relative to the usual one, from which rows between them were left out."""
-
-MIN_CLOCK_JOINTS = 2
-"""Number of moving joints that must agree on the clock."""
 
 
 def held_rows(recordings: Sequence[Recording]) -> list[HeldValues]:
@@ -110,13 +106,8 @@ def model_findings(found: RecordingQuality) -> Iterator[QualityFinding]:
 
 def clock_rate(found: RecordingQuality) -> float:
     """Common ratio of velocities to rates of positions; NaN if the clock is right, or the joints do not agree on it."""
-    gain = found.channels.velocity_gain
-    known = gain[np.isfinite(gain)]
-    if len(known) < MIN_CLOCK_JOINTS:
-        return float("nan")
-    rate = float(np.median(known))
-    agreed = np.all(np.abs(known / rate - 1) < MAX_CLOCK_SPREAD) if rate > 0 else False
-    return rate if agreed and abs(rate - 1) > MIN_CLOCK_ERROR else float("nan")
+    rate = common_rate(found.channels.velocity_gain)
+    return rate if abs(rate - 1) > MIN_CLOCK_ERROR else float("nan")
 
 
 def clock_findings(found: RecordingQuality) -> Iterator[QualityFinding]:

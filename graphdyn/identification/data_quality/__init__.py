@@ -2,7 +2,7 @@
 
 from graphdyn.identification.data_quality.causes.additions import Addition
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
-from graphdyn.identification.data_quality.channels.channels import Channels
+from graphdyn.identification.data_quality.channels.channels import Channels, common_rate
 from graphdyn.identification.data_quality.channels.held_channels import MAX_FEW_VALUES, HeldValues, held_values
 from graphdyn.identification.data_quality.channels.measured_torque import Gains
 from graphdyn.identification.data_quality.delays.torque_delays import MIN_DELAY, Lag
@@ -38,6 +38,7 @@ __all__ = [
     "TooShort",
     "VisibleSizes",
     "assess_recording",
+    "common_rate",
     "contradictions",
     "excitation",
     "found_gravity",

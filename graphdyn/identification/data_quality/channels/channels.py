@@ -18,6 +18,10 @@ SAME_SIGNAL_TOLERANCE = 1e-9
 NOISE_DIFFERENCES = 6
 """Order of the differences that show noise alone: they remove motions a tenth as fast as the sampling."""
 
+MAX_CLOCK_SPREAD, MIN_CLOCK_JOINTS = 0.01, 2
+"""Largest difference of the gains of v on the rate of q from a common one, and the number of moving joints that must
+have it: on recordings of three arms single joints differ by 0.1 %."""
+
 MIN_CLIPPED_ROWS = 5
 """Consecutive rows at exactly the largest or smallest torque that count as clipped: noise would change them."""
 
@@ -109,3 +113,16 @@ def rate_gain(pieces: Sequence[Piece]) -> Array:
         squares = squares + np.sum(rate**2, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where((squares > 0) & (fastest > MIN_MOVING_SPEED), products / squares, np.nan)
+
+
+def common_rate(gain: Array) -> float:
+    """The gain of v on the rate of q that all joints have in common, that of a clock; NaN if they do not agree on one.
+
+    gain: as of rate_gain (n,)
+    """
+    known = gain[np.isfinite(gain)]
+    if len(known) < MIN_CLOCK_JOINTS:
+        return float("nan")
+    rate = float(np.median(known))
+    agreed = rate > 0 and bool(np.all(np.abs(known / rate - 1) < MAX_CLOCK_SPREAD))
+    return rate if agreed else float("nan")

@@ -122,7 +122,7 @@ def decided(
         return _of_addition(min(added, key=_parameters), before)
     close = sorted((pair for pair in close if isinstance(pair[0], ChangeTrial)), key=_doubt)
     faults = [_of_change(trial, before) for trial, _ in close if isinstance(trial, ChangeTrial)]
-    instead = [fault for fault in faults if not _alike(fault.change, best.change)]
+    instead = [fault for fault in faults if kind_of(fault.change) != kind_of(best.change)]
     return replace(_of_change(best, before), instead=tuple(instead))
 
 
@@ -187,10 +187,9 @@ def _holds(trial: ChangeTrial | AdditionTrial, there: HeldOutGain, of_cad: float
     return there.gained > MIN_HINT_GAIN and (clear or of_cad > MIN_CAD_GAIN)
 
 
-def _alike(one: Change | Addition, other: Change | Addition) -> bool:
-    """Whether two changes differ in their size alone."""
-    alone = [getattr(change, "alone", "") for change in (one, other)]
-    return (one.kind, one.joints, alone[0]) == (other.kind, other.joints, alone[1])
+def kind_of(cause: Change | Addition) -> tuple[str, tuple[int, ...], str]:
+    """What makes two causes the same, whatever their sizes are."""
+    return cause.kind, cause.joints, cause.alone if isinstance(cause, Change) else ""
 
 
 def hints(trials: Sequence[ChangeTrial], before: Array) -> Iterator[DataFault]:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
-from graphdyn.identification.data_quality.causes.additions import Addition
-from graphdyn.identification.data_quality.causes.changes import Change
 from graphdyn.identification.data_quality.fits.thinning import Piece, TooShort
-from graphdyn.identification.data_quality.search.deciding import DataFault
+from graphdyn.identification.data_quality.search.deciding import DataFault, kind_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,16 +41,16 @@ def faults_by_halves(
         first, second = (search(half) for half in halved(pieces))
     except TooShort:
         return FaultsByHalves((), ((), ()), tuple(whole))
-    in_first, in_second = ({_kind(fault.change) for fault in half} for half in (first, second))
+    in_first, in_second = ({kind_of(fault.change) for fault in half} for half in (first, second))
     both = in_first & in_second
-    known = {_kind(fault.change) for fault in whole}
-    of_both = [fault for fault in whole if _kind(fault.change) in both]
-    of_both += [fault for fault in first if _kind(fault.change) in both - known]
-    doubtful = [fault for fault in whole if _kind(fault.change) not in in_first | in_second]
+    known = {kind_of(fault.change) for fault in whole}
+    of_both = [fault for fault in whole if kind_of(fault.change) in both]
+    of_both += [fault for fault in first if kind_of(fault.change) in both - known]
+    doubtful = [fault for fault in whole if kind_of(fault.change) not in in_first | in_second]
     of_one: tuple[list[DataFault], list[DataFault]] = ([], [])
     for half, kept in zip((first, second), of_one, strict=True):
         for fault in half:
-            if _kind(fault.change) not in both:
+            if kind_of(fault.change) not in both:
                 (kept if set(fault.change.joints) & set(contradicting) else doubtful).append(fault)
     return FaultsByHalves(tuple(of_both), (tuple(of_one[0]), tuple(of_one[1])), tuple(doubtful))
 
@@ -71,8 +69,3 @@ def halved(pieces: Sequence[Piece]) -> tuple[list[Piece], list[Piece]]:
             second.append(replace(piece, samples=piece.samples[cut:]))
         middle -= count
     return first, second
-
-
-def _kind(change: Change | Addition) -> tuple[str, tuple[int, ...], str]:
-    """What makes two changes the same, whatever their sizes are."""
-    return change.kind, tuple(sorted(change.joints)), change.alone if isinstance(change, Change) else ""

@@ -11,7 +11,7 @@ import numpy as np
 
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns, changes, scales
 from graphdyn.identification.data_quality.causes.sizes import sized_changes
-from graphdyn.identification.data_quality.channels.channels import rate_gain
+from graphdyn.identification.data_quality.channels.channels import common_rate, rate_gain
 from graphdyn.identification.data_quality.channels.measured_torque import Gains
 from graphdyn.identification.data_quality.delays.torque_delays import MIN_DELAY, MIN_DELAY_DEVIATIONS
 from graphdyn.identification.data_quality.fits.thinning import Piece
@@ -33,9 +33,6 @@ MAX_DELAY_SHARE = 0.95
 
 MAX_FAULTS = 3
 """Largest number of faults, each searched after the correction of the previous one."""
-
-MAX_CLOCK_SPREAD = 0.01
-"""Relative difference between the gains of v on the rates of q up to which they are one, that of a clock."""
 
 MAX_RATE_GAIN_ERROR = 0.2
 """Deviation from 1 of the gain of v on the rate of q beyond which they contradict each other."""
@@ -99,7 +96,7 @@ def _one_by_one(
         if 0 < at_most <= len(faults):
             return Found(tuple(faults), (), (), (), now)
         contradicting = _contradicting(now.pieces)
-        if contradicting and not _is_clock(now.pieces):
+        if contradicting and np.isnan(common_rate(rate_gain(now.pieces))):
             fault = _of_positions_or_velocities(now, columns, slides, contradicting)
             if fault is None or not isinstance(fault.change, Change) or len(faults) == MAX_FAULTS:
                 now = now.with_derived_velocities()
@@ -134,13 +131,6 @@ def _one_by_one(
 def _contradicting(pieces: Sequence[Piece]) -> list[int]:
     """Joints whose v is not the rate of q."""
     return np.flatnonzero(np.abs(rate_gain(pieces) - 1) > MAX_RATE_GAIN_ERROR).tolist()
-
-
-def _is_clock(pieces: Sequence[Piece]) -> bool:
-    """Whether all velocities are the same multiple of the rates, as with a wrong clock."""
-    rates = rate_gain(pieces)
-    known = rates[np.isfinite(rates)]
-    return len(known) > 1 and bool(np.ptp(known) < MAX_CLOCK_SPREAD * abs(np.median(known)))
 
 
 def _of_positions_or_velocities(
