@@ -285,7 +285,7 @@ def fixed_link_joined_unturned(path):
     return torques(Faulty(), path)
 
 
-@exhibit("Bullet", 2025, "bulletphysics/bullet3/pull/4683", truth="center of mass.* of body '(hand|forearm)'|bracket")
+@exhibit("Bullet", 2025, "bulletphysics/bullet3/pull/4683", truth="center of mass.* of links? .*'(hand|forearm)'")
 def center_of_mass_of_the_parent_ignored(path):
     """Where a fixed link is joined, the center of mass of its parent counts as zero."""
 

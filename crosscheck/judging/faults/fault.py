@@ -163,6 +163,12 @@ def rotation_from(rpy: Array) -> Array:
     return rotation_about(E3, yaw) @ rotation_about(E2, pitch) @ rotation_about(E1, roll)
 
 
+def opposite_rotation_from(rpy: Array) -> Array:
+    """R_x(roll) R_y(pitch) R_z(yaw)."""
+    roll, pitch, yaw = rpy
+    return rotation_about(E1, roll) @ rotation_about(E2, pitch) @ rotation_about(E3, yaw)
+
+
 def joints_said(model: RobotModel, joints: Sequence[int]) -> str:
     """every joint; joints 'a', 'b'"""
     every = len(joints) == model.n_bodies > 1

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import CodeFault, named, rotation_from
+from crosscheck.judging.faults.fault import CodeFault, named, opposite_rotation_from, rotation_from
+from crosscheck.judging.faults.link_parameters import LinkInertial, links_of
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.reference.subject import Subject
 from graphdyn.layout import Array
@@ -26,19 +28,25 @@ Misread = tuple[str, str, str, Callable[["Robot"], object]]
 """Kind, message, remedy and the change of the file's robot."""
 
 
-_known: dict[tuple[str, str | None, str], list[CodeFault]] = {}
+@dataclass(frozen=True, eq=False)
+class FileFaults:
+    """Faults in reading the file of a robot, none where it has no file; and the inertials of its links."""
+
+    faults: Sequence[CodeFault]
+    links: Sequence[LinkInertial]
 
 
-def faults_of_file(robot: Subject) -> Sequence[CodeFault]:
-    """Faults in reading the file of a robot, none where it has no file.
+_known: dict[tuple[str, str | None, str], FileFaults] = {}
 
-    They are kept for each file and reading: one process often judges several functions of one robot.
-    """
+
+def faults_of_file(robot: Subject) -> FileFaults:
+    """They are kept for each file and reading: one process often judges several functions of one robot."""
     if robot.file is None:
-        return ()
+        return FileFaults((), links_of(robot.model, None))
     key = robot.file, robot.file_sha256, repr(robot.reading)
     if key not in _known:
-        _known[key] = list(file_reading(Misreadings(robot.file, robot.reading)))
+        readings = Misreadings(robot.file, robot.reading)
+        _known[key] = FileFaults(list(file_reading(readings)), links_of(robot.model, readings))
     return _known[key]
 
 
@@ -88,6 +96,13 @@ def _misread(readings: Misreadings) -> Iterator[Misread]:
             message = f"links without <inertial> weigh 1 kg{said}"
             yield "massless_link", message, remedy, partial(_with_inertials, tensor)
     yield from _fixed_links(readings)
+    elements = {"joints and inertial frames": (True, True), "inertial frames": (False, True)}
+    if readings.carriers:
+        elements["joints, fixed ones too,"] = True, False
+    for who, of in elements.items():
+        message = f"the rpy angles of all {who} are applied in the opposite order"
+        change = partial(_in_opposite_order, *of)
+        yield "frame", message, "R = R_z(yaw) R_y(pitch) R_x(roll)", change
     for digits, (what, change) in itertools.product((2, 3, 4, 5, 6), _ROUNDED.items()):
         example = " (1.57 for π/2)" if digits == 2 and "rpy" in what else ""
         message = f"the {what} are rounded to {digits} decimals{example}"
@@ -134,6 +149,14 @@ def _with_inertials(tensor: float, robot: Robot) -> None:
     for link in robot.links:
         if link.inertial is None:
             link.inertial = Inertial(mass=1.0, inertia=tensor * np.eye(3), origin=np.eye(4))
+
+
+def _in_opposite_order(joints: bool, inertials: bool, robot: Robot) -> None:
+    elements: list[Any] = [*(robot.joints if joints else ()), *(x.inertial for x in robot.links if inertials)]
+    for element in elements:
+        if element is not None and element.origin is not None:
+            rotation = opposite_rotation_from(rpy_from_rotation(element.origin[:3, :3]))
+            element.origin = _placement(rotation, element.origin[:3, 3])
 
 
 def _fixed_links(readings: Misreadings) -> Iterator[Misread]:

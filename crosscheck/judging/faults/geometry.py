@@ -11,22 +11,19 @@ import numpy as np
 from crosscheck.judging.faults.arguments import scaled_arguments
 from crosscheck.judging.faults.fault import (
     AXES,
-    E1,
-    E2,
-    E3,
     QUARTER_TURNS,
     Changed,
     CodeFault,
     FaultDescription,
     is_round,
     of_joints,
+    opposite_rotation_from,
     rounded,
 )
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, turned_about
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
-from graphdyn.model import rotation_about
 from urdf.document import rpy_from_rotation
 
 
@@ -35,7 +32,7 @@ def frames(model: RobotModel) -> Iterator[CodeFault]:
         "the rotation of {who} is transposed": lambda x, j: {"rotations": x.rotations[j].T},
         "the rotation of {who} is left out": lambda x, j: {"rotations": np.eye(3)},
         "the rpy angles of {who} are applied in the opposite order": lambda x, j: {
-            "rotations": _opposite(rpy_from_rotation(x.rotations[j]))
+            "rotations": opposite_rotation_from(rpy_from_rotation(x.rotations[j]))
         },
         "the translation of {who} is expressed in the axes of the joint frame": lambda x, j: {
             "translations": x.rotations[j] @ x.translations[j]
@@ -71,12 +68,6 @@ def _turned(turn: Array, x: Numbers, k: int) -> dict[str, Array]:
     return {"rotations": x.rotations[k] @ turn}
 
 
-def _opposite(rpy: Array) -> Array:
-    """R_x(roll) R_y(pitch) R_z(yaw)."""
-    roll, pitch, yaw = rpy
-    return rotation_about(E1, roll) @ rotation_about(E2, pitch) @ rotation_about(E3, yaw)
-
-
 PLACEMENT_REMEDY = "compare the placement of the joint frame in the inside body's link frame (forward kinematics)"
 
 TRIAL_ZEROS = np.arange(-11, 13)[:, None] * np.pi / 12
@@ -99,6 +90,7 @@ def geometry(model: RobotModel) -> Iterator[CodeFault]:
         yield _rotation(k, f"the axis of joint '{name}' is tilted", "axes")
         yield _zero(name, k, slides)
         yield _gear(name, at)
+        yield _long_axis(f"joint '{name}'", at)
         for which, what in (
             ("qva", "position, velocity and acceleration"),
             ("q", "the position"),
@@ -106,6 +98,8 @@ def geometry(model: RobotModel) -> Iterator[CodeFault]:
             ("a", "the acceleration"),
         ):
             yield _scale(f"{what} of joint '{name}'", at, which)
+    if n > 1:
+        yield _long_axis("every joint", np.ones(n, dtype=bool))
     for k, i in itertools.permutations(range(n), 2):
         for transmitted in (True, False):
             yield _coupled(model, k, i, transmitted)
@@ -188,6 +182,22 @@ def _gear(name: str, at: Array) -> CodeFault:
             yield FaultDescription("gear", message, "give torques at the joint", 1 if is_round(factor) else 2)
 
     return CodeFault(np.ones(1), lambda code, x: code.giving(lambda tau, _: tau * np.where(at, x[0], 1.0)), say)
+
+
+def _long_axis(who: str, at: Array) -> CodeFault:
+    """An axis that is no unit vector: it multiplies the motion, and the torque about it."""
+
+    def change(code: DynamicsCode, x: Array) -> DynamicsCode:
+        scale = np.where(at, x[0], 1.0)
+        return code.taking(scaled_arguments(scale, "qva")).giving(lambda tau, _: tau * scale)
+
+    def say(x: Array) -> Iterator[FaultDescription]:
+        factor = rounded(x[0])
+        if factor not in TRIVIAL_SCALES:
+            message = f"motion and torque of {who} are multiplied by {factor:.6g}, as by an axis of that length"
+            yield FaultDescription("gear", message, "an axis is a unit vector: divide it by its length", 2)
+
+    return CodeFault(np.ones(1), change, say, starts=TRIAL_SCALES)
 
 
 def _scale(what: str, at: Array, which: str) -> CodeFault:

@@ -155,6 +155,9 @@ BODY_NUMBER_UNITS = ("kg", *3 * ("m",), *6 * ("kg m²",))
 PARAMETER_GROUPS = {(0,): "the mass", (1, 2, 3): "the center of mass", tuple(range(4, 10)): "the tensor"}
 """Numbers that belong together."""
 
+PARAMETER_SETS = (*PARAMETER_GROUPS, (0, 1, 2, 3), tuple(range(10)))
+"""Numbers of one body that are fitted together."""
+
 MAX_LISTED_NUMBERS = 4
 """Numbers that a message lists at most; the diagnosis has all of them."""
 
@@ -164,8 +167,8 @@ PARAMETER_REMEDY = "compare mass, center of mass and tensor, and the fixed links
 def parameters(model: RobotModel) -> Iterator[CodeFault]:
     """Parameters of one body: one number, then several; of all bodies: factors."""
     for k in range(model.n_bodies):
-        for places in [*PARAMETER_GROUPS, *((place,) for place in range(4, 10)), (0, 1, 2, 3), tuple(range(10))]:
-            yield _of_body(model, k, places)
+        for places in [*PARAMETER_SETS, *((place,) for place in range(4, 10))]:
+            yield of_body(model, k, places)
         for what, field in (("the center of mass", "centers"), ("the tensor", "tensors")):
             yield _factor(f"{what} of body '{model.body_names[k]}'", field, np.arange(model.n_bodies) == k)
     every = np.ones(model.n_bodies, dtype=bool)
@@ -195,7 +198,7 @@ def with_ten_numbers(code: DynamicsCode, k: int, ten: Array) -> DynamicsCode:
     return code.but(masses=masses, centers=centers, tensors=tensors)
 
 
-def _of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
+def of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
     """Some of the ten numbers of one body: as differences, so that it adds to other faults."""
     name, own, which = model.body_names[k], ten_numbers(DynamicsCode.of(model), k), list(places)
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -11,9 +13,12 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.catalog import families, faults, limits, smooth_friction
 from crosscheck.judging.faults.fault import COMPLEX_STEP, FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
+from crosscheck.judging.faults.inertials import PARAMETER_SETS, of_body
+from crosscheck.judging.faults.link_parameters import LinkInertial
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
+from crosscheck.judging.searching.parameters import OtherParameters
 from crosscheck.judging.slips.search import fitting_slips
 from graphdyn import RobotModel
 from graphdyn.layout import Array
@@ -92,7 +97,7 @@ class Explanation:
 class Search:
     """Over one robot, one observation.
 
-    of_file: faults in reading the robot's file
+    of_file: faults in reading the robot's file; links: as that has them
     tried: the rows of the experiments; all_rows: those and the judged states; noise, bound: relative
     """
 
@@ -100,12 +105,13 @@ class Search:
         self,
         model: RobotModel,
         of_file: Sequence[CodeFault],
+        links: Sequence[LinkInertial],
         experiments: Observation,
         judged: Observation | None,
         noise: float,
         bound: float,
     ) -> None:
-        self.model, self.noise, self.bound = model, noise, bound
+        self.model, self.links, self.noise, self.bound = model, links, noise, bound
         self.experiments, self.judged = experiments, judged
         self.all_rows = experiments if judged is None else experiments.and_(judged)
         self.own = DynamicsCode.of(model)
@@ -128,6 +134,35 @@ class Search:
         everywhere = iter(self._measured([(x.elements, x.code) for x in fitting], self.all_rows))
         found = [next(everywhere) if x in fitting else x for x in found]
         return sorted((x for x in found if x.is_told), key=lambda x: x.left)
+
+    @cached_property
+    def other_parameters(self) -> OtherParameters:
+        """What the answers say of the inertial parameters."""
+        return OtherParameters(self.own, self.experiments, self.bound)
+
+    def parameters(self) -> list[Explanation]:
+        """Mistakes in the inertial parameters of links that give the answers; else numbers of a few bodies."""
+        known = list(self.other_parameters.faults(self.links))
+        found = self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in known], self.all_rows)
+        if any(map(self.holds, found)):
+            return found
+        for bodies in self.other_parameters.of_bodies():
+            if (fitted_numbers := self._numbers_of(bodies)) is not None:
+                found.append(fitted_numbers)
+        if not found and (rest := self.other_parameters.smallest()) is not None:
+            found = self._measured([(((rest, NO_NUMBERS),), rest.change(self.own, NO_NUMBERS))], self.all_rows)
+        return found
+
+    def _numbers_of(self, bodies: Sequence[int]) -> Explanation | None:
+        """The fewest numbers of these bodies that give the answers: a mass, a center, a tensor of each, and so on."""
+        choices = sorted(product(PARAMETER_SETS, repeat=len(bodies)), key=lambda x: sum(map(len, x)))
+        for places in choices:
+            families = [of_body(self.model, body, which) for body, which in zip(bodies, places, strict=True)]
+            elements = tuple((family, family.right) for family in families)
+            (found,) = self._refitted(self._measured([(elements, self.own)], self.experiments))
+            if self.holds(found):
+                return found
+        return None
 
     def slips(self) -> list[Explanation]:
         """Every slip of the formulations that people write that gives the numbers of the first rows."""

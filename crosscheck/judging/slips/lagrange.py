@@ -84,7 +84,7 @@ def _mass_matrix(code: DynamicsCode, x: Numbers, q: Array, do: Operations) -> tu
         center = origin[-1] + do.result("c in world axes", b, turned(R, own_c), {
             NOT_TURNED: lambda: own_c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, own_c),
         })  # fmt: skip
-        tensor = do.result("J in world axes", b, times(times(R, own_j), Rt), {
+        tensor = do.result("the tensor in world axes", b, times(times(R, own_j), Rt), {
             NOT_TURNED: lambda: own_j + 0 * R, WRONG_WAY: lambda: times(times(Rt, own_j), R),
             "taken as R J, the second R missing": lambda: times(R, own_j),
         })  # fmt: skip

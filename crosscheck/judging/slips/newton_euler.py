@@ -239,7 +239,7 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
         lever = do.result("c in world axes, in c × F,", j, c, ways)
         c = do.result("c in world axes, in the acceleration of the center of mass,", j, c, ways)
         Rt = np.swapaxes(R, 0, 1)
-        tensor = do.result("J in world axes", j, times(times(R, own_j), Rt), {
+        tensor = do.result("the tensor in world axes", j, times(times(R, own_j), Rt), {
             NOT_TURNED: lambda: own_j + 0 * R, WRONG_WAY: lambda: times(times(Rt, own_j), R),
             "turned with the inside link": lambda: times(times(base, own_j), np.swapaxes(base, 0, 1)),
             "taken as R J, the second R missing": lambda: times(R, own_j),

@@ -17,7 +17,8 @@ from math import comb
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import CodeFault, FaultDescription
+from crosscheck.judging.faults.fault import FaultDescription
+from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
@@ -97,7 +98,7 @@ class Deviation:
 
     observed: the experiments
     judged: the answers at all judged states, None where no torques follow from them
-    of_file: gives the faults in reading the robot's file
+    of_file: gives the faults in reading the robot's file, and its links
     noise: relative, of the function; tolerance: relative error that counts as agreement
     """
 
@@ -105,7 +106,7 @@ class Deviation:
     trial: JudgedStates
     observed: EquationTerms
     judged: Observation | None
-    of_file: Callable[[], Sequence[CodeFault]]
+    of_file: Callable[[], FileFaults]
     noise: float
     tolerance: float
 
@@ -285,7 +286,9 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     if not np.isfinite(list(before.values())).all():
         return [unknown(deviation, "the answers are not finite", "", np.inf)]
     experiments = of_experiments(trial, observed)
-    search = Search(trial.model, deviation.of_file(), experiments, deviation.judged, deviation.noise, deviation.bound)
+    of_file = deviation.of_file()
+    noise, bound = deviation.noise, deviation.bound
+    search = Search(trial.model, of_file.faults, of_file.links, experiments, deviation.judged, noise, bound)
     nothing = search.nothing()
     evidence = evidence_of(deviation, before, observed, own)
     left = float((nothing.worst if deviation.judged is None else nothing.judged).max())
@@ -294,7 +297,9 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
         return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
     found = search.alone(nothing)
     holding = [explanation for explanation in found if search.holds(explanation)]
-    if not any(x.size <= SLIP_SIZE or not any(said.numbers for said in x.said) for x in holding):
+    if not _told_plainly(holding) and search.other_parameters.fits:
+        holding += [x for x in search.parameters() if search.holds(x)]
+    if not _told_plainly(holding) and not search.other_parameters.fits:
         holding += [slip for slip in search.slips() if search.holds(slip)]
     if not holding and nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
@@ -303,6 +308,11 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     if not holding:
         return unexplained(deviation, search, nothing, found, evidence)
     return _explained(deviation, search, holding, evidence)
+
+
+def _told_plainly(holding: Sequence[Explanation]) -> bool:
+    """Whether one of them is a mistake, or a few numbers."""
+    return any(x.size <= SLIP_SIZE or not any(said.numbers for said in x.said) for x in holding)
 
 
 def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanation], evidence: str) -> list[Diagnosis]:

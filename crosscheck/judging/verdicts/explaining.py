@@ -7,7 +7,7 @@ decision trees grows the same tree greedily, and is a heavy dependency for these
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import comb
@@ -15,7 +15,8 @@ from math import comb
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.fault import CodeFault, FaultDescription
+from crosscheck.judging.faults.fault import FaultDescription
+from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.observation import observe, of_judged
@@ -138,7 +139,7 @@ def roundest(x: float, y: float) -> float:
     return lower
 
 
-OfFile = Callable[[], Sequence[CodeFault]]
+OfFile = Callable[[], FileFaults]
 Progress = Callable[[str], object]
 
 MIN_ERROR_REDUCTION = 10.0

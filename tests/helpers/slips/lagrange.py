@@ -41,9 +41,9 @@ SLIPS = (
     ("- D[j, l, k]) * v[k]", "+ D[j, l, k]) * v[k]", "∂M_jk/∂q_i.*opposite|gradient.*opposite"),
     ("- D[j, l, k]) * v[k]", ") * v[k]", "∂M_jk/∂q_i.*left out|gradient.*left out"),
     ("D[l, j, k] - D", "0 - D", "∂M_i[jk]/∂q_[kj].*left out|Ṁ v.*0.5"),
-    ("I = R @ arm.tensors[j] @ R.T", "I = arm.tensors[j]", "J in world axes.*not turned"),
-    ("I = R @ arm.tensors[j] @ R.T", "I = R.T @ arm.tensors[j] @ R", "J in world axes.*wrong way"),
-    ("I = R @ arm.tensors[j] @ R.T", "I = R @ arm.tensors[j]", "J in world axes.*second R"),
+    ("I = R @ arm.tensors[j] @ R.T", "I = arm.tensors[j]", "the tensor in world axes.*not turned"),
+    ("I = R @ arm.tensors[j] @ R.T", "I = R.T @ arm.tensors[j] @ R", "the tensor in world axes.*wrong way"),
+    ("I = R @ arm.tensors[j] @ R.T", "I = R @ arm.tensors[j]", "the tensor in world axes.*second R"),
     ("center = o[-1] + R @ arm.centers[j]", "center = o[-1] + arm.centers[j]", "c in world axes.*not turned"),
     (
         "center = o[-1] + R @ arm.centers[j]",
