@@ -90,7 +90,6 @@ def geometry(model: RobotModel) -> Iterator[CodeFault]:
         yield _rotation(k, f"the axis of joint '{name}' is tilted", "axes")
         yield _zero(name, k, slides)
         yield _gear(name, at)
-        yield _long_axis(f"joint '{name}'", at)
         for which, what in (
             ("qva", "position, velocity and acceleration"),
             ("q", "the position"),
@@ -98,11 +97,13 @@ def geometry(model: RobotModel) -> Iterator[CodeFault]:
             ("a", "the acceleration"),
         ):
             yield _scale(f"{what} of joint '{name}'", at, which)
-    if n > 1:
-        yield _long_axis("every joint", np.ones(n, dtype=bool))
     for k, i in itertools.permutations(range(n), 2):
         for transmitted in (True, False):
             yield _coupled(model, k, i, transmitted)
+    for k, name in enumerate(model.joint_names):
+        yield _long_axis(f"joint '{name}'", np.arange(n) == k)
+    if n > 1:
+        yield _long_axis("every joint", np.ones(n, dtype=bool))
 
 
 def _translation(model: RobotModel, k: int) -> CodeFault:

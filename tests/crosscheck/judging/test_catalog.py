@@ -314,6 +314,12 @@ class Told:
         scale = self.at_joint(factor, 1.0)
         return self.tau(state=[scale * x if name in named else x for name, x in zip("qva", self.state, strict=True)])
 
+    def long_axis(self):
+        """Displacements are those of the axis times its length; so is the power."""
+        factor = named_number(self.message.split("multiplied by")[1])
+        scale = np.full(self.model.n_bodies, factor) if self.joint is None else self.at_joint(factor, 1.0)
+        return scale * self.tau(state=[scale * x for x in self.state])
+
     def coupled(self):
         names = self.model.joint_names
         first, second = (names.index(name) for name in re.findall(r"'([^']*)'", self.message))
@@ -387,7 +393,7 @@ MEANINGS = {
     "the axis of joint": Told.tilted_axis, "the zero of joint": Told.zero, "the torque of joint": Told.gear,
     "position, velocity": Told.scale, "the position of": Told.scale, "the velocity of": Told.scale,
     "the acceleration of": Told.scale, "joint ": Told.coupled, "all inertial parameters": Told.all_torques,
-    "gravity acts": Told.gravity, "a constant matrix": Told.matrix,
+    "motion and torque of": Told.long_axis, "gravity acts": Told.gravity, "a constant matrix": Told.matrix,
 }  # fmt: skip
 
 
@@ -413,7 +419,7 @@ def test_families(model, state, kinds):
         assert not [one for one in fault.say(fault.right) if kinds is not gravity]
         count += 1
     n = model.n_bodies
-    assert count == {geometry: 9 * n + 2 * n * (n - 1), parameters: 13 * n + 4, gravity: 1}[kinds]
+    assert count == {geometry: 10 * n + 1 + 2 * n * (n - 1), parameters: 13 * n + 4, gravity: 1}[kinds]
 
 
 @pytest.mark.parametrize("quarters", [-3, -1, 1, 2, 4])
@@ -548,6 +554,14 @@ class Rewritten:
             if "taken in the axes" in message:
                 self.put(origin, "xyz", turn.apply(self.numbers(origin, "xyz")))
 
+    def frame(self, message):
+        """R = R_x(roll) R_y(pitch) R_z(yaw): about the axes that turn with it."""
+        paths = ["link/inertial/origin"] if "inertial frames" in message else []
+        for path in (*paths, *(["joint/origin"] if "joints" in message else [])):
+            for origin in self.robot.iterfind(path):
+                turn = Rotation.from_euler("XYZ", self.numbers(origin, "rpy"))
+                self.put(origin, "rpy", turn.as_euler("xyz"))
+
     def massless_link(self, message):
         moment = "1" if "1 kg m²" in message else "0"
         for link in self.robot.iter("link"):
@@ -606,7 +620,7 @@ def test_misread_files(small_arm_text, tmp_path, state):
     assert {kind: len(found) for kind, found in messages.items()} == MISREAD
 
 
-MISREAD = {"inertial_frame": 23, "massless_link": 2, "fixed_link": 7 + 3 * 3 + 1, "rounding": 12}
+MISREAD = {"inertial_frame": 23, "massless_link": 2, "frame": 3, "fixed_link": 7 + 3 * 3 + 1, "rounding": 12}
 """How many: of fixed links the sets of three with mass, three parts of three placements, and two siblings."""
 
 

@@ -61,7 +61,8 @@ def test_every_operation_is_done_wrong_at_each_joint_and_at_all():
     assert [x.joint for x in moment] == [None, 5, 4, 3, 2, 1]
     said = "the moment r × f of the outer link's force at joint 'elbow_joint' has the opposite sign"
     assert moment[4].message(urdf.load("ur5").joint_names) == said
-    assert Slip("the tensor in world axes", "not turned", None).message([]) == "the tensor in world axes at every joint is not turned"
+    said = "the tensor in world axes at every joint is not turned"
+    assert Slip("the tensor in world axes", "not turned", None).message([]) == said
 
 
 @pytest.mark.parametrize("form", FORMS)
