@@ -180,11 +180,16 @@ class JudgedStates(ScaledStates):
 
     @property
     def trial(self) -> JudgedStates:
-        """States for the experiments: random ones, then ones with whole turns added."""
+        """States for the experiments."""
+        return self.rows(self.trial_rows)
+
+    @property
+    def trial_rows(self) -> NDArray[np.intp]:
+        """Numbers of these states: random ones, then ones with whole turns added."""
         rows = [*range(N_EXPERIMENT_STATES // 2), *range(-N_TURNED_STATES, -N_TURNED_STATES + N_EXPERIMENT_STATES // 2)]
         drawn = np.flatnonzero(self.ordinary | (self.labels == NEAREST_TO_ZERO))
         rows = [row if row < 0 else row % len(drawn) for row in rows]
-        return self.rows(drawn[rows])
+        return drawn[rows]
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class DynamicsCode:
     """A dynamics code: τ = answer(recursion(arguments(q, v, a)), q, v, a), the changes one after the other.
 
     inside: number of the inside body of each joint, 0 for the ground; prismatic: whether the joint slides
-    recursion: gives the torques in place of the one below, for one code
+    recursion: gives the torques in place of the one below, or another function
     """
 
     inside: tuple[int, ...]
@@ -99,11 +100,14 @@ class DynamicsCode:
 
 
 def torques_of(codes: Sequence[DynamicsCode], state: State) -> Array:
-    """Torques (K, R, n) of K codes for one robot at R states (R, n) each. Complex numbers give complex torques."""
+    """Torques (K, R, n) of K codes for one robot at R states (R, n) each, or what their recursions give in place of
+    torques. Complex numbers give complex torques."""
     size = max(1, MAX_ROWS_AT_ONCE // len(state[0]))
-    if any(code.recursion for code in codes):
-        size = 1
-    return np.concatenate([_torques(codes[k : k + size], state) for k in range(0, len(codes), size)])
+    found = []
+    for _, group in groupby(codes, key=lambda code: code.recursion):
+        alike = list(group)
+        found += [_torques(alike[k : k + size], state) for k in range(0, len(alike), size)]
+    return np.concatenate(found)
 
 
 def numbers_of(codes: Sequence[DynamicsCode]) -> Numbers:
@@ -120,7 +124,7 @@ def _torques(codes: Sequence[DynamicsCode], state: State) -> Array:
             arguments = change(*arguments)
         given.append(arguments)
     q, v, a = (np.moveaxis(np.stack(x), -1, 0) for x in zip(*given, strict=True))
-    recursion = codes[0].recursion or _recursion
+    recursion = codes[0].recursion or torque_recursion
     tau = np.moveaxis(recursion(codes[0], numbers_of(codes), (q, v, a)), 0, -1)
     if not any(code.answers for code in codes):
         return tau
@@ -132,8 +136,15 @@ def _torques(codes: Sequence[DynamicsCode], state: State) -> Array:
     return np.stack(answered)
 
 
-def _recursion(code: DynamicsCode, x: Numbers, state: State) -> Array:
+def torque_recursion(code: DynamicsCode, x: Numbers, state: State) -> Array:
     """Torques (n, K, R) from numbers (…, K, 1) and states (n, K, R)."""
+    forces, moments = wrenches(code, x, state)
+    vectors = (forces[j] if slides else moments[j] for j, slides in enumerate(code.prismatic))
+    return np.stack(np.broadcast_arrays(*((p * vector).sum(axis=0) for p, vector in zip(x.axes, vectors, strict=True))))
+
+
+def wrenches(code: DynamicsCode, x: Numbers, state: State) -> tuple[list[Array], list[Array]]:
+    """Forces and moments of the joints about the link origins, in link axes (3, K, R), from numbers (…, K, 1)."""
     q, v, a = state
     nothing = np.zeros((3, 1, 1))
     omega, alpha, linear, gravity = [nothing], [nothing], [nothing], [x.gravity]
@@ -163,15 +174,13 @@ def _recursion(code: DynamicsCode, x: Numbers, state: State) -> Array:
         moment = turned(tensor, alpha[-1]) + x.gyroscopic[j] * crossed(w, turned(tensor, w)) + crossed(c, force)
         for kept, x_j in ((turns, turn), (arms, arm), (forces, force), (moments, moment)):
             kept.append(x_j)
-    tau = []
     for j in reversed(range(len(code.inside))):
-        tau.append((x.axes[j] * (forces[j] if code.prismatic[j] else moments[j])).sum(axis=0))
         i = code.inside[j] - 1
         if i >= 0:
             push = turned(turns[j], forces[j])
             forces[i] = forces[i] + push
             moments[i] = moments[i] + turned(turns[j], moments[j]) + crossed(arms[j], push)
-    return np.stack(np.broadcast_arrays(*reversed(tau)))
+    return forces, moments
 
 
 def turned_about(p: Array, angle: Array) -> Array:

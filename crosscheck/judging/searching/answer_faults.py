@@ -13,6 +13,7 @@ from itertools import chain, combinations
 import numpy as np
 
 from crosscheck.judging.faults.fault import FaultDescription
+from crosscheck.judging.functions.table import formulations_of
 from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
@@ -48,7 +49,8 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     yield from _other_functions(known)
     if known.of_frame:
         yield from _other_frames(known, states)
-    yield from _other_models(known, states.model)
+    if not formulations_of(known.name, states.model, states.frame, next(known.readings({}))):
+        yield from _other_models(known, states.model)
 
 
 def _layouts(known: Quantity) -> Iterator[AnswerFault]:

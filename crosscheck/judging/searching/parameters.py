@@ -190,3 +190,13 @@ def _placed_as(link: LinkInertial, other: LinkInertial) -> Array:
     """The numbers of another link, at the place of this one."""
     moved = replace(other, body=link.body, rotation=link.rotation, translation=link.translation)
     return in_body(moved, right(moved))
+
+
+def with_parameters(
+    code: DynamicsCode, differences: Sequence[tuple[int, Array]]
+) -> Callable[[DynamicsCode], DynamicsCode] | None:
+    """The change of a code by differences of the parameters of bodies; None for a first moment without mass."""
+    whole = np.concatenate([_of_numbers(code, k) for k in range(len(code.inside))])
+    for body, difference in differences:
+        whole[_places([body])] += difference
+    return _with(whole)

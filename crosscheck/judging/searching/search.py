@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.catalog import families, faults, limits, smooth_friction
 from crosscheck.judging.faults.fault import COMPLEX_STEP, FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
+from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.inertials import PARAMETER_SETS, of_body
 from crosscheck.judging.faults.link_parameters import LinkInertial
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
 from crosscheck.judging.searching.parameters import OtherParameters
-from crosscheck.judging.slips.search import fitting_slips
+from crosscheck.judging.slips.operations import Formulation
+from crosscheck.judging.slips.search import TORQUE_FORMULATIONS, fitting_slips
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 
@@ -94,38 +96,58 @@ class Explanation:
         return sum(said.size for said in self.said)
 
 
+@dataclass(frozen=True, eq=False)
+class Catalog:
+    """What may be wrong with a function.
+
+    own: the code without fault; faults, families: that are tried; links: as the file has them
+    formulations: whose operations are open to slips
+    is_linear: whether the answers are linear in the inertial parameters
+    """
+
+    own: DynamicsCode
+    faults: Sequence[CodeFault]
+    families: Sequence[CodeFault]
+    links: Sequence[LinkInertial]
+    formulations: Sequence[Formulation]
+    is_linear: bool
+
+    @classmethod
+    def of_torques(cls, model: RobotModel, of_file: FileFaults) -> Catalog:
+        known = [*faults(model), *of_file.faults]
+        own = DynamicsCode.of(model)
+        return cls(own, known, list(families(model)), of_file.links, TORQUE_FORMULATIONS, is_linear=True)
+
+
 class Search:
     """Over one robot, one observation.
 
-    of_file: faults in reading the robot's file; links: as that has them
     tried: the rows of the experiments; all_rows: those and the judged states; noise, bound: relative
     """
 
     def __init__(
         self,
         model: RobotModel,
-        of_file: Sequence[CodeFault],
-        links: Sequence[LinkInertial],
+        catalog: Catalog,
         experiments: Observation,
         judged: Observation | None,
         noise: float,
         bound: float,
     ) -> None:
-        self.model, self.links, self.noise, self.bound = model, links, noise, bound
+        self.model, self._catalog, self.noise, self.bound = model, catalog, noise, bound
         self.experiments, self.judged = experiments, judged
         self.all_rows = experiments if judged is None else experiments.and_(judged)
-        self.own = DynamicsCode.of(model)
-        self._faults, self._families = [*faults(model), *of_file], list(families(model))
+        self.own = catalog.own
         self._tried, self._fitted = (
             experiments.only(_of_states(experiments, size)) for size in (TRIAL_STATES, FITTING_STATES)
         )
 
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
-        known = [*self._faults, *self._from_answers(base)]
+        known = [*self._catalog.faults, *self._from_answers(base)]
         left = root_mean_square(self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known]))
         kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
-        fits = fitted(self._families, base.code, self._fitted, self.noise)
+        fits = fitted(self._catalog.families, base.code, self._fitted, self.noise)
         best = sorted(fits, key=lambda fit: fit.left)[:MAX_KEPT_FAULTS]
         best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
         added = [*((fault, NO_NUMBERS) for fault in kept), *((fit.family, fit.numbers) for fit in best)]
@@ -135,6 +157,11 @@ class Search:
         found = [next(everywhere) if x in fitting else x for x in found]
         return sorted((x for x in found if x.is_told), key=lambda x: x.left)
 
+    @property
+    def has_right_equations(self) -> bool:
+        """Whether some inertial parameters give all answers."""
+        return self._catalog.is_linear and self.other_parameters.fits
+
     @cached_property
     def other_parameters(self) -> OtherParameters:
         """What the answers say of the inertial parameters."""
@@ -142,7 +169,7 @@ class Search:
 
     def parameters(self) -> list[Explanation]:
         """Mistakes in the inertial parameters of links that give the answers; else numbers of a few bodies."""
-        known = list(self.other_parameters.faults(self.links))
+        known = list(self.other_parameters.faults(self._catalog.links))
         found = self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in known], self.all_rows)
         if any(map(self.holds, found)):
             return found
@@ -166,7 +193,8 @@ class Search:
 
     def slips(self) -> list[Explanation]:
         """Every slip of the formulations that people write that gives the numbers of the first rows."""
-        slips = list(fitting_slips(self.own, self.model.joint_names, self.all_rows, self.bound))
+        forms, names = self._catalog.formulations, self.model.joint_names
+        slips = list(fitting_slips(forms, self.own, names, self.all_rows, self.bound))
         return self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in slips], self.all_rows)
 
     def together(self, started: Sequence[Explanation]) -> list[Explanation]:
@@ -237,7 +265,7 @@ class Search:
 
     def _from_answers(self, base: Explanation) -> list[CodeFault]:
         judged = self.judged
-        if judged is None or (judged.less >= 0).any():
+        if judged is None or (judged.less >= 0).any() or self.own.recursion is not None:
             return []
         found = list(limits(self.model, np.concatenate([self.experiments.torques(), judged.torques()])))
         only_moving = base.experiments[base.parts != "velocity"].max(initial=0.0) <= self.bound

@@ -17,7 +17,7 @@ from crosscheck.judging.slips.operations import Formulation, Operations, Slip
 from crosscheck.judging.slips.spatial import spatial
 from graphdyn.layout import Array
 
-FORMULATIONS: tuple[Formulation, ...] = (link_axes, world_axes, link_axes_weights, spatial, christoffel)
+TORQUE_FORMULATIONS: tuple[Formulation, ...] = (link_axes, world_axes, link_axes_weights, spatial, christoffel)
 """The formulations whose operations are tried, in turn."""
 
 MAX_CHRISTOFFEL_JOINTS = 12
@@ -41,12 +41,16 @@ def all_slips(formulation: Formulation, code: DynamicsCode) -> list[Slip]:
 
 
 def fitting_slips(
-    code: DynamicsCode, joint_names: Sequence[str], rows: Observation, bound: float
+    formulations: Sequence[Formulation],
+    code: DynamicsCode,
+    joint_names: Sequence[str],
+    rows: Observation,
+    bound: float,
 ) -> Iterator[CodeFault]:
     """Slips that give the numbers of a few rows, as faults of a code."""
     tried = rows.only(_most_general(rows))
     seen: set[str] = set()
-    for formulation in FORMULATIONS:
+    for formulation in formulations:
         if formulation is christoffel and len(code.inside) > MAX_CHRISTOFFEL_JOINTS:
             continue
         slips = all_slips(formulation, code)

@@ -23,7 +23,7 @@ from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.observation import Observation, of_experiments
-from crosscheck.judging.searching.search import Explanation, Search, firsts, preference
+from crosscheck.judging.searching.search import Catalog, Explanation, Search, firsts, preference
 from crosscheck.judging.slips.search import SLIP_SIZE
 from crosscheck.judging.states import (
     EXPERIMENT_PARTS,
@@ -286,9 +286,8 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     if not np.isfinite(list(before.values())).all():
         return [unknown(deviation, "the answers are not finite", "", np.inf)]
     experiments = of_experiments(trial, observed)
-    of_file = deviation.of_file()
-    noise, bound = deviation.noise, deviation.bound
-    search = Search(trial.model, of_file.faults, of_file.links, experiments, deviation.judged, noise, bound)
+    catalog = Catalog.of_torques(trial.model, deviation.of_file())
+    search = Search(trial.model, catalog, experiments, deviation.judged, deviation.noise, deviation.bound)
     nothing = search.nothing()
     evidence = evidence_of(deviation, before, observed, own)
     left = float((nothing.worst if deviation.judged is None else nothing.judged).max())
@@ -296,18 +295,14 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
         remedy = "judge it with a tolerance that its precision allows"
         return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
     found = search.alone(nothing)
-    holding = [explanation for explanation in found if search.holds(explanation)]
-    if not _told_plainly(holding) and search.other_parameters.fits:
-        holding += [x for x in search.parameters() if search.holds(x)]
-    if not _told_plainly(holding) and not search.other_parameters.fits:
-        holding += [slip for slip in search.slips() if search.holds(slip)]
+    holding = holding_alone(search, found)
     if not holding and nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
         pairs = search.together(firsts(found, nothing, deviation.bound))
         holding = [pair for pair in pairs if search.holds(pair)]
     if not holding:
         return unexplained(deviation, search, nothing, found, evidence)
-    return _explained(deviation, search, holding, evidence)
+    return explained(deviation.function, search, holding, evidence)
 
 
 def _told_plainly(holding: Sequence[Explanation]) -> bool:
@@ -315,7 +310,17 @@ def _told_plainly(holding: Sequence[Explanation]) -> bool:
     return any(x.size <= SLIP_SIZE or not any(said.numbers for said in x.said) for x in holding)
 
 
-def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanation], evidence: str) -> list[Diagnosis]:
+def holding_alone(search: Search, found: Sequence[Explanation]) -> list[Explanation]:
+    """What explains everything by one mistake: of those found, else other inertial parameters, else slips."""
+    holding = [explanation for explanation in found if search.holds(explanation)]
+    if not _told_plainly(holding) and search.has_right_equations:
+        holding += [x for x in search.parameters() if search.holds(x)]
+    elif not _told_plainly(holding):
+        holding += [slip for slip in search.slips() if search.holds(slip)]
+    return holding
+
+
+def explained(function: str, search: Search, holding: Sequence[Explanation], evidence: str) -> list[Diagnosis]:
     """The smallest of the explanations that fit equally well, and the others."""
     least = min(explanation.left for explanation in holding)
     good = [x for x in holding if x.left <= max(EQUIVALENT_FACTOR * least, ROUNDING_ERROR)]
@@ -331,7 +336,7 @@ def _explained(deviation: Deviation, search: Search, holding: Sequence[Explanati
     apart = what_distinguishes(first, listed[:MAX_ALTERNATIVES], search) if listed else ""
     left = float(first.worst.max())
     return [
-        diagnosis_of(deviation.function, said, evidence, left, status, also, apart)
+        diagnosis_of(function, said, evidence, left, status, also, apart)
         for said in sorted(first.said, key=lambda said: said.message)
     ]
 

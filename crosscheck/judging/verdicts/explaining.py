@@ -26,6 +26,7 @@ from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.special_states import ONE_JOINT, OTHER_STATES, conditions, only_where
 from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
+from crosscheck.judging.verdicts.functions import diagnose_function
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
 from graphdyn.layout import Array
 
@@ -226,6 +227,8 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         return by_terms
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
+    if by_function := diagnose_function(found, of_file, precision, bound, count):
+        return by_function
     if where:
         message = f"the answers deviate only where {where}"
         remedy = "look for a case, a limit or a table that begins there"

@@ -12,7 +12,7 @@ import urdf
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.judge import judge
 from crosscheck.judging.slips.operations import Slip
-from crosscheck.judging.slips.search import FORMULATIONS, all_slips, torques_with
+from crosscheck.judging.slips.search import TORQUE_FORMULATIONS, all_slips, torques_with
 from graphdyn import inverse_dynamics
 
 ROBOTS = ("ur5", "panda")
@@ -33,7 +33,7 @@ def states(model, count=3):
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda x: x.__name__)
+@pytest.mark.parametrize("formulation", TORQUE_FORMULATIONS, ids=lambda x: x.__name__)
 def test_formulations_without_a_slip_are_right(robot, formulation):
     model = urdf.load(robot).uncoupled
     q, v, a = states(model)
@@ -42,7 +42,7 @@ def test_formulations_without_a_slip_are_right(robot, formulation):
     assert np.abs(found - expected).max() <= ROUNDING * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS, ids=lambda x: x.__name__)
+@pytest.mark.parametrize("formulation", TORQUE_FORMULATIONS, ids=lambda x: x.__name__)
 def test_many_slips_at_once_are_each_alone(formulation):
     code = DynamicsCode.of(urdf.load("panda").uncoupled)
     state = states(urdf.load("panda"))
@@ -56,7 +56,7 @@ def test_many_slips_at_once_are_each_alone(formulation):
 
 
 def test_every_operation_is_done_wrong_at_each_joint_and_at_all():
-    slips = all_slips(FORMULATIONS[0], DynamicsCode.of(urdf.load("ur5")))
+    slips = all_slips(TORQUE_FORMULATIONS[0], DynamicsCode.of(urdf.load("ur5")))
     moment = [x for x in slips if x.operation == "the moment r × f of the outer link's force" and x.way == -1.0]
     assert [x.joint for x in moment] == [None, 5, 4, 3, 2, 1]
     said = "the moment r × f of the outer link's force at joint 'elbow_joint' has the opposite sign"

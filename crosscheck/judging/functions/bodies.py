@@ -1,0 +1,172 @@
+"""Center of mass, momentum and energies as people write them: sums over the bodies, in world axes."""
+
+# ruff: noqa: B023 - the functions are called before the next body
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, times, turned, turned_back
+from crosscheck.judging.functions.motions import WITH_THE_INSIDE, Motions, flat, motions, stacked
+from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.quantities.measures import Chosen
+from graphdyn import Placement
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class MovingBody:
+    """Mass, center of mass from the link origin and in the world, its velocity, tensor in world axes, ω."""
+
+    mass: Array
+    offset: Array
+    center: Array
+    velocity: Array
+    tensor: Array
+    omega: Array
+
+
+@dataclass(frozen=True, eq=False)
+class BodySums:
+    """The functions of all bodies together.
+
+    base: of the ground in the world; chosen: about, order
+    """
+
+    base: Placement
+    chosen: Chosen
+
+    def center(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """(3, K, R)."""
+        bodies = self._bodies(code, x, state, do)[1]
+        return stacked(list(self._mean([body.center for body in bodies], bodies, do)))
+
+    def velocity(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """Of the center of mass (3, K, R)."""
+        bodies = self._bodies(code, x, state, do)[1]
+        return stacked(list(self._mean([body.velocity for body in bodies], bodies, do)))
+
+    def jacobian(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """Of the center of mass, row by row (3 n, K, R)."""
+        m, bodies = self._bodies(code, x, state, do)
+        columns = []
+        for j, (z, slides) in enumerate(zip(m.axes, code.prismatic, strict=True)):
+            o = m.origins[j + 1]
+            moved = []
+            for b, body in enumerate(bodies):
+                outside = j in m.chain(b + 1)
+                column = (z if slides else crossed(z, body.center - o)) + 0 * body.center
+                moved.append(column if outside else 0 * column)
+            column = self._mean(moved, bodies, do)
+            columns.append(do.result("the column of the center of mass", j, column))
+        return stacked([column[i] for i in range(3) for column in columns])
+
+    def momentum(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """Linear, then angular (6, K, R)."""
+        bodies = self._bodies(code, x, state, do)[1]
+        linear = [do.result("m ṙ in the momentum", b, body.mass * body.velocity, {
+            "taken with the velocity of the link origin": lambda: (
+                body.mass * (body.velocity - crossed(body.omega, body.offset))
+            ),
+        }) for b, body in enumerate(bodies)]  # fmt: skip
+        whole = self._mean([body.center for body in bodies], bodies, do)
+        if self.chosen["about"] != "the center of mass":
+            whole = 0 * whole
+        angular = []
+        for b, (body, pushed) in enumerate(zip(bodies, linear, strict=True)):
+            spin = do.result("J ω in the angular momentum", b, turned(body.tensor, body.omega))
+            lever = do.result("(r − r_point) × m ṙ in the angular momentum", b, crossed(body.center - whole, pushed), {
+                "taken about the world's origin": lambda: crossed(body.center, pushed),
+                "taken of the link origin": lambda: crossed(body.center - body.offset - whole, pushed),
+                "taken with c of the link alone": lambda: crossed(body.offset, pushed),
+            })  # fmt: skip
+            angular.append(spin + lever)
+        found = stacked(flat([sum(linear[1:], linear[0]), sum(angular[1:], angular[0])]))
+        return self._ordered(found)
+
+    def centroidal_map(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """The momentum of unit velocities, row by row (6 n, K, R)."""
+        q = state[0]
+        n, rows = len(q), q.shape[-1]
+        unit = np.eye(n)[:, None, :, None] + np.zeros((n, 1, n, rows))
+        wide = np.tile(q, (1, 1, n))
+        do.see(rows * n, float)
+        found = self.momentum(code, x, (wide, unit.reshape(n, 1, -1), 0 * wide), do)
+        found = np.broadcast_to(found, (*found.shape[:-1], rows * n))
+        found = found.reshape(6, found.shape[1], n, rows)
+        do.see(rows, float)
+        return np.moveaxis(found, 2, 1).reshape(6 * n, -1, rows)
+
+    def kinetic_energy(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """½ m ṙ² + ½ ωᵀ J ω (1, K, R)."""
+        m, bodies = self._bodies(code, x, state, do)
+        total: Array = np.zeros((1, 1))
+        for b, body in enumerate(bodies):
+            R = m.rotations[b + 1]
+            moving = body.mass * (body.velocity**2).sum(axis=0) / 2
+            turning = (body.omega * turned(body.tensor, body.omega)).sum(axis=0) / 2
+            at_origin = body.velocity - crossed(body.omega, body.offset)
+            total = total + do.result("½ m ṙ²", b, moving, {
+                "taken with the velocity of the link origin": lambda: body.mass * (at_origin**2).sum(axis=0) / 2,
+            })  # fmt: skip
+            total = total + do.result("½ ωᵀ J ω", b, turning, {
+                "taken with ω in world axes and J in link axes": lambda: (
+                    (body.omega * turned(x.tensors[b], body.omega)).sum(axis=0) / 2 + 0 * R[0, 0]
+                ),
+                "taken with J about the link origin": lambda: (
+                    turning + body.mass * (crossed(body.omega, body.offset) ** 2).sum(axis=0) / 2
+                ),
+            })  # fmt: skip
+        return stacked([total])
+
+    def potential_energy(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        """−m gᵀ r (1, K, R)."""
+        m, bodies = self._bodies(code, x, state, do)
+        g = turned(m.rotations[0], x.gravity)
+        total: Array = np.zeros((1, 1))
+        for b, body in enumerate(bodies):
+            weight = body.mass * x.weight[b]
+            total = total + do.result("m g h", b, -weight * (g * body.center).sum(axis=0), {
+                "taken of the link origin": lambda: -weight * (g * (body.center - body.offset)).sum(axis=0),
+                "taken with the length of r, not its height": lambda: (
+                    weight * np.sqrt((g * g).sum(axis=0) * (body.center**2).sum(axis=0))
+                ),
+            })  # fmt: skip
+        return stacked([total])
+
+    def _bodies(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> tuple[Motions, list[MovingBody]]:
+        m = motions(code, x, state, do, self.base)
+        bodies = []
+        for b, inside in enumerate(code.inside):
+            R, before, c, J = m.rotations[b + 1], m.rotations[inside], x.centers[b], x.tensors[b]
+            Rt = np.swapaxes(R, 0, 1)
+            offset = do.result("c in world axes", b, turned(R, c), {
+                NOT_TURNED: lambda: c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, c),
+                WITH_THE_INSIDE: lambda: turned(before, c),
+            })  # fmt: skip
+            tensor = do.result("the tensor in world axes", b, times(times(R, J), Rt), {
+                NOT_TURNED: lambda: J + 0 * R, WRONG_WAY: lambda: times(times(Rt, J), R),
+                "taken as R J, the second R missing": lambda: times(R, J),
+            })  # fmt: skip
+            w = m.omegas[b + 1]
+            swing = do.result("ω × c in the velocity of the center of mass", b, crossed(w, offset))
+            origin = do.result("the place of the link origin", b, m.origins[b + 1])
+            mass = do.result("the mass", b, x.masses[b], {"taken as 1 kg": lambda: 1.0 + 0 * x.masses[b]})
+            bodies.append(
+                MovingBody(mass, offset, origin + offset, m.velocities[b + 1] + swing, tensor, w + 0 * offset)
+            )
+        return m, bodies
+
+    def _mean(self, vectors: list[Array], bodies: list[MovingBody], do: Operations) -> Array:
+        """The mean of vectors of the bodies, with their masses as weights."""
+        parts, masses = [], []
+        for b, (vector, body) in enumerate(zip(vectors, bodies, strict=True)):
+            parts.append(do.result("the share in the sum of m r", b, body.mass * vector))
+            masses.append(do.result("the share in the whole mass", b, body.mass))
+        mean: Array = sum(parts[1:], parts[0]) / sum(masses[1:], masses[0])
+        return mean
+
+    def _ordered(self, answer: Array) -> Array:
+        return np.roll(answer, 3, axis=0) if self.chosen["order"] == "angular first" else answer

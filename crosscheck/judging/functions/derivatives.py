@@ -1,0 +1,110 @@
+"""Functions that follow from the torques of a code: joint wrenches, power, derivatives by differences of high order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torque_recursion, turned, wrenches
+from crosscheck.judging.functions.motions import flat, motions, stacked
+from crosscheck.judging.slips.operations import Operations
+from crosscheck.quantities.measures import Chosen
+from graphdyn import Placement
+from graphdyn.layout import Array
+
+TURNS = 2 * np.pi * np.arange(1, 7) / 7
+TURN_WEIGHTS = 2 / 7 * sum(k * np.sin(k * TURNS) for k in (1, 2, 3))
+"""The slope of a trigonometric polynomial of the third degree from its values at seven angles, the first of weight
+zero: forces and torques are no higher ones in the position of a hinge."""
+
+OFFSETS = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
+OFFSET_WEIGHTS = np.array([-1, 9, -45, 45, -9, 1]) / 60
+"""The slope of a polynomial of the sixth degree: they are of the second in velocities and positions of slides.
+Fornberg, "Generation of finite difference formulas on arbitrarily spaced grids", Mathematics of Computation 51(184),
+1988."""
+
+Answering = Callable[[DynamicsCode, Numbers, State], Array]
+"""(code, numbers (…, K, 1), q, v, a (n, K or 1, R)) → (D, K, R)."""
+
+
+def power(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+    return torque_recursion(code, x, state) * state[1]
+
+
+@dataclass(frozen=True, eq=False)
+class JointWrenches:
+    """Forces and moments of the joints about the link origins (6 n, K, R).
+
+    base: of the ground in the world; chosen: the conventions that a code follows
+    """
+
+    base: Placement
+    chosen: Chosen
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        parts = wrenches(code, x, state)
+        if self.chosen.get("actuator") == "left out":
+            for j, slides in enumerate(code.prismatic):
+                part = parts[0 if slides else 1]
+                part[j] = part[j] - x.axes[j] * (part[j] * x.axes[j]).sum(axis=0)
+        forces, moments = parts
+        if self.chosen.get("axes") == "world":
+            turns = motions(code, x, state, do, self.base).rotations[1:]
+            forces, moments = ([turned(R, y) for R, y in zip(turns, part, strict=True)] for part in parts)
+        sign = -1.0 if self.chosen.get("acts on") == "the inside body" else 1.0
+        halves = (moments, forces) if self.chosen.get("order") == "angular first" else (forces, moments)
+        return sign * stacked(flat(vector for pair in zip(*halves, strict=True) for vector in pair))
+
+    def usual(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
+        return self(code, x, state, Operations([], state[0].shape[-1]))
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """Of a function in q, v or a; the last index is that of the joint.
+
+    of: the function; by: the argument
+    """
+
+    of: Answering
+    by: Literal["q", "v", "a"]
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        n, rows = state[0].shape[0], state[0].shape[-1]
+        hinge = np.array([self.by == "q" and not slides for slides in code.prismatic])[:, None]
+        steps, weights = np.where(hinge, TURNS, OFFSETS), np.where(hinge, TURN_WEIGHTS, OFFSET_WEIGHTS)
+        count = len(OFFSETS)
+        moved = [np.repeat(y[..., None, :], n * count, axis=-2) for y in state]
+        place = "qva".index(self.by)
+        moved[place] = moved[place] + (np.eye(n)[..., None] * steps).reshape(n, 1, n * count, 1)
+        q, v, a = (y.reshape(*y.shape[:-2], -1) for y in moved)
+        found = self.of(code, x, (q, v, a))
+        found = np.broadcast_to(found, (*found.shape[:2], n * count * rows))
+        slopes = np.einsum("dkjcr,jc->djkr", found.reshape(*found.shape[:2], n, count, rows), weights)
+        return np.asarray(slopes.reshape(-1, *slopes.shape[2:]))
+
+
+@dataclass(frozen=True)
+class AccelerationDerivative:
+    """∂a/∂q or ∂a/∂v at given torques: −M⁻¹ ∂τ/∂q at the accelerations that belong to them (n n, K, R)."""
+
+    by: Literal["q", "v"]
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        q, v, tau = state
+        n = len(q)
+        still = torque_recursion(code, x, (q, v, 0 * q))
+        free = replace(x, gravity=0 * x.gravity)
+        columns = [torque_recursion(code, free, (q, 0 * v, unit[:, None, None] + 0 * q)) for unit in np.eye(n)]
+        mass = np.moveaxis(np.stack(np.broadcast_arrays(*columns), axis=1), (0, 1), (-2, -1))  # (K, R, n, n)
+        rest = np.moveaxis(np.broadcast_to(tau - still, (n, *mass.shape[:2])), 0, -1)
+        singular = np.linalg.slogdet(mass)[0] == 0
+        mass = np.where(singular[..., None, None], np.nan, mass)
+        a = np.moveaxis(np.linalg.solve(mass, rest[..., None])[..., 0], -1, 0)
+        slopes = Derivative(torque_recursion, self.by)(code, x, (q, v, a), do)
+        slopes = np.moveaxis(slopes.reshape(n, n, *slopes.shape[1:]), (0, 1), (-2, -1))
+        found = np.moveaxis(-np.linalg.solve(mass, slopes), (-2, -1), (0, 1))
+        return np.asarray(found.reshape(n * n, *found.shape[2:]))

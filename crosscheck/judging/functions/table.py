@@ -1,0 +1,62 @@
+"""The functions of the judge that can be computed for many codes at once, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from crosscheck.judging.faults.recursion import torque_recursion
+from crosscheck.judging.functions.bodies import BodySums
+from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, JointWrenches, power
+from crosscheck.judging.functions.frames import FrameFormulations
+from crosscheck.judging.slips.operations import Formulation
+from crosscheck.quantities.measures import Chosen
+from graphdyn import RobotModel
+
+OfFrame = Callable[[FrameFormulations], tuple[Formulation, ...]]
+OfBodies = Callable[[BodySums], tuple[Formulation, ...]]
+
+FRAMES: Mapping[str, OfFrame] = {
+    "frame_placement": lambda x: (x.placement,),
+    "frame_jacobian": lambda x: (x.jacobian,),
+    "frame_jacobian_derivative": lambda x: (x.rates,),
+    "frame_velocity": lambda x: (x.velocity,),
+    "frame_acceleration": lambda x: (x.acceleration,),
+}
+
+BODIES: Mapping[str, OfBodies] = {
+    "center_of_mass": lambda x: (x.center,),
+    "center_of_mass_velocity": lambda x: (x.velocity,),
+    "center_of_mass_jacobian": lambda x: (x.jacobian,),
+    "momentum": lambda x: (x.momentum,),
+    "centroidal_map": lambda x: (x.centroidal_map,),
+    "kinetic_energy": lambda x: (x.kinetic_energy,),
+    "potential_energy": lambda x: (x.potential_energy,),
+}
+
+TORQUES: Mapping[str, Formulation] = {
+    "power": power,
+    "dtau_dq": Derivative(torque_recursion, "q"),
+    "dtau_dv": Derivative(torque_recursion, "v"),
+    "da_dq": AccelerationDerivative("q"),
+    "da_dv": AccelerationDerivative("v"),
+}
+
+NO_SLIPS = {"power", "dtau_dq", "dtau_dv", "da_dq", "da_dv", "joint_wrenches"}
+"""Functions whose operations are not open to slips here."""
+
+OF_TORQUES = {"dtau_dq", "dtau_dv", "da_dq", "da_dv", "power"}
+"""Functions that show what a joint adds to the torques, such as friction."""
+
+
+def formulations_of(name: str, model: RobotModel, frame: str | None, chosen: Chosen) -> tuple[Formulation, ...]:
+    """The ways to write a function, the first without slips; none for functions that are not known here."""
+    if name in FRAMES and frame is not None and model.frame(frame).body > 0:
+        return FRAMES[name](FrameFormulations(model.frame(frame), model.base, chosen))
+    if name in BODIES:
+        return BODIES[name](BodySums(model.base, chosen))
+    wrenches = JointWrenches(model.base, chosen)
+    if name == "joint_wrenches":
+        return (wrenches,)
+    if name.startswith("dwrenches_d"):
+        return (Derivative(wrenches.usual, name[-1]),)  # type: ignore[arg-type]
+    return (TORQUES[name],) if name in TORQUES else ()

@@ -1,0 +1,131 @@
+"""The search for the fault of a function of motion, momentum or energy: the same faults, put into that function."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from crosscheck.judging.faults.catalog import families, faults
+from crosscheck.judging.faults.fault import CodeFault, named
+from crosscheck.judging.faults.file_reading import FileFaults
+from crosscheck.judging.faults.link_mistakes import mistakes
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
+from crosscheck.judging.functions.table import NO_SLIPS, formulations_of
+from crosscheck.judging.observing.observation import Observation
+from crosscheck.judging.searching.parameters import with_parameters
+from crosscheck.judging.searching.search import Catalog
+from crosscheck.judging.slips.operations import Formulation, Operations
+from crosscheck.judging.states import JudgedStates
+from crosscheck.quantities import Quantity
+from crosscheck.quantities.measures import Chosen
+from graphdyn.layout import BODY_DOF, Array
+
+LINEAR = ("kinetic_energy", "potential_energy", "joint_wrenches", "power", "dtau_", "dwrenches_")
+"""Beginnings of the names of functions that are linear in the inertial parameters."""
+
+PROBED_STATES = 2
+"""Number of states at which it is found out which numbers a function depends on."""
+
+PROBE = 1e-3
+"""Relative change of a number that shows whether a function depends on it."""
+
+
+@dataclasses.dataclass(frozen=True)
+class RightRecursion:
+    """A formulation without slips."""
+
+    formulation: Formulation
+
+    def __call__(self, code: DynamicsCode, numbers: Numbers, state: State) -> Array:
+        """The answers (D, K, R)."""
+        return self.formulation(code, numbers, state, Operations([], state[0].shape[-1]))
+
+
+def catalog_of(known: Quantity, states: JudgedStates, chosen: Chosen, of_file: FileFaults) -> Catalog | None:
+    """What may be wrong with a function; None for one that is not known here."""
+    model = states.model
+    forms = formulations_of(known.name, model, states.frame, chosen)
+    if not forms:
+        return None
+    own = dataclasses.replace(DynamicsCode.of(model), recursion=RightRecursion(forms[0]))
+    shown = _shown(own, state_of(known, states.trial.rows(np.arange(PROBED_STATES))))
+    takes_torques = "tau" in known.arguments
+    is_linear = known.name.startswith(LINEAR)
+
+    def relevant(fault: CodeFault) -> bool:
+        changed = fault.change(own, fault.right if fault.starts is None else fault.starts[-1])
+        if changed.answers or (takes_torques and changed.arguments):
+            return False
+        return bool(changed.arguments) or any(
+            getattr(changed.numbers, name) is not getattr(own.numbers, name) for name in shown
+        )
+
+    tried = [*faults(model), *of_file.faults, *([] if is_linear else _of_links(own, of_file))]
+    fitted = [*families(model)]
+    slips = () if known.name in NO_SLIPS or known.name.startswith("dwrenches") else forms
+    return Catalog(own, list(filter(relevant, tried)), list(filter(relevant, fitted)), of_file.links, slips, is_linear)
+
+
+def _shown(own: DynamicsCode, state: State) -> set[str]:
+    """The names of the numbers that a function depends on."""
+    fields = [field.name for field in dataclasses.fields(Numbers)]
+    rng = np.random.default_rng(0)
+    codes = [own]
+    for name in fields:
+        right = getattr(own.numbers, name)
+        codes.append(own.but(**{name: right + PROBE * (1 + np.abs(right)) * rng.uniform(0.5, 1, right.shape)}))
+    answers = torques_of(codes, state)
+    return {name for name, answer in zip(fields, answers[1:], strict=True) if not np.array_equal(answer, answers[0])}
+
+
+def _of_links(own: DynamicsCode, of_file: FileFaults) -> Iterator[CodeFault]:
+    """Mistakes in the inertial parameters of every link, and of each."""
+    links = of_file.links
+    sets = [[k] for k in range(len(links))] + ([list(range(len(links)))] if len(links) > 1 else [])
+    for mistake in mistakes():
+        differences = mistake.differences(links)
+        if not np.isfinite(differences).all():
+            continue
+        for members in sets:
+            some = [k for k in members if differences[k].any()]
+            if not some or (len(members) > 1 and len(some) == 1):
+                continue
+            who = "every link" if len(members) > 1 else named("link", [links[k].name for k in members])
+            change = with_parameters(own, [(links[k].body, differences[k]) for k in some])
+            if change is not None:
+                size = 1 if len(members) == 1 else 2
+                yield CodeFault.of(mistake.kind, mistake.message.format(who=who), mistake.remedy, change, size)
+
+
+def state_of(known: Quantity, states: JudgedStates) -> State:
+    """q, v, and a or the torques (R, n)."""
+    return states.q, states.v, states.tau if "tau" in known.arguments else states.a
+
+
+def observed(known: Quantity, answer: Array, states: JudgedStates, chosen: Chosen, part: str) -> Observation:
+    """The answers (N, …) as rows, relative to the largest numbers of graphdyn, of each half where there are two.
+
+    Potential energies from any zero are taken less that of the first state.
+    """
+    size, rows = len(states.q), np.arange(len(states.q))
+    ours = known.of_graphdyn(states, chosen)
+    scale = np.ones(ours.shape[1:])
+    for half in _halves(known):
+        largest = float(np.abs(ours[(slice(None), *half)]).max())
+        scale[half] = largest or 1.0
+    given, less = answer.reshape(size, -1), np.full(size, -1)
+    if chosen.get("zero") == "elsewhere":
+        given, less = given - given[0], np.zeros(size, dtype=np.intp)
+    scales = np.broadcast_to(scale.ravel(), given.shape)
+    return Observation(state_of(known, states), rows, less, given / scales, scales, np.full(size, part))
+
+
+def _halves(known: Quantity) -> Sequence[tuple[slice, ...]]:
+    """Places of the linear and the angular half, or of all numbers."""
+    if BODY_DOF not in known.shape:
+        return [tuple(slice(None) for _ in known.shape)]
+    axis = known.shape.index(BODY_DOF)
+    before = tuple(slice(None) for _ in range(axis))
+    return [(*before, slice(0, 3)), (*before, slice(3, 6))]
