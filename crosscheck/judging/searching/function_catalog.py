@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from crosscheck.judging.faults.catalog import families, faults
-from crosscheck.judging.faults.fault import CodeFault, named
+from crosscheck.judging.faults.fault import NO_NUMBERS, CodeFault, named
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
@@ -27,6 +27,15 @@ LINEAR = ("kinetic_energy", "potential_energy", "joint_wrenches", "power", "dtau
 
 PROBED_STATES = 2
 """Number of states at which it is found out which numbers a function depends on."""
+
+EQUAL_ANSWERS = 1e-14
+"""Relative difference below which a fault changes nothing."""
+
+EQUAL_DIGITS = 11
+"""Number of digits that agree in answers of faults that a function cannot tell apart."""
+
+EQUAL_ANSWERS = 1e-13
+"""Relative difference below which two answers are one."""
 
 PROBE = 1e-3
 """Relative change of a number that shows whether a function depends on it."""
@@ -65,7 +74,24 @@ def catalog_of(known: Quantity, states: JudgedStates, chosen: Chosen, of_file: F
     tried = [*faults(model), *of_file.faults, *([] if is_linear else _of_links(own, of_file))]
     fitted = [*families(model)]
     slips = () if known.name in NO_SLIPS or known.name.startswith("dwrenches") else forms
-    return Catalog(own, list(filter(relevant, tried)), list(filter(relevant, fitted)), of_file.links, slips, is_linear)
+    tried = _differing(own, list(filter(relevant, tried)), state_of(known, states.trial.rows(np.arange(1))))
+    return Catalog(own, tried, list(filter(relevant, fitted)), of_file.links, slips, is_linear)
+
+
+def _differing(own: DynamicsCode, among: Sequence[CodeFault], state: State) -> list[CodeFault]:
+    """Those that change something, one of each kind that give the same answers: a function that takes no velocities
+    cannot tell the sign of a velocity from that of a motion."""
+    answers = torques_of([own, *(fault.change(own, NO_NUMBERS) for fault in among)], state)[:, 0]
+    size = np.abs(answers[0]).max() or 1.0
+    kept: list[CodeFault] = []
+    known: dict[str, list[Array]] = {}
+    for fault, answer in zip(among, answers[1:], strict=True):
+        (said,) = fault.say(NO_NUMBERS)
+        alike = known.setdefault(said.kind, [answers[0]])
+        if not (np.abs(np.array(alike) - answer).max(axis=1) <= EQUAL_ANSWERS * size).any():
+            alike.append(answer)
+            kept.append(fault)
+    return kept
 
 
 def _shown(own: DynamicsCode, state: State) -> set[str]:

@@ -144,7 +144,8 @@ class Search:
 
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
-        known = [*self._catalog.faults, *self._from_answers(base)]
+        of_torques = self.own.recursion is None
+        known = [*self._catalog.faults, *(self._from_answers(base) if of_torques else ())]
         left = root_mean_square(self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known]))
         kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
         fits = fitted(self._catalog.families, base.code, self._fitted, self.noise)
@@ -265,7 +266,7 @@ class Search:
 
     def _from_answers(self, base: Explanation) -> list[CodeFault]:
         judged = self.judged
-        if judged is None or (judged.less >= 0).any() or self.own.recursion is not None:
+        if judged is None or (judged.less >= 0).any():
             return []
         found = list(limits(self.model, np.concatenate([self.experiments.torques(), judged.torques()])))
         only_moving = base.experiments[base.parts != "velocity"].max(initial=0.0) <= self.bound

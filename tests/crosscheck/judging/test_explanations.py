@@ -14,10 +14,10 @@ from crosscheck.judging.searching.fitting import _least_squares
 from crosscheck.judging.searching.search import Explanation, Search, _differing, _of_states, firsts, preference
 from crosscheck.judging.verdicts.diagnosis import (
     _distinct,
-    _explained,
     _no_worse,
     _tilt,
     evidence_of,
+    explained,
     merged,
     precision_said,
     same_code,
@@ -266,7 +266,7 @@ def test_the_smallest_of_those_that_fit_as_well_and_the_others(own, ur5):
             for k, (name, size, left) in enumerate(zip(names, (1, 1, 2, 3), lefts, strict=True))
             if left is not None
         ]
-        (diagnosis,) = _explained(deviation, search, found, "seen")
+        (diagnosis,) = explained(deviation.function, search, found, "seen")
         return diagnosis.message, diagnosis.also, diagnosis.status
 
     assert told([1e-10] * 4) == ("alike", ("small", "one more"), "confirmed")
