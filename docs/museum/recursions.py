@@ -12,7 +12,7 @@ BOTH = ("arm", "ur5")
     2021,
     "petercorke/robotics-toolbox-python/issues/266",
     "petercorke/robotics-toolbox-python/pull/268",
-    truth="not turned|ω̇ × r",
+    truth="not turned|turned but for|ω̇ × r",
     robots=BOTH,
 )
 def acceleration_turned_in_part(path):
@@ -29,7 +29,7 @@ def acceleration_turned_in_part(path):
     "Robotics Toolbox for Python",
     2023,
     "petercorke/robotics-toolbox-python/issues/404",
-    truth="c × f|r × f|arm of the force",
+    truth="c × F|r × f|arm of the force",
     robots=BOTH,
 )
 def arm_of_the_force_of_another_point(path):

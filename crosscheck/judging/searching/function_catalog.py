@@ -81,13 +81,14 @@ def catalog_of(known: Quantity, states: JudgedStates, chosen: Chosen, of_file: F
 def _differing(own: DynamicsCode, among: Sequence[CodeFault], state: State) -> list[CodeFault]:
     """Those that change something, one of each kind that give the same answers: a function that takes no velocities
     cannot tell the sign of a velocity from that of a motion."""
+    said_of = {fault: next(iter(fault.say(NO_NUMBERS))) for fault in among}
+    among = sorted(among, key=lambda fault: (said_of[fault].size, said_of[fault].message))
     answers = torques_of([own, *(fault.change(own, NO_NUMBERS) for fault in among)], state)[:, 0]
     size = np.abs(answers[0]).max() or 1.0
     kept: list[CodeFault] = []
     known: dict[str, list[Array]] = {}
     for fault, answer in zip(among, answers[1:], strict=True):
-        (said,) = fault.say(NO_NUMBERS)
-        alike = known.setdefault(said.kind, [answers[0]])
+        alike = known.setdefault(said_of[fault].kind, [answers[0]])
         if not (np.abs(np.array(alike) - answer).max(axis=1) <= EQUAL_ANSWERS * size).any():
             alike.append(answer)
             kept.append(fault)

@@ -25,6 +25,9 @@ from graphdyn.model import parallel_axis
 RANK_SHARE = 1e-10
 """Part of the largest singular value below which torques do not depend on a combination of parameters."""
 
+MIN_ANSWERS_PER_PARAMETER = 1.5
+"""Numbers of answers for each combination of parameters that shows, below which a fit proves nothing."""
+
 WHOLE_NUMBER_TOLERANCE = 1e-5
 """Distance of a coefficient from 0 or 1 within which a link has a mistake or not."""
 
@@ -54,7 +57,8 @@ class OtherParameters:
         self._map = (s[known, None] * vt[known]) * self._size  # coordinates of a difference of parameters (rank, 13 n)
         self._target = u[:, known].T @ target
         self._largest = bound * np.sqrt(len(target))
-        self.fits = bool(np.abs(target - u[:, known] @ self._target).max(initial=0.0) <= bound)
+        enough = len(target) >= MIN_ANSWERS_PER_PARAMETER * self.rank
+        self.fits = enough and bool(np.abs(target - u[:, known] @ self._target).max(initial=0.0) <= bound)
 
     def explained_by(self, difference: Array) -> bool:
         """Whether a difference of all parameters (13 n,) gives the answers, nearly: to be verified."""

@@ -8,6 +8,10 @@ Modeling, Planning and Control", section 7.5.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from itertools import combinations
+
 import numpy as np
 
 from crosscheck.judging.faults.recursion import (
@@ -41,6 +45,8 @@ CENTER_FORCE = "the moment c × F of the link's force"
 PASSED_FORCE, PASSED_MOMENT = "f of the outer link, passed on,", "n of the outer link, passed on,"
 ARM_FORCE = "the moment r × f of the outer link's force"
 TORQUE_ALONG_AXIS = "the torque p · n, or p · f where it slides,"
+AT_THE_BASE = "gravity, as an acceleration of the base,"
+WHOLE_ACCELERATION = "the whole acceleration of the joint"
 
 
 def link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
@@ -56,8 +62,13 @@ def link_axes_weights(code: DynamicsCode, x: Numbers, state: State, do: Operatio
 def _link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations, apart: bool) -> Array:
     q, v, a = state
     zero = np.zeros((3, 1, 1))
-    omega, alpha = [zero], [zero]
-    linear, gravity = [zero if apart else -x.gravity], [x.gravity if apart else zero]
+    omega = [zero]
+    pulled = zero if apart else -x.gravity
+    nothing = 0 * pulled
+    at_base = do.result(AT_THE_BASE, 0, np.stack([nothing, pulled]), {
+        "taken as an angular acceleration": lambda: np.stack([pulled, nothing]),
+    })  # fmt: skip
+    alpha, linear, gravity = [at_base[0]], [at_base[1]], [x.gravity if apart else zero]
     moved_name = "the acceleration, without gravity," if apart else "the acceleration of the inside link's origin"
     turns: list[Array] = []
     arms: list[Array] = []
@@ -109,41 +120,81 @@ def _link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations, apa
         slide = p * v[j] if slides else 0.0 * p
         sliding = do.result(SLIDING, j, 2 * crossed(carried, slide), {INSIDE_UNTURNED: lambda: 2 * crossed(w, slide)})
         driven = do.result("q̈ p of sliding joints in the acceleration", j, p * a[j] if slides else 0.0 * p)
-        moved_in = do.outward("the whole acceleration of the joint", j, turn, moved)
+        parts = {"that of the inside link": alone, "ω̇ × r": tangential, "ω × (ω × r)": moved - alone - tangential}
+        in_part = {
+            f"turned but for {' and '.join(left)}": partial(_turned_in_part, turn, parts, left)
+            for size in (1, 2) for left in combinations(parts, size)
+        }  # fmt: skip
+        whole: dict[str, Callable[[], Array]] = {
+            NOT_TURNED: lambda: 1.0 * moved,
+            WRONG_WAY: lambda: turned(turn, moved),
+        }
+        moved_in = do.result(WHOLE_ACCELERATION, j, turned_back(turn, moved), {**whole, **in_part})
         linear.append(moved_in + sliding + driven)
         gravity.append(do.outward("gravity", j, turn, gravity[inside]))
         body = x.masses[j], x.centers[j], x.centers[j], x.tensors[j]
-        _add_body(j, inside, body, do, (omega, alpha, linear, gravity), (forces, moments))
+        outer = [k for k, number in enumerate(code.inside) if number == j + 1]
+        beyond = x.translations[outer[0]] if outer else zero
+        _add_body(j, inside, body, do, (omega, alpha, linear, gravity), (forces, moments), beyond)
         turns.append(turn)
         arms.append(r)
     tau = []
     for j in reversed(range(len(code.inside))):
+        f, n, turn, r = forces[j], moments[j], turns[j], arms[j]
         tau.append(
-            do.result(TORQUE_ALONG_AXIS, j, (x.axes[j] * (forces[j] if code.prismatic[j] else moments[j])).sum(axis=0))
+            _along_axis(j, (x.axes[j], x.rotations[j], x.translations[j]), (turn, r), (f, n), code.prismatic[j], do)
         )
         i = code.inside[j] - 1
         if i < 0:
             continue
-        f, n, turn, r = forces[j], moments[j], turns[j], arms[j]
-        whole = do.inward("f of the outer link", j, turn, f)
-        passed = do.result(PASSED_FORCE, j, whole, {
-            NOT_TURNED: lambda: f + 0 * whole, WRONG_WAY: lambda: turned_back(turn, f),
+        outer_force = do.inward("f of the outer link", j, turn, f)
+        passed = do.result(PASSED_FORCE, j, outer_force, {
+            NOT_TURNED: lambda: f + 0 * outer_force, WRONG_WAY: lambda: turned_back(turn, f),
         })  # fmt: skip
         own = forces[i]
         others = {
             "taken with f not turned": lambda: crossed(r, f),
             "taken with f turned the wrong way": lambda: crossed(r, turned_back(turn, f)),
             "taken with the force of the inside link": lambda: crossed(r, own),
-            "taken with the forces of both links": lambda: crossed(r, own + whole),
-            "taken with c, not r": lambda: crossed(x.centers[i], whole),
+            "taken with the forces of both links": lambda: crossed(r, own + outer_force),
+            "taken with c, not r": lambda: crossed(x.centers[i], outer_force),
             "turned too early": lambda: turned(turn, crossed(r, f)),
             "taken with r turned, f not": lambda: crossed(turned(turn, r), f),
         }
         forces[i] = own + passed
         moments[i] = (
-            moments[i] + do.inward(PASSED_MOMENT, j, turn, n) + do.result(ARM_FORCE, j, crossed(r, whole), others)
+            moments[i] + do.inward(PASSED_MOMENT, j, turn, n) + do.result(ARM_FORCE, j, crossed(r, outer_force), others)
         )
     return np.stack(np.broadcast_arrays(*reversed(tau)))
+
+
+def _turned_in_part(turn: Array, parts: Mapping[str, Array], left: Sequence[str]) -> Array:
+    """A sum of accelerations turned into the link, but for those that are left as they are."""
+    done = [part if name in left else turned_back(turn, part) for name, part in parts.items()]
+    return sum(done[1:], done[0])
+
+
+def _along_axis(
+    j: int,
+    joint: tuple[Array, Array, Array],
+    place: tuple[Array, Array],
+    wrench: tuple[Array, Array],
+    slides: bool,
+    do: Operations,
+) -> Array:
+    """The torque of a joint. joint: axis, rotation and translation; place: of the link; wrench: force and moment."""
+    (p, rotation, translation), (turn, r), (f, n) = joint, place, wrench
+    fixed, vector = turned_back(rotation, translation), f if slides else n
+    return do.result(TORQUE_ALONG_AXIS, j, (p * vector).sum(axis=0), {
+        "taken with p turned by the joint's rotation": lambda: (turned(rotation, p) * vector).sum(axis=0),
+        "taken with p turned into the inside link": lambda: (turned(turn, p) * vector).sum(axis=0),
+        "taken about the origin of the inside link": lambda: (
+            p * (f if slides else n + crossed(turned_back(turn, r), f))
+        ).sum(axis=0),
+        "taken about the origin of the inside link, its arm not turned by q": lambda: (
+            p * (f if slides else n + crossed(fixed, f))
+        ).sum(axis=0),
+    })  # fmt: skip
 
 
 Motions = tuple[list[Array], list[Array], list[Array], list[Array]]
@@ -157,9 +208,10 @@ def _add_body(
     do: Operations,
     motions: Motions,
     wrenches: tuple[list[Array], list[Array]],
+    beyond: Array | None = None,
 ) -> None:
     """Adds force and moment about its link origin, of the last link. body: mass, center in the accelerations and
-    in the moment, tensor"""
+    in the moment, tensor; beyond: from its link origin to the next joint"""
     omega, alpha, linear, gravity = motions
     mass, c, lever, tensor = body
     w, dw = omega[-1], alpha[-1]
@@ -179,11 +231,13 @@ def _add_body(
         "taken with ω of the inside link": lambda: crossed(w_i, turned(tensor, w_i)),
         "taken as ω × ω, without J": lambda: 0.0 * spun,
         "taken as J (ω × ω̇)": lambda: turned(tensor, crossed(w, dw)),
+        "taken as ω × J ω₁, with ω of the first link": lambda: crossed(w, turned(tensor, omega[1])),
     })  # fmt: skip
     euler = do.result(EULER, j, turned(tensor, dw), {OF_THE_INSIDE.format("ω̇"): lambda: turned(tensor, dw_i)})
-    turning = do.result(CENTER_FORCE, j, crossed(lever, force), {
-        "taken with the acceleration of the link origin": lambda: crossed(lever, mass * a_o - weight),
-    })  # fmt: skip
+    others = {"taken with the acceleration of the link origin": lambda: crossed(lever, mass * a_o - weight)}
+    if beyond is not None:
+        others["taken with r to the next joint, not c"] = lambda: crossed(beyond, force)
+    turning = do.result(CENTER_FORCE, j, crossed(lever, force), others)
     wrenches[0].append(force)
     wrenches[1].append(euler + gyroscopic + turning)
 

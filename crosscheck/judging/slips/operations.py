@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -92,7 +93,10 @@ class Operations:
 
     def slips(self) -> Iterator[Slip]:
         """All slips of the operations that were done: at every joint, and at each of them."""
-        everywhere = dict.fromkeys((operation, way) for (operation, _), ways in self.ways.items() for way in ways)
+        places = Counter(operation for operation, _ in self.ways)
+        everywhere = dict.fromkeys(
+            (operation, way) for (operation, _), ways in self.ways.items() for way in ways if places[operation] > 1
+        )
         yield from (Slip(operation, way, None) for operation, way in everywhere)
         for (operation, joint), ways in self.ways.items():
             yield from (Slip(operation, way, joint) for way in ways)

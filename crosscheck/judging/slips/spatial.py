@@ -154,12 +154,18 @@ def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Arr
         bias_w, bias_u = _both(do, "the term v × S q̇ in the acceleration", j, bias, ways)
         dw, du = _moved("accelerations", j, turn, r, accelerations[inside], do)
         dw, du = (dw + bias_w, du + bias_u + push) if slides else (dw + bias_w + push, du + bias_u)
-        accelerations.append((dw, du))
+        still = (dw, du - push) if slides else (dw - push, du)
+        ways = {"taken without S q̈": lambda: still}
+        accelerations.append(_both(do, "the acceleration that is carried on", j, (dw, du), ways))
         n, f = _both(do, "I a", j, _inertia(x, j, (dw, du), do, "the spatial inertia"), {})
         h_n, h_f = _inertia(x, j, (w, u), do, "the spatial inertia")
         right = crossed(w, h_n) + crossed(u, h_f), crossed(w, h_f)
         ways = {
             "taken with ×, that of motions": lambda: (crossed(w, h_n), crossed(w, h_f) + crossed(u, h_n)),
+            "taken with ×* in one half, with × of motions in the other": lambda: (
+                crossed(w, h_n) + crossed(u, h_f) / 2,
+                crossed(w, h_f) + crossed(u, h_n) / 2,
+            ),
             "taken without v × f in its moment": lambda: (crossed(w, h_n), crossed(w, h_f)),
             "taken without ω × n in its moment": lambda: (crossed(u, h_f) + 0 * right[0], crossed(w, h_f)),
             "taken without its force": lambda: (right[0], 0 * right[1]),
