@@ -93,6 +93,11 @@ def rounded(x: float) -> float:
     return float(np.sign(x) * 10.0 ** round(power)) if abs(power - round(power)) < ROUND_NUMBER_TOLERANCE else x
 
 
+def round_factor(x: float) -> float:
+    """The integer next to a factor that was found by least squares, or the factor."""
+    return float(round(x)) if abs(x - round(x)) < ROUND_NUMBER_TOLERANCE else x
+
+
 def is_round(x: float) -> bool:
     """0, ±1, ±2, powers of ten."""
     return x in (0.0, 2.0, -2.0) or float(np.log10(abs(x))).is_integer()
@@ -186,7 +191,8 @@ _NOUN_ENDS = re.compile(r" (?=(?:at|in|of|on) |v\b|v_|ω|\d)")
 
 def factor_said(name: str, factor: float) -> str:
     """What a factor on a term says, rounded to what it is within the accuracy of a fit."""
-    have, are = ("have", "are") if _NOUN_ENDS.split(name)[0].endswith("s") else ("has", "is")
+    noun = _NOUN_ENDS.split(name)[0]
+    have, are = ("have", "are") if noun.endswith("s") and not noun.endswith("axis") else ("has", "is")
     if factor == 0:
         return f"{name} {are} left out"
     if factor == -1:

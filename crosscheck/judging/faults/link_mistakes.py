@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
 from crosscheck.judging.faults.fault import opposite_rotation_from
 from crosscheck.judging.faults.inertials import OTHER_TENSOR_ORDERS, TENSOR_NAMES, TENSOR_POINT_MESSAGES, UPPER_TRIANGLE
-from crosscheck.judging.faults.link_parameters import LinkInertial, Parameters, about_origin, in_body, right
+from crosscheck.judging.faults.link_parameters import (
+    LINK_PARAMETERS,
+    LinkInertial,
+    Parameters,
+    about_origin,
+    in_body,
+    right,
+)
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 from urdf.document import rpy_from_rotation
@@ -37,24 +44,46 @@ class LinkMistake:
         return np.array([in_body(link, self.of(link)) - in_body(link, right(link)) for link in links])
 
 
-def shifted_bodies(links: Sequence[LinkInertial]) -> Iterator[tuple[str, list[LinkInertial | None]]]:
-    """Which link's numbers each link has, where they are those of its neighbors; None: no numbers."""
+SHIFTED_PARTS = {
+    "inertial parameters": ("mass", "center", "axes", "tensor"),
+    "masses": ("mass",),
+    "centers of mass": ("center",),
+    "tensors": ("axes", "tensor"),
+}
+"""What may be that of another link, in words, and the fields."""
+
+
+def shifted_links(links: Sequence[LinkInertial]) -> Iterator[tuple[str, Array]]:
+    """Numbers of each link that are those of its neighbors, or of the links in the opposite order; as differences of
+    the parameters of its body (L, 13)."""
     n = len(links)
-    rows: dict[str, Sequence[int | None]] = {
-        "the inertial parameters of every link are those of the next one": [*range(1, n), None],
-        "the inertial parameters of every link are those of the next one, the last has those of the first": [
-            *range(1, n),
-            0,
-        ],
-        "the inertial parameters of every link are those of the one before, the first has none": [None, *range(n - 1)],
-        "the inertial parameters of every link are those of the one before, the first has those of the last": [
-            n - 1,
-            *range(n - 1),
-        ],
-        "the inertial parameters of the links are in the opposite order": list(range(n))[::-1],
+    places = {
+        "of every link are those of the next one, of the last one those of the first": [*range(1, n), 0],
+        "of every link are those of the one before, of the first one those of the last": [n - 1, *range(n - 1)],
+        "of the links are in the opposite order": list(range(n))[::-1],
     }
-    for message, order in rows.items():
-        yield message, [None if k is None else links[k] for k in order]
+    own = np.array([in_body(link, right(link)) for link in links])
+    for (what, fields), (message, order) in itertools.product(SHIFTED_PARTS.items(), places.items()):
+        taken = [
+            replace(link, **{name: getattr(links[k], name) for name in fields})
+            for link, k in zip(links, order, strict=True)
+        ]
+        yield f"the {what} {message}", np.array([in_body(link, right(link)) for link in taken]) - own
+    without: dict[str, list[int | None]] = {
+        "of every link are those of the next one, the last one has none": [*range(1, n), None],
+        "of every link are those of the one before, the first one has none": [None, *range(n - 1)],
+    }
+    for message, rows in without.items():
+        found = []
+        for link, place in zip(links, rows, strict=True):
+            other = None if place is None else links[place]
+            moved = (
+                None
+                if other is None
+                else replace(other, body=link.body, rotation=link.rotation, translation=link.translation)
+            )
+            found.append(np.zeros(LINK_PARAMETERS) if moved is None else in_body(moved, right(moved)))
+        yield f"the inertial parameters {message}", np.array(found) - own
 
 
 LINK_REMEDY = "compare the numbers of each link with the file: mass, center of mass, tensor about it, and its axes"

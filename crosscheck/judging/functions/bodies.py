@@ -65,23 +65,27 @@ class BodySums:
 
     def momentum(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """Linear, then angular (6, K, R)."""
-        bodies = self._bodies(code, x, state, do)[1]
-        linear = [do.result("m ṙ in the momentum", b, body.mass * body.velocity, {
+        m, bodies = self._bodies(code, x, state, do)
+        linear = [do.result("m ċ in the momentum", b, body.mass * body.velocity, {
             "taken with the velocity of the link origin": lambda: (
                 body.mass * (body.velocity - crossed(body.omega, body.offset))
             ),
-        }) for b, body in enumerate(bodies)]  # fmt: skip
+        }, of="body") for b, body in enumerate(bodies)]  # fmt: skip
         whole = self._mean([body.center for body in bodies], bodies, do)
         if self.chosen["about"] != "the center of mass":
             whole = 0 * whole
         angular = []
         for b, (body, pushed) in enumerate(zip(bodies, linear, strict=True)):
-            spin = do.result("J ω in the angular momentum", b, turned(body.tensor, body.omega))
-            lever = do.result("(r − r_point) × m ṙ in the angular momentum", b, crossed(body.center - whole, pushed), {
+            inside = m.omegas[code.inside[b]]
+            spin = do.result("J ω in the angular momentum", b, turned(body.tensor, body.omega), {
+                "taken with ω of the inside link": lambda: turned(body.tensor, inside) + 0 * body.omega,
+            }, of="body")  # fmt: skip
+            lever = do.result("the moment of momentum (c − c_all) × m ċ", b, crossed(body.center - whole, pushed), {
                 "taken about the world's origin": lambda: crossed(body.center, pushed),
                 "taken of the link origin": lambda: crossed(body.center - body.offset - whole, pushed),
                 "taken with c of the link alone": lambda: crossed(body.offset, pushed),
-            })  # fmt: skip
+                "taken about the origin of the first link": lambda: crossed(body.center - m.origins[1], pushed),
+            }, of="body")  # fmt: skip
             angular.append(spin + lever)
         found = stacked(flat([sum(linear[1:], linear[0]), sum(angular[1:], angular[0])]))
         return self._ordered(found)
@@ -108,9 +112,9 @@ class BodySums:
             moving = body.mass * (body.velocity**2).sum(axis=0) / 2
             turning = (body.omega * turned(body.tensor, body.omega)).sum(axis=0) / 2
             at_origin = body.velocity - crossed(body.omega, body.offset)
-            total = total + do.result("½ m ṙ²", b, moving, {
+            total = total + do.result("½ m ċ²", b, moving, {
                 "taken with the velocity of the link origin": lambda: body.mass * (at_origin**2).sum(axis=0) / 2,
-            })  # fmt: skip
+            }, of="body")  # fmt: skip
             total = total + do.result("½ ωᵀ J ω", b, turning, {
                 "taken with ω in world axes and J in link axes": lambda: (
                     (body.omega * turned(x.tensors[b], body.omega)).sum(axis=0) / 2 + 0 * R[0, 0]
@@ -118,7 +122,7 @@ class BodySums:
                 "taken with J about the link origin": lambda: (
                     turning + body.mass * (crossed(body.omega, body.offset) ** 2).sum(axis=0) / 2
                 ),
-            })  # fmt: skip
+            }, of="body")  # fmt: skip
         return stacked([total])
 
     def potential_energy(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
@@ -133,7 +137,7 @@ class BodySums:
                 "taken with the length of r, not its height": lambda: (
                     weight * np.sqrt((g * g).sum(axis=0) * (body.center**2).sum(axis=0))
                 ),
-            })  # fmt: skip
+            }, of="body")  # fmt: skip
         return stacked([total])
 
     def _bodies(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> tuple[Motions, list[MovingBody]]:
@@ -145,15 +149,17 @@ class BodySums:
             offset = do.result("c in world axes", b, turned(R, c), {
                 NOT_TURNED: lambda: c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, c),
                 WITH_THE_INSIDE: lambda: turned(before, c),
-            })  # fmt: skip
+            }, of="body")  # fmt: skip
             tensor = do.result("the tensor in world axes", b, times(times(R, J), Rt), {
                 NOT_TURNED: lambda: J + 0 * R, WRONG_WAY: lambda: times(times(Rt, J), R),
                 "taken as R J, the second R missing": lambda: times(R, J),
-            })  # fmt: skip
+            }, of="body")  # fmt: skip
             w = m.omegas[b + 1]
-            swing = do.result("ω × c in the velocity of the center of mass", b, crossed(w, offset))
-            origin = do.result("the place of the link origin", b, m.origins[b + 1])
-            mass = do.result("the mass", b, x.masses[b], {"taken as 1 kg": lambda: 1.0 + 0 * x.masses[b]})
+            swing = do.result("ω × c in the velocity of the center of mass", b, crossed(w, offset), {
+                "taken with ω of the inside link": lambda: crossed(m.omegas[inside], offset),
+            }, of="body")  # fmt: skip
+            origin = do.result("the place of the link origin", b, m.origins[b + 1], of="body")
+            mass = do.result("the mass", b, x.masses[b], {"taken as 1 kg": lambda: 1.0 + 0 * x.masses[b]}, of="body")
             bodies.append(
                 MovingBody(mass, offset, origin + offset, m.velocities[b + 1] + swing, tensor, w + 0 * offset)
             )
@@ -163,8 +169,8 @@ class BodySums:
         """The mean of vectors of the bodies, with their masses as weights."""
         parts, masses = [], []
         for b, (vector, body) in enumerate(zip(vectors, bodies, strict=True)):
-            parts.append(do.result("the share in the sum of m r", b, body.mass * vector))
-            masses.append(do.result("the share in the whole mass", b, body.mass))
+            parts.append(do.result("m r in the sum over the bodies", b, body.mass * vector, of="body"))
+            masses.append(do.result("m in the mass of all bodies", b, body.mass, of="body"))
         mean: Array = sum(parts[1:], parts[0]) / sum(masses[1:], masses[0])
         return mean
 

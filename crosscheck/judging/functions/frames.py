@@ -11,7 +11,7 @@ import numpy as np
 
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, times, turned, turned_back
 from crosscheck.judging.functions.motions import Motions, flat, motions, stacked
-from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Frame, Placement
 from graphdyn.layout import Array
@@ -121,12 +121,11 @@ class FrameFormulations:
         R, p, offset = self._placed(m, do)
         b = self.frame.body
         w, dw = m.omegas[b], m.alphas[b]
-        at = b - 1
-        tangential = do.result("the term ω̇ × r of the frame", at, crossed(dw, offset))
-        around = do.result("the term ω × (ω × r) of the frame", at, crossed(w, crossed(w, offset)))
+        tangential = do.result("the term ω̇ × r of the frame", ONCE, crossed(dw, offset))
+        around = do.result("the term ω × (ω × r) of the frame", ONCE, crossed(w, crossed(w, offset)))
         linear, angular = m.accelerations[b] + tangential + around, dw + 0 * p
         g = turned(m.rotations[0], x.gravity)
-        linear = do.result("the acceleration", at, linear, {
+        linear = do.result("the acceleration", ONCE, linear, {
             "taken with gravity added": lambda: linear + g, "taken with gravity subtracted": lambda: linear - g,
         })  # fmt: skip
         u = self._moving(m, offset, do)[0]
@@ -144,12 +143,11 @@ class FrameFormulations:
         """Rotation and place of the frame, and where it is from its link's origin."""
         b, own = self.frame.body, self.frame.placement
         link, t = m.rotations[b], own.translation[:, None, None]
-        at = max(b - 1, 0)
-        offset = do.result("the offset of the frame from its link's origin", at, turned(link, t), {
+        offset = do.result("the offset of the frame from its link's origin", ONCE, turned(link, t), {
             NOT_TURNED: lambda: t + 0 * link[0], WRONG_WAY: lambda: turned_back(link, t),
         })  # fmt: skip
         rf = own.rotation[:, :, None, None]
-        R = do.result("the rotation of the frame", at, times(link, rf), {
+        R = do.result("the rotation of the frame", ONCE, times(link, rf), {
             "taken as that of its link": lambda: link + 0 * rf,
             "taken with that of the frame in its link transposed": lambda: times(link, np.swapaxes(rf, 0, 1)),
         })  # fmt: skip
@@ -158,27 +156,32 @@ class FrameFormulations:
     def _moving(self, m: Motions, offset: Array, do: Operations) -> Twist:
         b = self.frame.body
         w = m.omegas[b]
-        swing = do.result("the term ω × r of the frame's offset", max(b - 1, 0), crossed(w, offset))
+        swing = do.result("the term ω × r of the frame's offset", ONCE, crossed(w, offset))
         return m.velocities[b] + swing, w + 0 * swing
 
     def _read(self, m: Motions, placed: tuple[Array, Array, Array], twist: Twist, do: Operations) -> Twist:
         """A twist at the frame in world axes, in the reference; or one part in another reference."""
         R, p, _ = placed
         linear, angular = twist
-        at = max(self.frame.body - 1, 0)
         ways: dict[str, Callable[[], Array]] = {
-            "taken in local_world_aligned": lambda: linear + 0 * p,
-            "taken in world": lambda: linear - crossed(angular, p),
-            "taken in local": lambda: turned_back(R, linear + 0 * p),
-            "taken in world, moved the wrong way": lambda: linear + crossed(angular, p),
+            "local_world_aligned": lambda: linear + 0 * p,
+            "world": lambda: linear - crossed(angular, p),
+            "local": lambda: turned_back(R, linear + 0 * p),
         }
         turns: dict[str, Callable[[], Array]] = {
-            "taken in world axes": lambda: angular + 0 * p, "taken in local": lambda: turned_back(R, angular + 0 * p),
-            "turned from local to world axes once more": lambda: turned(R, angular + 0 * p),
+            "local_world_aligned or world": lambda: angular + 0 * p,
+            "local": lambda: turned_back(R, angular + 0 * p),
         }  # fmt: skip
-        own = ways[f"taken in {self.chosen['reference']}"]()
-        turned_own = turns["taken in local" if self.chosen["reference"] == "local" else "taken in world axes"]()
-        return do.result("the linear part", at, own, ways), do.result("the angular part", at, turned_own, turns)
+        reference = self.chosen["reference"]
+        in_axes = "local" if reference == "local" else "local_world_aligned or world"
+        mixed = {f"that of '{way}', the angular part that of '{in_axes}'": ways[way] for way in ways}
+        mixed["moved to the world's origin the wrong way"] = lambda: linear + crossed(angular, p)
+        turned_mixed = {f"that of '{way}', the linear part that of '{reference}'": turns[way] for way in turns}
+        turned_mixed["turned from local to world axes once more"] = lambda: turned(R, angular + 0 * p)
+        return (
+            do.result("the linear part", ONCE, ways[reference](), mixed),
+            do.result("the angular part", ONCE, turns[in_axes](), turned_mixed),
+        )
 
     def _rate_read(
         self, m: Motions, placed: tuple[Array, Array, Array], rate: Twist, own: Twist, twist: Twist, do: Operations
@@ -186,12 +189,12 @@ class FrameFormulations:
         """The rate of a twist at the frame in world axes, in the reference. own: the twist; twist: of the frame"""
         R, p, _ = placed
         linear, angular = rate
-        (v, w), at = twist, max(self.frame.body - 1, 0)
+        v, w = twist
         if self.chosen["reference"] == "world":
-            moved = do.result("the term z × ṗ of the reference's point", at, crossed(own[1], v))
+            moved = do.result("the term z × ṗ of the reference's point", ONCE, crossed(own[1], v))
             return linear - crossed(angular, p) - moved, angular + 0 * p
         if self.chosen["reference"] == "local":
-            turning = do.result("the term ω × J of the axes that turn", at, crossed(w, own[0]))
+            turning = do.result("the term ω × J of the axes that turn", ONCE, crossed(w, own[0]))
             return turned_back(R, linear - turning), turned_back(R, angular - crossed(w, own[1]))
         return linear + 0 * p, angular + 0 * p
 

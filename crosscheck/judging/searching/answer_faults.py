@@ -6,13 +6,13 @@ For functions that are not taken apart by experiments into the terms of the equa
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import chain, combinations
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import FaultDescription
+from crosscheck.judging.faults.fault import FaultDescription, factor_said, round_factor
 from crosscheck.judging.functions.table import formulations_of
 from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.states import JudgedStates
@@ -42,6 +42,10 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     """All faults without free numbers."""
     ours = known.of_graphdyn
     yield AnswerFault("sign", "all answers have the opposite sign", "negate them", lambda s, c: -ours(s, c))
+    absolute = "the absolute values of the numbers are given"
+    yield AnswerFault("sign", absolute, "keep their signs", lambda s, c: np.abs(ours(s, c)))
+    positive = "negative numbers are replaced by zero"
+    yield AnswerFault("clipped", positive, "keep them", lambda s, c: np.maximum(ours(s, c), 0.0))
     yield from _layouts(known)
     yield from _other_arguments(known)
     if states.loads is not None:
@@ -155,6 +159,10 @@ def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault
             lambda s, c: np.asarray(np.linalg.inv(known.of_graphdyn(s, c)), dtype=float),
         )  # fmt: skip
         yield AnswerFault(
+            "frame", "the last row is (0, 0, 0, 0), not (0, 0, 0, 1)", "a placement ends with (0, 0, 0, 1)",
+            lambda s, c: np.concatenate([(x := known.of_graphdyn(s, c))[:, :3], 0 * x[:, 3:]], axis=1),
+        )  # fmt: skip
+        yield AnswerFault(
             "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
             lambda s, c: _rotation_transposed(known.of_graphdyn(s, c)),
         )  # fmt: skip
@@ -202,16 +210,18 @@ def _but(model: RobotModel, k: int, **fields: Array | Placement) -> RobotModel:
 def _scaled(known: Quantity, answer: Array, ours: Array, chosen: Chosen) -> Iterator[AnswerFault]:
     """One factor on all answers; one each on the linear and angular parts."""
     remedy = "compare units and formula"
-    factor = _factor(answer, ours)
+    factor = round_factor(_factor(answer, ours))
     message = f"all answers are multiplied by {factor:.6g}" if factor else "all answers are zero"
     yield AnswerFault("unit" if factor else "zero", message, remedy, lambda s, c: factor * known.of_graphdyn(s, c))
     if BODY_DOF in known.shape:
         axis = known.shape.index(BODY_DOF) - len(known.shape)
         halves = (_halves(1.0, 0.0, chosen, axis), _halves(0.0, 1.0, chosen, axis))
-        linear, angular = (_factor(answer * half, ours * half) for half in halves)
+        linear, angular = (round_factor(_factor(answer * half, ours * half)) for half in halves)
         yield AnswerFault(
             "unit",
-            f"the linear part is multiplied by {linear:.6g}, the angular part by {angular:.6g}",
+            "; ".join(
+                factor_said(f"the {name} part", x) for name, x in (("linear", linear), ("angular", angular)) if x != 1
+            ),
             remedy,
             _with_signs(known, linear, angular, axis),
         )
@@ -222,7 +232,8 @@ def _per_joint(known: Quantity, answer: Array, ours: Array, model: RobotModel) -
     for axis, size in enumerate(known.shape, start=1):
         if size != "n":
             continue
-        factors = np.array(list(map(_factor, np.moveaxis(answer, axis, 0), np.moveaxis(ours, axis, 0))))
+        pairs = zip(np.moveaxis(answer, axis, 0), np.moveaxis(ours, axis, 0), strict=True)
+        factors = np.array([round_factor(_factor(theirs, here)) for theirs, here in pairs])
         joints = zip(model.joint_names, factors, strict=True)
         wrong = {name: x for name, x in joints if abs(x - 1) > SIGN_FACTOR_TOLERANCE}
         what = {1: "entries", 2: "row" if axis == 1 else "column"}.get(len(known.shape), "part")
@@ -257,17 +268,35 @@ class FoundFault:
 def answer_fault(
     known: Quantity, answer: Array, states: JudgedStates, declared: Chosen, bound: float
 ) -> FoundFault | None:
-    """The first fault that leaves no more than the bound, by any reading in keeping with the declared conventions."""
-    few = np.arange(len(states.q)) < FIRST_TRIAL_STATES
+    """The first fault without free numbers that leaves no more than the bound, by any reading in keeping with the
+    declared conventions."""
+    for chosen in known.readings(declared):
+        if found := _first(faults(known, states), known, answer, states, chosen, bound):
+            return found
+    return None
+
+
+def factor_fault(
+    known: Quantity, answer: Array, states: JudgedStates, declared: Chosen, bound: float
+) -> FoundFault | None:
+    """The first of factors on all numbers, on halves, or on what belongs to each joint, that leaves no more."""
     for chosen in known.readings(declared):
         ours = known.of_graphdyn(states, chosen)
-        for fault in chain(
-            faults(known, states), _scaled(known, answer, ours, chosen), _per_joint(known, answer, ours, states.model)
-        ):
+        tried = chain(_scaled(known, answer, ours, chosen), _per_joint(known, answer, ours, states.model))
+        if found := _first(tried, known, answer, states, chosen, bound):
+            return found
+    return None
 
-            def left(some: JudgedStates, given: Array, fault: AnswerFault = fault, chosen: Chosen = chosen) -> float:
-                return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
 
-            if left(states.rows(few), answer[few]) <= bound and (rest := left(states, answer)) <= bound:
-                return FoundFault(FaultDescription(fault.kind, fault.message, fault.remedy), rest, chosen)
+def _first(
+    tried: Iterable[AnswerFault], known: Quantity, answer: Array, states: JudgedStates, chosen: Chosen, bound: float
+) -> FoundFault | None:
+    few = np.arange(len(states.q)) < FIRST_TRIAL_STATES
+
+    def left(fault: AnswerFault, some: JudgedStates, given: Array) -> float:
+        return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
+
+    for fault in tried:
+        if left(fault, states.rows(few), answer[few]) <= bound and (rest := left(fault, states, answer)) <= bound:
+            return FoundFault(FaultDescription(fault.kind, fault.message, fault.remedy), rest, chosen)
     return None

@@ -8,15 +8,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import CodeFault, named
-from crosscheck.judging.faults.link_mistakes import LINK_REMEDY, mistakes, shifted_bodies
-from crosscheck.judging.faults.link_parameters import LINK_PARAMETERS, LinkInertial, in_body, right
+from crosscheck.judging.faults.link_mistakes import LINK_REMEDY, mistakes, shifted_links
+from crosscheck.judging.faults.link_parameters import LINK_PARAMETERS, LinkInertial
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
@@ -114,11 +113,10 @@ class OtherParameters:
             if (change := _with(changed)) is not None:
                 size = 1 if len(at) == 1 else 2 if every else 1 + len(at)
                 yield CodeFault.of(mistake.kind, mistake.message.format(who=who), mistake.remedy, change, size)
-        for message, others in shifted_bodies(links):
+        for message, differences in shifted_links(links):
             difference = np.zeros(len(self.ours))
-            for link, other in zip(links, others, strict=True):
-                theirs = np.zeros(LINK_PARAMETERS) if other is None else _placed_as(link, other)
-                difference[_places([link.body])] += theirs - in_body(link, right(link))
+            for link, own in zip(links, differences, strict=True):
+                difference[_places([link.body])] += own
             if self.explained_by(difference) and (change := _with(self.ours + difference)) is not None:
                 yield CodeFault.of("inertial_parameters", message, "assign them by name", change, 1)
 
@@ -188,12 +186,6 @@ MASS_ROUNDING = 1e-12
 
 def _places(bodies: Sequence[int]) -> NDArray[np.intp]:
     return np.concatenate([np.arange(k * LINK_PARAMETERS, (k + 1) * LINK_PARAMETERS) for k in bodies])
-
-
-def _placed_as(link: LinkInertial, other: LinkInertial) -> Array:
-    """The numbers of another link, at the place of this one."""
-    moved = replace(other, body=link.body, rotation=link.rotation, translation=link.translation)
-    return in_body(moved, right(moved))
 
 
 def with_parameters(

@@ -144,8 +144,7 @@ class Search:
 
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
-        of_torques = self.own.recursion is None
-        known = [*self._catalog.faults, *(self._from_answers(base) if of_torques else ())]
+        known = [*self._catalog.faults, *(self._from_answers(base) if self.is_of_torques else ())]
         left = root_mean_square(self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known]))
         kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
         fits = fitted(self._catalog.families, base.code, self._fitted, self.noise)
@@ -192,9 +191,14 @@ class Search:
                 return found
         return None
 
+    @property
+    def is_of_torques(self) -> bool:
+        """Whether the answers are torques, or can be read as such."""
+        return self.own.recursion is None
+
     def slips(self) -> list[Explanation]:
         """Every slip of the formulations that people write that gives the numbers of the first rows."""
-        forms, names = self._catalog.formulations, self.model.joint_names
+        forms, names = self._catalog.formulations, (self.model.joint_names, self.model.body_names)
         slips = list(fitting_slips(forms, self.own, names, self.all_rows, self.bound))
         return self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in slips], self.all_rows)
 
@@ -278,8 +282,10 @@ class Search:
 
 
 def preference(explanation: Explanation) -> tuple[object, ...]:
-    """Fewer numbers first; then by kind and words, which is a rule and not the order of trial."""
-    return explanation.size, *((FAULT_KINDS.index(said.kind), said.message) for said in explanation.said)
+    """Fewer numbers first, mistakes before fitted numbers; then by kind and words: a rule, not the order of trial."""
+    said = explanation.said
+    has_numbers = any(one.numbers for one in said)
+    return explanation.size, has_numbers, *((FAULT_KINDS.index(one.kind), one.message) for one in said)
 
 
 def firsts(found: Sequence[Explanation], nothing: Explanation, bound: float) -> list[Explanation]:

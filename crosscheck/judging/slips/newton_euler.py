@@ -24,7 +24,7 @@ from crosscheck.judging.faults.recursion import (
     turned_about,
     turned_back,
 )
-from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations
 from graphdyn.layout import Array
 
 OF_THE_LINK = "taken with {} of the link, not of the inside one"
@@ -65,7 +65,7 @@ def _link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations, apa
     omega = [zero]
     pulled = zero if apart else -x.gravity
     nothing = 0 * pulled
-    at_base = do.result(AT_THE_BASE, 0, np.stack([nothing, pulled]), {
+    at_base = do.result(AT_THE_BASE, ONCE, np.stack([nothing, pulled]), {
         "taken as an angular acceleration": lambda: np.stack([pulled, nothing]),
     })  # fmt: skip
     alpha, linear, gravity = [at_base[0]], [at_base[1]], [x.gravity if apart else zero]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,19 +28,28 @@ Way = float | str
 class Slip:
     """One operation done wrong: the same way at one joint, or at every joint.
 
-    operation: a noun, such as "ω̇ × r in the acceleration of the link origin"; joint: its number, None for every joint
+    operation: a noun, such as "ω̇ × r in the acceleration of the link origin"
+    joint: number of the joint, or of the body outside of it, None for every one, ONCE for what is done once
+    of: "joint", or "body" for operations with bodies
     """
 
     operation: str
     way: Way
     joint: int | None
+    of: Literal["joint", "body"] = "joint"
 
-    def message(self, joint_names: Sequence[str]) -> str:
+    def message(self, joint_names: Sequence[str], body_names: Sequence[str] = ()) -> str:
         """The slip as a sentence."""
-        at = "at every joint" if self.joint is None else f"at joint '{joint_names[self.joint]}'"
+        names = body_names if self.of == "body" else joint_names
+        at = f" at every {self.of}" if self.joint is None else f" at {self.of} '{names[self.joint]}'"
+        at = "" if self.joint == ONCE else at
         if isinstance(self.way, str):
-            return f"{self.operation} {at} is {self.way}"
-        return factor_said(f"{self.operation} {at}", self.way)
+            return f"{self.operation}{at} is {self.way}"
+        return factor_said(f"{self.operation}{at}", self.way)
+
+
+ONCE = -1
+"""In place of a joint: an operation that is done once, such as one with the chosen frame."""
 
 
 class Operations:
@@ -50,6 +60,7 @@ class Operations:
 
     def __init__(self, slips: Sequence[Slip], rows: int) -> None:
         self.ways: dict[tuple[str, int], tuple[Way, ...]] = {}
+        self._of: dict[str, Literal["joint", "body"]] = {}
         self._at: dict[str, dict[int | None, dict[Way, list[int]]]] = {}
         self._shape: tuple[int, int] = len(slips), rows
         self._type: type = float
@@ -61,14 +72,20 @@ class Operations:
         self._shape, self._type = (self._shape[0], rows), numbers
 
     def result(
-        self, operation: str, joint: int, right: Array, others: Mapping[str, Callable[[], Array]] | None = None
+        self,
+        operation: str,
+        joint: int,
+        right: Array,
+        others: Mapping[str, Callable[[], Array]] | None = None,
+        of: Literal["joint", "body"] = "joint",
     ) -> Array:
         """The result (…, K, R) of an operation at a joint, where K is 1 before the first slip.
 
-        others: what else a code may compute there, by the words for it
+        others: what else a code may compute there, by the words for it; of: what the joint's number stands for
         """
         others = others or {}
         self.ways[operation, joint] = (*FACTORS, *others)
+        self._of[operation] = of
         if not (slips := self._at.get(operation)):
             return right
         found: Array | None = None
@@ -97,9 +114,9 @@ class Operations:
         everywhere = dict.fromkeys(
             (operation, way) for (operation, _), ways in self.ways.items() for way in ways if places[operation] > 1
         )
-        yield from (Slip(operation, way, None) for operation, way in everywhere)
+        yield from (Slip(operation, way, None, self._of[operation]) for operation, way in everywhere)
         for (operation, joint), ways in self.ways.items():
-            yield from (Slip(operation, way, joint) for way in ways)
+            yield from (Slip(operation, way, joint, self._of[operation]) for way in ways)
 
 
 Formulation = Callable[[DynamicsCode, Numbers, State, Operations], Array]

@@ -43,11 +43,11 @@ def all_slips(formulation: Formulation, code: DynamicsCode) -> list[Slip]:
 def fitting_slips(
     formulations: Sequence[Formulation],
     code: DynamicsCode,
-    joint_names: Sequence[str],
+    names: tuple[Sequence[str], Sequence[str]],
     rows: Observation,
     bound: float,
 ) -> Iterator[CodeFault]:
-    """Slips that give the numbers of a few rows, as faults of a code."""
+    """Slips that give the numbers of a few rows, as faults of a code. names: of the joints, and of the bodies"""
     tried = rows.only(_most_general(rows))
     seen: set[str] = set()
     for formulation in formulations:
@@ -58,7 +58,7 @@ def fitting_slips(
         subtracted = np.where((tried.less >= 0)[:, None], torque[:, tried.less], 0.0)
         left = np.abs((torque[:, tried.of] - subtracted) / tried.scale - tried.answers).max(axis=(1, 2))
         for k in np.flatnonzero(left <= bound):
-            message = slips[k].message(joint_names)
+            message = slips[k].message(*names)
             if message not in seen:
                 seen.add(message)
                 yield _fault(formulation, slips[k], message)

@@ -311,11 +311,14 @@ def _told_plainly(holding: Sequence[Explanation]) -> bool:
 
 
 def holding_alone(search: Search, found: Sequence[Explanation]) -> list[Explanation]:
-    """What explains everything by one mistake: of those found, else other inertial parameters, else slips."""
+    """What explains everything by one mistake: of those found, else other inertial parameters, else slips.
+
+    Slips of other functions are few, and are always among them.
+    """
     holding = [explanation for explanation in found if search.holds(explanation)]
     if not _told_plainly(holding) and search.has_right_equations:
         holding += [x for x in search.parameters() if search.holds(x)]
-    elif not _told_plainly(holding):
+    elif not _told_plainly(holding) or not search.is_of_torques:
         holding += [slip for slip in search.slips() if search.holds(slip)]
     return holding
 

@@ -21,7 +21,7 @@ from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
-from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault
+from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault, factor_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.special_states import ONE_JOINT, OTHER_STATES, conditions, only_where
 from crosscheck.judging.states import JudgedStates
@@ -229,6 +229,8 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         return one(fault)
     if by_function := diagnose_function(found, of_file, precision, bound, count):
         return by_function
+    if fault := factor_fault(function.known, found.answer, found.states, declared, bound):
+        return one(fault)
     if where:
         message = f"the answers deviate only where {where}"
         remedy = "look for a case, a limit or a table that begins there"
