@@ -192,7 +192,7 @@ _NOUN_ENDS = re.compile(r" (?=(?:at|in|of|on) |v\b|v_|ω|\d)")
 def factor_said(name: str, factor: float) -> str:
     """What a factor on a term says, rounded to what it is within the accuracy of a fit."""
     noun = _NOUN_ENDS.split(name)[0]
-    have, are = ("have", "are") if noun.endswith("s") and not noun.endswith("axis") else ("has", "is")
+    have, are = ("have", "are") if noun.endswith("s") and not noun.endswith(("axis", "mass")) else ("has", "is")
     if factor == 0:
         return f"{name} {are} left out"
     if factor == -1:

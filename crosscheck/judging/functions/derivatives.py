@@ -1,4 +1,4 @@
-"""Functions that follow from the torques of a code: joint wrenches, power, derivatives by differences of high order."""
+"""Functions that follow from the torques of a code: power, and derivatives, exact for what torques can be."""
 
 from __future__ import annotations
 
@@ -8,11 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torque_recursion, turned, wrenches
-from crosscheck.judging.functions.motions import flat, motions, stacked
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torque_recursion
 from crosscheck.judging.slips.operations import Operations
-from crosscheck.quantities.measures import Chosen
-from graphdyn import Placement
 from graphdyn.layout import Array
 
 TURNS = 2 * np.pi * np.arange(1, 7) / 7
@@ -32,34 +29,6 @@ Answering = Callable[[DynamicsCode, Numbers, State], Array]
 
 def power(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
     return torque_recursion(code, x, state) * state[1]
-
-
-@dataclass(frozen=True, eq=False)
-class JointWrenches:
-    """Forces and moments of the joints about the link origins (6 n, K, R).
-
-    base: of the ground in the world; chosen: the conventions that a code follows
-    """
-
-    base: Placement
-    chosen: Chosen
-
-    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        parts = wrenches(code, x, state)
-        if self.chosen.get("actuator") == "left out":
-            for j, slides in enumerate(code.prismatic):
-                part = parts[0 if slides else 1]
-                part[j] = part[j] - x.axes[j] * (part[j] * x.axes[j]).sum(axis=0)
-        forces, moments = parts
-        if self.chosen.get("axes") == "world":
-            turns = motions(code, x, state, do, self.base).rotations[1:]
-            forces, moments = ([turned(R, y) for R, y in zip(turns, part, strict=True)] for part in parts)
-        sign = -1.0 if self.chosen.get("acts on") == "the inside body" else 1.0
-        halves = (moments, forces) if self.chosen.get("order") == "angular first" else (forces, moments)
-        return sign * stacked(flat(vector for pair in zip(*halves, strict=True) for vector in pair))
-
-    def usual(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
-        return self(code, x, state, Operations([], state[0].shape[-1]))
 
 
 @dataclass(frozen=True)

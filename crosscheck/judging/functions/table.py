@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
 
 from crosscheck.judging.faults.recursion import torque_recursion
 from crosscheck.judging.functions.bodies import BodySums
-from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, JointWrenches, power
+from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, power
 from crosscheck.judging.functions.frames import FrameFormulations
+from crosscheck.judging.functions.reactions import JointWrenches, multipliers, right_multipliers
 from crosscheck.judging.slips.operations import Formulation
 from crosscheck.quantities.measures import Chosen
 from graphdyn import RobotModel
@@ -41,12 +44,6 @@ TORQUES: Mapping[str, Formulation] = {
     "da_dv": AccelerationDerivative("v"),
 }
 
-NO_SLIPS = {"power", "dtau_dq", "dtau_dv", "da_dq", "da_dv", "joint_wrenches"}
-"""Functions whose operations are not open to slips here."""
-
-OF_TORQUES = {"dtau_dq", "dtau_dv", "da_dq", "da_dv", "power"}
-"""Functions that show what a joint adds to the torques, such as friction."""
-
 
 def formulations_of(name: str, model: RobotModel, frame: str | None, chosen: Chosen) -> tuple[Formulation, ...]:
     """The ways to write a function, the first without slips; none for functions that are not known here."""
@@ -57,6 +54,11 @@ def formulations_of(name: str, model: RobotModel, frame: str | None, chosen: Cho
     wrenches = JointWrenches(model.base, chosen)
     if name == "joint_wrenches":
         return (wrenches,)
+    if name == "multipliers":
+        return (partial(multipliers, model.base),)
+    by: Any = name[-1]
     if name.startswith("dwrenches_d"):
-        return (Derivative(wrenches.usual, name[-1]),)  # type: ignore[arg-type]
+        return (Derivative(wrenches.right, by),)
+    if name.startswith("dmultipliers_d"):
+        return (Derivative(partial(right_multipliers, model.base), by),)
     return (TORQUES[name],) if name in TORQUES else ()

@@ -46,6 +46,9 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     yield AnswerFault("sign", absolute, "keep their signs", lambda s, c: np.abs(ours(s, c)))
     positive = "negative numbers are replaced by zero"
     yield AnswerFault("clipped", positive, "keep them", lambda s, c: np.maximum(ours(s, c), 0.0))
+    if known.name == "mass_matrix_inverse":
+        each = "every entry of the mass matrix is inverted by itself"
+        yield AnswerFault("other_function", each, "invert the matrix", lambda s, c: _inverted(s.mass))
     yield from _layouts(known)
     yield from _other_arguments(known)
     if states.loads is not None:
@@ -55,6 +58,12 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
         yield from _other_frames(known, states)
     if not formulations_of(known.name, states.model, states.frame, next(known.readings({}))):
         yield from _other_models(known, states.model)
+
+
+def _inverted(mass: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        inverted: Array = 1 / mass
+    return inverted
 
 
 def _layouts(known: Quantity) -> Iterator[AnswerFault]:

@@ -12,7 +12,7 @@ from crosscheck.judging.faults.fault import NO_NUMBERS, CodeFault, named
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes, shifted_links
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
-from crosscheck.judging.functions.table import NO_SLIPS, formulations_of
+from crosscheck.judging.functions.table import TORQUES, formulations_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.parameters import with_parameters
 from crosscheck.judging.searching.search import Catalog
@@ -22,7 +22,16 @@ from crosscheck.quantities import Quantity
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import BODY_DOF, Array
 
-LINEAR = ("kinetic_energy", "potential_energy", "joint_wrenches", "power", "dtau_", "dwrenches_")
+LINEAR = (
+    "kinetic_energy",
+    "potential_energy",
+    "joint_wrenches",
+    "multipliers",
+    "power",
+    "dtau_",
+    "dwrenches_",
+    "dmult",
+)
 """Beginnings of the names of functions that are linear in the inertial parameters."""
 
 PROBED_STATES = 2
@@ -73,7 +82,7 @@ def catalog_of(known: Quantity, states: JudgedStates, chosen: Chosen, of_file: F
 
     tried = [*faults(model), *of_file.faults, *([] if is_linear else _of_links(own, of_file))]
     fitted = [*families(model)]
-    slips = () if known.name in NO_SLIPS or known.name.startswith("dwrenches") else forms
+    slips = () if known.name in TORQUES or known.name.startswith("d") else forms
     tried = _differing(own, list(filter(relevant, tried)), state_of(known, states.trial.rows(np.arange(1))))
     return Catalog(own, tried, list(filter(relevant, fitted)), of_file.links, slips, is_linear)
 

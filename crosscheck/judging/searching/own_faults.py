@@ -132,9 +132,78 @@ def _parameter(model: RobotModel, k: int) -> str:
     return f"{PARAMETER_NAMES[k % BODY_PARAMETERS]} of body '{model.body_names[k // BODY_PARAMETERS]}'"
 
 
+MIN_BASE_MASS_SHARE = 1e-6
+"""Part of the mass of all bodies from which on a further mass is told."""
+
+
+def _of_center(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """A further mass in the ground is counted: answer (M + m) = ours M + m c, of velocities and Jacobians without c."""
+    size = len(answer)
+    theirs, here = answer.reshape(size, -1), ours.reshape(size, -1)
+    mass, width = sum(body.mass for body in states.model.bodies), theirs.shape[1]
+    is_place = ours.ndim == 2 and np.array_equal(ours, states.answer("center_of_mass"))
+    place = -np.tile(np.eye(width), (size, 1)) if is_place else None
+    columns = [theirs.reshape(-1, 1)] + ([] if place is None else [place])
+    target = mass * (here - theirs).ravel()
+    found = np.linalg.lstsq(np.hstack(columns), target, rcond=None)[0]
+    left = float(np.abs(np.hstack(columns) @ found - target).max() / (mass * np.abs(here).max() or 1.0))
+    further = float(found[0])
+    if not left <= bound or further < MIN_BASE_MASS_SHARE * mass:
+        return None
+    at = ""
+    if place is not None:
+        center = found[1:] / further
+        at = f" at ({', '.join(f'{x:.4g}' for x in np.where(np.abs(center) < 1e-9, 0.0, center))}) m"
+    message = f"a further mass of {further:.6g} kg{at}, fixed in the ground, is counted, such as that of the base link"
+    remedy = "the bodies that move are counted, not what is fixed in the ground"
+    return FoundFault(FaultDescription("fixed_link", message, remedy, 2), left)
+
+
+def _of_mass_matrix(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """One vector is added to every column, which is a torque that belongs to no acceleration; or parts are missing."""
+    size = float(np.abs(ours).max())
+    added = answer - ours
+    if np.abs(answer - ours * np.eye(ours.shape[-1])).max() <= bound * size:
+        message = "only the diagonal of the matrix is filled in"
+        return FoundFault(FaultDescription("triangle", message, "its other entries couple the joints"), 0.0)
+    for name, part in (("lower", np.tril), ("upper", np.triu)):
+        if np.abs(answer - part(ours)).max() <= bound * size:
+            message = f"only the {name} triangle of the matrix is filled in"
+            return FoundFault(FaultDescription("triangle", message, "copy it to the other side"), 0.0)
+    vector = added[:, :, 0]
+    if np.abs(added - vector[:, :, None]).max() <= bound * size:
+        gravity = states.answer("gravity_torque")
+        is_gravity = np.abs(vector - gravity).max() <= bound * np.abs(gravity).max()
+        what = "the gravity torque" if is_gravity else "one vector, such as a bias or a constant load,"
+        message = f"{what} is added to every column: it is not subtracted from the torques of unit accelerations"
+        remedy = "subtract the torques at no acceleration from those of unit accelerations"
+        return FoundFault(FaultDescription("offset", message, remedy), float(np.abs(added - vector[:, :, None]).max()))
+    return _of_rows(answer, ours, states, bound)
+
+
+def _of_rows(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """Rows and columns are those of other joints: entry (i, k) is ours at (f(i), f(k))."""
+    size, n = float(np.abs(ours).max()), ours.shape[-1]
+    theirs, here = (np.diagonal(x, axis1=1, axis2=2) for x in (answer, ours))
+    from_joint = np.abs(theirs[:, :, None] - here[:, None, :]).max(axis=0).argmin(axis=1)
+    left = np.abs(answer - ours[:, from_joint][:, :, from_joint]).max() / (size or 1.0)
+    if not left <= bound or np.array_equal(from_joint, np.arange(n)):
+        return None
+    names = states.model.joint_names
+    moved = [f"'{names[i]}' has that of '{names[k]}'" for i, k in enumerate(from_joint) if i != k]
+    message = f"rows and columns are in the order of other joints: {first_of(moved, MAX_LISTED_COLUMNS)}"
+    remedy = f"the order here is {', '.join(names)}; count all joints before"
+    return FoundFault(FaultDescription("joint_order", message, remedy), float(left))
+
+
 OWN_FAULTS: Mapping[str, OwnFault] = {
     "joint_torque_regressor": _of_columns,
     "base_regressor": _of_base_regressor,
     "coriolis_matrix": _of_coriolis_matrix,
+    "center_of_mass": _of_center,
+    "center_of_mass_jacobian": _of_center,
+    "center_of_mass_velocity": _of_center,
+    "mass_matrix": _of_mass_matrix,
+    "mass_matrix_inverse": _of_rows,
 }
 """Own faults by the name of the function."""

@@ -31,6 +31,9 @@ TRIAL_STATES = 2
 FITTING_STATES = 3
 """Number of states of the experiments with which families are fitted."""
 
+MIN_FITTED_ANSWERS = 15
+"""Number of answers to which families are fitted at least: those of one body have ten numbers."""
+
 MAX_KEPT_FAULTS = 150
 """Number of faults, those that leave least at these states, that are tried at the others."""
 
@@ -138,8 +141,9 @@ class Search:
         self.experiments, self.judged = experiments, judged
         self.all_rows = experiments if judged is None else experiments.and_(judged)
         self.own = catalog.own
+        enough = -(-MIN_FITTED_ANSWERS // experiments.answers.shape[1])
         self._tried, self._fitted = (
-            experiments.only(_of_states(experiments, size)) for size in (TRIAL_STATES, FITTING_STATES)
+            experiments.only(_of_states(experiments, size)) for size in (TRIAL_STATES, max(FITTING_STATES, enough))
         )
 
     def alone(self, base: Explanation) -> list[Explanation]:

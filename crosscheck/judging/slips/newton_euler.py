@@ -43,6 +43,7 @@ FORCE, WEIGHT = "the force m (a − g)", "the weight m g"
 EULER, GYROSCOPIC = "the moment J ω̇", "the gyroscopic moment ω × J ω"
 CENTER_FORCE = "the moment c × F of the link's force"
 PASSED_FORCE, PASSED_MOMENT = "f of the outer link, passed on,", "n of the outer link, passed on,"
+PASSED_WRENCH = "the wrench of the outer link, f and n, passed on,"
 ARM_FORCE = "the moment r × f of the outer link's force"
 TORQUE_ALONG_AXIS = "the torque p · n, or p · f where it slides,"
 AT_THE_BASE = "gravity, as an acceleration of the base,"
@@ -51,15 +52,25 @@ WHOLE_ACCELERATION = "the whole acceleration of the joint"
 
 def link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
     """Newton-Euler in link axes, gravity as an acceleration of the base."""
-    return _link_axes(code, x, state, do, apart=False)
+    return _link_axes(code, x, state, do, apart=False)[0]
+
+
+def wrenches_in_link_axes(
+    code: DynamicsCode, x: Numbers, state: State, do: Operations
+) -> tuple[list[Array], list[Array]]:
+    """Forces and moments of the joints about the link origins (3, K, R)."""
+    return _link_axes(code, x, state, do, apart=False)[1]
 
 
 def link_axes_weights(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
     """Newton-Euler in link axes, gravity turned from link to link beside the accelerations."""
-    return _link_axes(code, x, state, do, apart=True)
+    return _link_axes(code, x, state, do, apart=True)[0]
 
 
-def _link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations, apart: bool) -> Array:
+def _link_axes(
+    code: DynamicsCode, x: Numbers, state: State, do: Operations, apart: bool
+) -> tuple[Array, tuple[list[Array], list[Array]]]:
+    """Torques, and forces and moments of the joints. apart: gravity beside the accelerations"""
     q, v, a = state
     zero = np.zeros((3, 1, 1))
     omega = [zero]
@@ -161,11 +172,10 @@ def _link_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations, apa
             "turned too early": lambda: turned(turn, crossed(r, f)),
             "taken with r turned, f not": lambda: crossed(turned(turn, r), f),
         }
-        forces[i] = own + passed
-        moments[i] = (
-            moments[i] + do.inward(PASSED_MOMENT, j, turn, n) + do.result(ARM_FORCE, j, crossed(r, outer_force), others)
-        )
-    return np.stack(np.broadcast_arrays(*reversed(tau)))
+        moment = do.inward(PASSED_MOMENT, j, turn, n) + do.result(ARM_FORCE, j, crossed(r, outer_force), others)
+        both = do.result(PASSED_WRENCH, j, np.stack(np.broadcast_arrays(passed, moment)))
+        forces[i], moments[i] = own + both[0], moments[i] + both[1]
+    return np.stack(np.broadcast_arrays(*reversed(tau))), (forces, moments)
 
 
 def _turned_in_part(turn: Array, parts: Mapping[str, Array], left: Sequence[str]) -> Array:

@@ -1,0 +1,119 @@
+"""Wrenches and multipliers of the joints as people write them, many codes at once; the recursion open to slips."""
+
+# ruff: noqa: B023 - the functions are called before the next joint
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crosscheck.judging.faults.recursion import (
+    DynamicsCode,
+    Numbers,
+    State,
+    crossed,
+    turned,
+    turned_about,
+    turned_back,
+    wrenches,
+)
+from crosscheck.judging.functions.motions import flat, motions, stacked
+from crosscheck.judging.slips.newton_euler import wrenches_in_link_axes
+from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.quantities.measures import Chosen
+from graphdyn import Placement
+from graphdyn.layout import Array
+
+
+@dataclass(frozen=True, eq=False)
+class JointWrenches:
+    """Forces and moments of the joints about the link origins (6 n, K, R).
+
+    base: of the ground in the world; chosen: the conventions that a code follows
+    """
+
+    base: Placement
+    chosen: Chosen
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        return self._read(code, x, state, do, wrenches_in_link_axes(code, x, state, do))
+
+    def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
+        """Without slips."""
+        return self._read(code, x, state, Operations([], state[0].shape[-1]), wrenches(code, x, state))
+
+    def _read(
+        self, code: DynamicsCode, x: Numbers, state: State, do: Operations, parts: tuple[list[Array], list[Array]]
+    ) -> Array:
+        forces, moments = parts
+        turns = motions(code, x, state, Operations([], 1), self.base).rotations[1:]
+        is_world, numbers = self.chosen.get("axes") == "world", []
+        for j, (f, n, R, slides) in enumerate(zip(forces, moments, turns, code.prismatic, strict=True)):
+            p, c = x.axes[j], x.centers[j]
+            if self.chosen.get("actuator") == "left out":
+                f, n = (f - p * (f * p).sum(axis=0), n) if slides else (f, n - p * (n * p).sum(axis=0))
+            moment = do.result("the moments of the joint wrenches", j, n, {
+                "those about the center of mass": lambda: n - crossed(c, f),
+            }, of="body")  # fmt: skip
+            force = do.result("the forces of the joint wrenches", j, turned(R, f) if is_world else f, {
+                "in world axes, the moments in link axes": lambda: turned(R, f),
+                "in link axes, the moments in world axes": lambda: f + 0 * R[0],
+            }, of="body")  # fmt: skip
+            pair = (force, turned(R, moment) if is_world else moment)
+            numbers += pair[::-1] if self.chosen.get("order") == "angular first" else pair
+        sign = -1.0 if self.chosen.get("acts on") == "the inside body" else 1.0
+        return sign * stacked(flat(numbers))
+
+
+def multipliers(base: Placement, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+    """The five of each joint of docs/notation.md (5 n, K, R). base: of the ground in the world"""
+    return _multipliers(base, code, x, state, do, wrenches_in_link_axes(code, x, state, do))
+
+
+def right_multipliers(base: Placement, code: DynamicsCode, x: Numbers, state: State) -> Array:
+    """Without slips."""
+    return _multipliers(base, code, x, state, Operations([], state[0].shape[-1]), wrenches(code, x, state))
+
+
+def _multipliers(
+    base: Placement,
+    code: DynamicsCode,
+    x: Numbers,
+    state: State,
+    do: Operations,
+    parts: tuple[list[Array], list[Array]],
+) -> Array:
+    m = motions(code, x, state, Operations([], 1), base)
+    numbers: list[Array] = []
+    for j, (f, n, slides) in enumerate(zip(*parts, code.prismatic, strict=True)):
+        p, R, before = x.axes[j], m.rotations[j + 1], m.rotations[code.inside[j]]
+        first, second = _normals(p)
+        if slides:
+            pairs = ((first, f), (second, f), (first, n), (second, n), (p, n))
+            numbers += [(axis * vector).sum(axis=0) for axis, vector in pairs]
+            continue
+        own = turned_about(p, state[0][j])
+        force = do.result("the force λ_1, λ_2, λ_3 in world axes", j, turned(R, f), {
+            NOT_TURNED: lambda: f + 0 * R[0], WRONG_WAY: lambda: turned_back(R, f),
+            "turned with the inside link": lambda: turned(before, f),
+        })  # fmt: skip
+        moment = do.result("the moment of λ_4, λ_5 in axes that the joint does not turn", j, turned(own, n), {
+            "taken in link axes, not turned": lambda: n + 0 * own[0], WRONG_WAY: lambda: turned_back(own, n),
+        })  # fmt: skip
+        about = [(axis * moment).sum(axis=0) for axis in (first, second)]
+        names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")
+        pair = do.result("the pair λ_4, λ_5", j, np.stack(np.broadcast_arrays(*about)), {
+            "exchanged": lambda: np.stack(np.broadcast_arrays(*about[::-1])),
+        })  # fmt: skip
+        numbers += [*force, *(do.result(name, j, number) for name, number in zip(names, pair, strict=True))]
+    return stacked(numbers)
+
+
+def _normals(p: Array) -> tuple[Array, Array]:
+    """t_1, t_2 of docs/notation.md for axes (3, K, R), of the real part of each."""
+    least = np.abs(np.real(p)).argmin(axis=0)
+    unit = (np.arange(3).reshape(3, *[1] * (p.ndim - 1)) == least).astype(float)
+    first = crossed(p, unit)
+    first = first / np.sqrt((first * first).sum(axis=0))
+    return first, crossed(p, first)
