@@ -12,10 +12,10 @@ from collections import Counter
 
 import numpy as np
 from other_functions.fault import TEN_ARMS, model_of, path_of
-from other_functions.plain_arm import PlainArm
-from other_functions.plain_code import FRAMES, right_code
 from other_functions.planted import CLAIMS
 from other_functions.right_functions import EVERY, OTHERS, QUOTIENTS, single_precision
+from plain_codes.arm import PlainArm
+from plain_codes.code import FRAMES, right_code
 
 from crosscheck.judging.judge import judge
 
@@ -48,7 +48,9 @@ def main():
             error = max(x.max() for x in judgment.functions[name].errors.values())
             print(f"{said:8} {name}: {way} [{robot}] off by {error:.1e}  {claims[:300]}", flush=True)
     for way in dict.fromkeys(way for way, _ in totals):
-        print(f"{way}: " + ", ".join(f"{totals[way, x]} {x}" for x in ("agrees", "rounds", "ACCUSED") if totals[way, x]))
+        print(
+            f"{way}: " + ", ".join(f"{totals[way, x]} {x}" for x in ("agrees", "rounds", "ACCUSED") if totals[way, x])
+        )
     accused = sum(count for (_, said), count in totals.items() if said == "ACCUSED")
     print(f"{len(chosen)} judgments of right functions: {accused} accused")
     print(f"processor seconds per judgment: median {np.median(seconds):.2f}, largest {max(seconds):.1f}")

@@ -1,10 +1,12 @@
 """Right functions in other ways: other conventions, other methods, single precision, difference quotients."""
 
+# ruff: noqa: E501, E741 - one case a line; I is an inertia tensor
+
 import numpy as np
-from other_functions.algebra import gradient, hat
-from other_functions.kinematics import frame_pose, motions, point_jacobian, poses
-from other_functions.masses import body_centers
-from other_functions.plain_code import TEXT, right_code
+from plain_codes.algebra import gradient, hat
+from plain_codes.code import TEXT, right_code
+from plain_codes.kinematics import frame_pose, motions, point_jacobian, poses
+from plain_codes.masses import body_centers
 
 EVERY = (
     *("inverse_dynamics", "forward_dynamics", "bias_torque", "gravity_torque", "static_torque", "power"),
