@@ -1,4 +1,4 @@
-"""Matrices that multiply m, m c and I = xx, xy, yy, xz, yz, zz about the link origin (Atkeson, An, Hollerbach, 1986)."""
+"""Matrices that multiply m, m c and I = xx, xy, yy, xz, yz, zz about O (Atkeson, An and Hollerbach, 1986)."""
 
 import numpy as np
 from plain_codes.algebra import hat
