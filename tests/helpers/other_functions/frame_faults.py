@@ -1,9 +1,11 @@
 """Mistakes in placements, Jacobians, velocities and accelerations of frames."""
 
+# ruff: noqa: E501 - one case a line
+
 import numpy as np
 from other_functions.fault import answers, arguments, numbers, plant, text
-from other_functions.kinematics import frame_pose
 from other_functions.torque_faults import OPPOSITE, OUT
+from plain_codes.kinematics import frame_pose
 from scipy.spatial.transform import Rotation
 
 OFFSET = ("ur5", "kinova", "panda", "z1", "vx300s", "kr210_r2700_2")
@@ -36,7 +38,7 @@ def rates_of_angles(arm, right, code):
 
     def f(q):
         J = np.array(right(q))
-        roll, pitch, yaw = angles(q)
+        _, pitch, yaw = angles(q)
         z, y, x = np.eye(3)[2], [-np.sin(yaw), np.cos(yaw), 0], Rotation.from_euler("zy", [yaw, pitch]).apply([1, 0, 0])
         J[3:] = np.linalg.solve(np.column_stack([x, y, z]), J[3:])
         return J
@@ -74,7 +76,7 @@ PLACEMENT = (
     answers("frame_placement", "rotation transposed", transposed_placement, "(rotation|R).*(transposed|inverse|inverted)"),
     answers("frame_placement", "world in the frame", lambda T, q: np.linalg.inv(T), "inver"),
     answers("frame_placement", "in millimeters", lambda T, q: T * [[1, 1, 1, 1000]] , "millimet|1000|mm"),
-    numbers("frame_placement", "a length", lambda arm: arm.one("translations", 2, lambda r: r + [0, 0, 0.02]), "(translation|place|length|origin).*<joint 3>"),
+    numbers("frame_placement", "a length", lambda arm: arm.one("translations", 2, lambda r: np.add(r, [0, 0, 0.02])), "(translation|place|length|origin).*<joint 3>"),
     arguments("frame_placement", "zero of a joint", lambda q: (q + 0.5 * np.pi * (np.arange(len(q)) == 2),), "(zero|position).*<joint 3>|<joint 3>.*(90|1\\.57|zero|turned)"),
     arguments("frame_placement", "a joint the other way round", lambda q: (q * np.where(np.arange(len(q)) == 1, -1, 1),), f"<joint 2>.*{OPPOSITE}|{OPPOSITE}.*<joint 2>"),
     numbers("frame_placement", "axis of one joint", lambda arm: arm.one("axes", 3, lambda p: np.roll(p, 1)), "axis of (joint )?'?<joint 4>"),
@@ -95,7 +97,7 @@ JACOBIAN = (
     answers("frame_jacobian", "ω the other way round", lambda J, q: J * np.where(np.arange(6) < 3, 1, -1)[:, None], f"(angular|ω).*{OPPOSITE}|angular part (by|is multiplied by) -1"),
     text("frame_jacobian", "axes of the outer link of the joint before", "point_jacobian", "J[3:, k] = z[k]", "J[3:, k] = z[max(k - 1, 0)]", "(axis|axes|z|column).*(before|inside|previous|another|shift|next)"),
     answers("frame_jacobian", "in millimeters per radian", lambda J, q: J * np.where(np.arange(6) < 3, 1000, 1)[:, None], "millimet|1000|mm"),
-    numbers("frame_jacobian", "a length", lambda arm: arm.one("translations", 3, lambda r: 1.05 * r + [0, 0.01, 0]), "(translation|place|length|origin).*<joint 4>"),
+    numbers("frame_jacobian", "a length", lambda arm: arm.one("translations", 3, lambda r: np.add(1.05 * r, [0, 0.01, 0])), "(translation|place|length|origin).*<joint 4>"),
     arguments("frame_jacobian", "zero of a joint", lambda q: (q + 0.25 * np.pi * (np.arange(len(q)) == 3),), "(zero|position).*<joint 4>|<joint 4>.*(45|0\\.785|zero|turned)"),
     text("frame_jacobian_derivative", "no z × ṗ", "frame_jacobian_derivative", " + cross(z[k], speed - vel[k + 1])", "", f"(z × ṗ|z ×|lever|velocity of|ṗ).*{OUT}"),
     text("frame_jacobian_derivative", "velocity of the joint not subtracted", "frame_jacobian_derivative", "speed - vel[k + 1]", "speed", "(ȯ|velocity|ṗ).*(joint|origin|subtract|left out)"),
@@ -112,7 +114,7 @@ MOTION = (
     arguments("frame_velocity", "degrees per second", lambda q, v: (q, np.rad2deg(v)), "degree|57\\.29|180"),
     text("frame_velocity", "ω of the inside link missing", "motions", "w.append(w[i] + spin)", "w.append(spin)", f"(ω|angular velocity).*inside.*{OUT}|inside.*ω"),
     numbers("frame_velocity", "axis tilted", lambda arm: arm.one("axes", 2, lambda p: Rotation.from_rotvec([0.02, 0.02, 0.02]).apply(p)), "(axis|axes).*<joint 3>|<joint 3>.*(axis|turned|tilt)"),
-    numbers("frame_velocity", "a length", lambda arm: arm.one("translations", 1, lambda r: r + [0.03, 0, 0]), "(translation|place|length|origin).*<joint 2>"),
+    numbers("frame_velocity", "a length", lambda arm: arm.one("translations", 1, lambda r: np.add(r, [0.03, 0, 0])), "(translation|place|length|origin).*<joint 2>"),
     text("frame_acceleration", "gravity counted", "motions", "[np.zeros(3)], [np.zeros(3)], [np.zeros(3)], [np.zeros(3)]", "[np.zeros(3)], [np.zeros(3)], [np.zeros(3)], [-arm.gravity]", "gravity"),
     text("frame_acceleration", "gravity in an accelerometer's sense reversed", "motions", "[np.zeros(3)], [np.zeros(3)], [np.zeros(3)], [np.zeros(3)]", "[np.zeros(3)], [np.zeros(3)], [np.zeros(3)], [arm.gravity]", "gravity"),
     text("frame_acceleration", "no ω × (ω × r) of the frame", "frame_acceleration", " + cross(w[b], cross(w[b], r))", "", f"ω × \\(ω × r\\).*{OUT}|centripetal.*{OUT}", robots=OFFSET),

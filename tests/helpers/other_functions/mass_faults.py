@@ -1,14 +1,19 @@
 """Mistakes in centers of mass, momentum and energies."""
 
+# ruff: noqa: E501 - one case a line
+
 import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 from other_functions.fault import answers, arguments, numbers, path_of, plant, text
-from other_functions.torque_faults import OPPOSITE, OUT, tool
+from other_functions.torque_faults import OPPOSITE, OUT, TOOL, tool
 
 TOOLED = ("ur5", "kinova", "panda", "kr210_r2700_2")
 BASED = {"ur5": "base_link", "ur3": "base_link", "panda": "panda_link0", "xarm7": "link_base", "so100": "base"}
 BODY_3 = f"(mass|body|link).*<body 3>.*{OUT}"
+FACTOR = "all answers are multiplied"
+"""What a wrong total mass does."""
+
 TURNED = "(not turned|world axes|link axes|rotation|Rᵀ|wrong way|transposed)"
 
 
@@ -30,21 +35,22 @@ def with_base(robot, function):
         return lambda *x: (total * right(*x) + own) / (total + mass)
 
     words = "base|fixed link|still|total mass|sum of the masses"
-    return plant(function, f"base of the {robot} counted", planted, words, robots=(robot,))
+    equal = FACTOR if function == "center_of_mass_jacobian" else ""
+    return plant(function, f"base of the {robot} counted", planted, words, equal=equal, robots=(robot,))
 
 
 COM = (
     text("center_of_mass", "a body missing above", "center_of_mass", "return sum(arm.masses[j] * c[j]", "return sum((j != 2) * arm.masses[j] * c[j]", f"<body 3>.*{OUT}|<body 3>.*(numerator|sum)"),
     numbers("center_of_mass", "a body missing", lambda arm: arm.one("masses", 2, lambda m: 0 * m), BODY_3 + "|mass.*<body 3>"),
-    text("center_of_mass", "a body missing below", "center_of_mass", "total = sum(arm.masses[j] ", "total = sum((j != 1) * arm.masses[j] ", f"<body 2>.*{OUT}|<body 2>.*(denominator|total)|total mass|divided"),
+    text("center_of_mass", "a body missing below", "center_of_mass", "total = sum(arm.masses[j] ", "total = sum((j != 1) * arm.masses[j] ", f"<body 2>.*{OUT}|<body 2>.*(denominator|total)|total mass|divided", equal=FACTOR),
     with_base("ur5", "center_of_mass"),
     with_base("panda", "center_of_mass"),
     numbers("center_of_mass", "mean of the centers", lambda arm: arm.but(masses=np.ones(arm.n)), "(mass|weight).*(equal|1 kg|same|one|not|unweighted)|mean"),
     numbers("center_of_mass", "of the link origins", lambda arm: arm.but(centers=0 * arm.centers), f"(center|\\bc\\b|inertial).*({OUT}|link origin)"),
     text("center_of_mass", "centers not turned", "body_centers", "R[j + 1] @ arm.centers[j]", "arm.centers[j]", "(center|\\bc\\b).*" + TURNED),
     text("center_of_mass", "centers turned back", "body_centers", "R[j + 1] @ arm.centers[j]", "R[j + 1].T @ arm.centers[j]", "(center|\\bc\\b).*" + TURNED),
-    numbers("center_of_mass", "tool", tool, "<body [67n]>|payload|tool", robots=TOOLED),
-    numbers("center_of_mass", "center of one body of another variant", lambda arm: arm.one("centers", 1, lambda c: c + [0.02, -0.01, 0.03]), "center.*<body 2>|<body 2>.*center"),
+    numbers("center_of_mass", "tool", tool, TOOL, robots=TOOLED),
+    numbers("center_of_mass", "center of one body of another variant", lambda arm: arm.one("centers", 1, lambda c: np.add(c, [0.02, -0.01, 0.03])), "center.*<body 2>|<body 2>.*center"),
     numbers("center_of_mass", "centers shifted by one body", lambda arm: arm.but(centers=np.roll(arm.centers, 1, axis=0)), "center.*(shift|next|another|other bod|order|exchang|before)"),
     text("center_of_mass_jacobian", "divided by the mass without the first link", "center_of_mass_jacobian", "np.sum(arm.masses)", "np.sum(arm.masses[1:])", "(mass|divided|factor|multiplied|× 1)"),
     with_base("xarm7", "center_of_mass_jacobian"),
@@ -71,7 +77,7 @@ MOMENTUM = (
     text("momentum", "half the spin", "momentum", "I @ w[j + 1] + ", "0.5 * I @ w[j + 1] + ", "(tensor|spin|J ω|I ω|inertia).*(0\\.5|half|halved)"),
     text("momentum", "spin with the inside ω", "momentum", "I @ w[j + 1]", "I @ w[arm.inside[j]]", "(ω|spin|angular velocity).*inside|J ω.*inside"),
     numbers("momentum", "a body missing", lambda arm: arm.one("masses", 1, lambda m: 0 * m).one("tensors", 1, lambda J: 0 * J), f"<body 2>.*{OUT}|(mass|tensor).*<body 2>"),
-    numbers("momentum", "a length", lambda arm: arm.one("translations", 2, lambda r: 1.1 * r + [0.01, 0, 0]), "(translation|place|length|origin).*<joint 3>"),
+    numbers("momentum", "a length", lambda arm: arm.one("translations", 2, lambda r: np.add(1.1 * r, [0.01, 0, 0])), "(translation|place|length|origin).*<joint 3>"),
     numbers("momentum", "tensor of another variant", lambda arm: arm.one("tensors", 2, lambda J: J + np.diag([0.02, 0.01, 0.02])), "(tensor|inertia|I_..).*<body 3>|<body 3>.*(tensor|inertia)"),
     text("centroidal_map", "half the spin", "centroidal_map", "A[3:, k] += I @ J[3:, k]", "A[3:, k] += 0.5 * I @ J[3:, k]", "(tensor|spin|J ω|I ω|inertia|J_ω).*(0\\.5|half|halved)"),
     text("centroidal_map", "tensor not turned", "centroidal_map", "R[j + 1] @ arm.tensors[j] @ R[j + 1].T", "arm.tensors[j]", "(tensor|J in|\\bJ\\b|inertia).*" + TURNED),
@@ -87,9 +93,9 @@ ENERGY = (
     text("kinetic_energy", "½ forgotten in the rotation", "kinetic_energy", "0.5 * spin", "spin", "(rotation|tensor|ω|spin|inertia|J).*(2|½|twice|doubl)"),
     text("kinetic_energy", "no rotation", "kinetic_energy", "0.5 * spin", "0 * spin", f"(rotation|tensor|ω|spin|inertia|J).*{OUT}|point mass"),
     text("kinetic_energy", "ω in world axes on a tensor in link axes", "kinetic_energy", "R[j + 1].T @ w[j + 1]", "w[j + 1]", "(tensor|ω|J|inertia|spin).*" + TURNED),
-    numbers("kinetic_energy", "tensors about the link origins", lambda arm: arm.but(tensors=arm.tensors + np.array([m * (c @ c * np.eye(3) - np.outer(c, c)) for m, c in zip(arm.masses, arm.centers)])), "link origin"),
-    text("kinetic_energy", "velocities of the link origins", "center_velocities", " + cross(w[j + 1], R[j + 1] @ arm.centers[j])", "", f"(center|ω × c).*({OUT}|link origin)"),
-    numbers("kinetic_energy", "a body missing", lambda arm: arm.one("masses", 2, lambda m: 0 * m).one("tensors", 2, lambda J: 0 * J), f"<body 3>.*{OUT}|(mass|tensor).*<body 3>"),
+    numbers("kinetic_energy", "tensors about the link origins", lambda arm: arm.but(tensors=arm.tensors + np.array([m * (c @ c * np.eye(3) - np.outer(c, c)) for m, c in zip(arm.masses, arm.centers, strict=True)])), "link origin"),
+    text("kinetic_energy", "velocities of the link origins", "center_velocities", " + cross(w[j + 1], R[j + 1] @ arm.centers[j])", "", f"(center|ω × c|inertial frame).*({OUT}|link origin)"),
+    numbers("kinetic_energy", "a body missing", lambda arm: arm.one("masses", 2, lambda m: 0 * m).one("tensors", 2, lambda J: 0 * J), f"<body 3>.*{OUT}|(mass|tensor).*<body 3>", equal=f"I a at joint '<joint 3>'.*{OUT}"),
     numbers("kinetic_energy", "products of inertia of the other sign", lambda arm: arm.but(tensors=arm.tensors * (2 * np.eye(3) - 1)), f"products? of inertia.*{OPPOSITE}"),
     numbers("kinetic_energy", "I_xx and I_zz exchanged", lambda arm: arm.one("tensors", 1, lambda J: J[::-1, ::-1]), "(tensor|I_xx|I_zz|inertia).*<body 2>|<body 2>.*(tensor|I_xx|inertia)"),
     text("kinetic_energy", "drives added", "kinetic_energy", "energy = 0.0", "energy = 0.01 * v @ v", "(drive|rotor|armature|diagonal|proportional to v)"),

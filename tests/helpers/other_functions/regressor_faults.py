@@ -1,5 +1,7 @@
 """Mistakes in regressors and in derivatives with respect to parameters."""
 
+# ruff: noqa: E501 - one case a line
+
 import numpy as np
 from other_functions.fault import answers, plant, text
 from other_functions.torque_faults import OPPOSITE, OUT
@@ -54,7 +56,7 @@ TORQUE = (
     text("joint_torque_regressor", "sign of the first moments", "body_regressor", "-hat(push)", "hat(push)", f"(first moment|m c|moment|c ×).*{OPPOSITE}"),
     answers("joint_torque_regressor", "shifted by one body", lambda W, *_: np.roll(W, 10, axis=1), "(bod|link|shift|order)"),
     answers("joint_torque_regressor", "products counted twice", scaled(OFF), "(product|I_xy|scaled|off).*(2|twice|doubl)?"),
-    answers("joint_torque_regressor", "own joint alone", lambda W, q, v, a: (W.reshape(len(q), len(q), 10) * np.eye(len(q))[:, :, None]).reshape(W.shape), "own|diagonal|block|outer|other bod|other joint|passed on"),
+    answers("joint_torque_regressor", "own joint alone", lambda W, q, v, a: (W.reshape(len(q), len(q), 10) * np.eye(len(q))[:, :, None]).reshape(W.shape), "own|diagonal|block|outer|other bod|other joint|passed on|Xᵀ of forces.*left out"),
     text("joint_torque_regressor", "gravity of the other sign", "body_regressor", "acc[j + 1] - arm.gravity", "acc[j + 1] + arm.gravity", f"gravity.*{OPPOSITE}"),
     answers("joint_torque_regressor", "negative first moments", scaled(FIRST), f"(first moment|m c|center|scaled).*{OPPOSITE}|(first moment|m c).*-1"),
     text("body_regressor", "no gravity", *NO_GRAVITY, f"gravity.*{OUT}"),
@@ -65,7 +67,7 @@ TORQUE = (
     text("body_regressor", "ω × I ω of the other sign", "body_regressor", "+ hat(spin) @ tensor_rows(spin)", "- hat(spin) @ tensor_rows(spin)", f"(ω × (J|I) ω|gyroscopic).*{OPPOSITE}"),
     text("body_regressor", "in world axes", "body_regressor", "B = R[j + 1].T", "B = np.eye(3)", "world"),
     answers("base_regressor", "one column missing", lambda W, *_: np.delete(W, 4, axis=1), "missing|lack|rank|fewer|determined", robots=("ur5", "kinova", "xarm7")),
-    text("base_regressor", "no gravity", *NO_GRAVITY, f"gravity.*{OUT}", equal="column|missing|space", robots=("ur5", "kinova", "xarm7")),
+    text("base_regressor", "no gravity", *NO_GRAVITY, f"gravity.*{OUT}", equal="no combination of", robots=("ur5", "kinova", "xarm7")),
     answers("base_regressor", "viscous friction in it", lambda W, q, v, a: np.column_stack([W, np.diag(v)[:, 0]]), "column", robots=("ur5", "kinova", "xarm7")),
 )  # fmt: skip
 

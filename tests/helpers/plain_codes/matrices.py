@@ -1,10 +1,12 @@
 """Mass matrix by Jacobians, Coriolis matrix by Christoffel symbols, and accelerations from both."""
 
+# ruff: noqa: E741 - I is an inertia tensor, as in textbooks
+
 import numpy as np
-from other_functions.algebra import gradient
-from other_functions.kinematics import point_jacobian, poses
-from other_functions.masses import body_centers
-from other_functions.torques import bias_torque
+from plain_codes.algebra import gradient
+from plain_codes.kinematics import point_jacobian, poses
+from plain_codes.masses import body_centers
+from plain_codes.torques import bias_torque
 
 
 def mass_matrix(arm, q):

@@ -4,18 +4,23 @@ import functools
 import re
 from pathlib import Path
 
-from other_functions.plain_arm import PlainArm
+from plain_codes.arm import PlainArm
 
 FILES = (
     *("algebra", "kinematics", "masses", "torques", "multipliers", "matrices"),
     *("articulated", "derivatives", "regressors"),
 )
-OWN_IMPORTS = re.compile(r"^from other_functions.*\n", re.MULTILINE)
+OWN_IMPORTS = re.compile(r"^from plain_codes.*\n", re.MULTILINE)
 TEXT = "\n".join(OWN_IMPORTS.sub("", (Path(__file__).parent / f"{x}.py").read_text(encoding="utf-8")) for x in FILES)
 FRAMES = {
     **dict.fromkeys(("ur5", "ur3", "kr210_r2700_2"), "tool0"),
-    **{"kinova": "j2s6s200_end_effector", "panda": "panda_hand_tcp", "vx300s": "vx300s/ee_gripper_link"},
-    **{"z1": "gripperStator", "xarm7": "link_eef", "kr500": "B6", "so100": "gripper"},
+    "kinova": "j2s6s200_end_effector",
+    "panda": "panda_hand_tcp",
+    "vx300s": "vx300s/ee_gripper_link",
+    "z1": "gripperStator",
+    "xarm7": "link_eef",
+    "kr500": "B6",
+    "so100": "gripper",
 }
 """The frame of functions of a frame, by robot."""
 

@@ -1,10 +1,10 @@
 """Derivatives of torques, accelerations, wrenches and multipliers: by complex steps, and from the matrices."""
 
 import numpy as np
-from other_functions.algebra import gradient
-from other_functions.matrices import coriolis_matrix, forward_dynamics, mass_matrix
-from other_functions.multipliers import multipliers
-from other_functions.torques import inverse_dynamics, joint_wrenches
+from plain_codes.algebra import gradient
+from plain_codes.matrices import coriolis_matrix, forward_dynamics, mass_matrix
+from plain_codes.multipliers import multipliers
+from plain_codes.torques import inverse_dynamics, joint_wrenches
 
 
 def dtau_dq(arm, q, v, a):

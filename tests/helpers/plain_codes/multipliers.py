@@ -1,9 +1,9 @@
 """The five multipliers of each joint, from its wrench (docs/notation.md)."""
 
 import numpy as np
-from other_functions.algebra import cross, turn
-from other_functions.kinematics import poses
-from other_functions.torques import newton_euler
+from plain_codes.algebra import cross, turn
+from plain_codes.kinematics import poses
+from plain_codes.torques import newton_euler
 
 
 def normals(axis):

@@ -1,8 +1,10 @@
 """Center of mass, momentum and energies, from sums over the bodies in world axes."""
 
+# ruff: noqa: E741 - I is an inertia tensor, as in textbooks
+
 import numpy as np
-from other_functions.algebra import cross
-from other_functions.kinematics import motions, point_jacobian, poses
+from plain_codes.algebra import cross
+from plain_codes.kinematics import motions, point_jacobian, poses
 
 
 def body_centers(arm, q):

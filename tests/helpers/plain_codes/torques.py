@@ -1,9 +1,9 @@
 """Torques and joint wrenches: Newton-Euler in link axes, and statics by Jacobians."""
 
 import numpy as np
-from other_functions.algebra import cross, turn
-from other_functions.kinematics import point_jacobian, poses
-from other_functions.masses import body_centers
+from plain_codes.algebra import cross, turn
+from plain_codes.kinematics import point_jacobian, poses
+from plain_codes.masses import body_centers
 
 
 def newton_euler(arm, q, v, a):
