@@ -215,8 +215,8 @@ OURS_PLANTED = "test_can_fail.py"
 SAYING = ("commands", "report", "viewing")
 """Rooms whose tests are about what is said of a comparison."""
 
-EXAMINING = ("test_data_quality.py", "test_causes.py", "test_spoilt_recordings.py")
-"""Tests of how recordings are examined."""
+EXAMINING = ("test_causes.py", "test_spoilt_recordings.py")
+"""Tests that examine the same recording in two ways."""
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -29,6 +29,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.usefixtures("unexamined")
 def test_identify_prints_the_command_that_helps(program, folder):
     stopped = program("identify", "log.csv", "--robot", "small.urdf", "--lock", "elbow=0.1")
     assert stopped.code == BAD_INPUT

@@ -397,6 +397,7 @@ class TestModels:
 
 
 class TestSimulated:
+    @pytest.mark.usefixtures("unexamined")
     def test_truth_is_shown(self, program, arm, tmp_path):
         code, said = program(
             "--robot",
