@@ -1,5 +1,5 @@
 """What all tests share: hypothesis' number of examples, one thread in linear algebra, kept bytecode, rare sweeps, and
-a folder for machine code of their own."""
+machine code of their own, most of it not optimized."""
 
 import gc
 import os
@@ -10,7 +10,9 @@ import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
-from graphdyn.compiler import running
+from graphdyn.compiler import native, running
+from graphdyn.simulation import loop_rows
+from graphdyn.simulation.integration import compiled
 
 sys.dont_write_bytecode = False  # else each of the programs that tests start compiles every file again
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -55,6 +57,27 @@ def pytest_xdist_make_scheduler(config, log):
             return next((part for part in TOGETHER if part in file), file)
 
     return BySharedResults(config, log)
+
+
+OPTIMIZED = ("graphdyn/compiler", "graphdyn/recursions", "test_many_robots.py", "test_compiled.py",
+             "test_single_precision.py", "test_agreement.py")  # fmt: skip
+"""Parts of the paths of files whose tests are of compiled code: it is optimized there as users have it."""
+
+OPTIMIZATION = native.OPTIMIZATION
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _quickly_compiled(request):
+    """Code that is not optimized does the same operations, as test_batch.py of the compiler shows, and is there in half
+    the time; the long check compiles all code as users have it."""
+    optimized = any(part in request.path.as_posix() for part in OPTIMIZED)
+    level = OPTIMIZATION if optimized or request.config.option.markexpr != "not long" else 0
+    if level != native.OPTIMIZATION:
+        native.OPTIMIZATION = level
+        for programs in running._of_contents.values():
+            programs.ready.clear()
+        compiled._compiled.clear()
+        loop_rows._prepared.clear()
 
 
 @pytest.fixture(autouse=True)

@@ -93,10 +93,13 @@ class Ground:
     def at(self, arm: Array) -> Ground:
         """The same frame moved by an arm (3,) in its own axes."""
         r = self.rotation @ arm
+        if not (self.velocity.any() or self.acceleration.any()):
+            return Ground(self.position + r, self.rotation, self.velocity, self.acceleration)
         omega, alpha = self.velocity[..., ANGULAR], self.acceleration[..., ANGULAR]
         velocity, acceleration = self.velocity.copy(), self.acceleration.copy()
-        velocity[..., LINEAR] += cross(omega, r)
-        acceleration[..., LINEAR] += cross(alpha, r) + cross(omega, cross(omega, r))
+        carried = cross(omega, r)
+        velocity[..., LINEAR] += carried
+        acceleration[..., LINEAR] += cross(alpha, r) + cross(omega, carried)
         return Ground(self.position + r, self.rotation, velocity, acceleration)
 
     def moved_to(self, position: Array) -> Ground:

@@ -149,22 +149,27 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
         arm = rotation[..., i, :, :] @ joint.placement.translation
         omega, alpha = angular[..., i, :], angular_acc[..., i, :]
         rate = v[..., k, None] * axis
-        relative = np.zeros_like(axis) if a is None else a[..., k, None] * axis
         if joint.is_prismatic:
             arm = arm + q[..., k, None] * axis
             rotation[..., j, :, :] = in_world
             angular[..., j, :] = omega
-            angular_acc[..., j, :] = alpha
         else:
             rotation[..., j, :, :] = in_world @ joint.turn(q[..., k])
             angular[..., j, :] = omega + rate
-            angular_acc[..., j, :] = alpha + cross(omega, rate) + relative
         origin[..., j, :] = origin[..., i, :] + arm
-        linear[..., j, :] = linear[..., i, :] + cross(omega, arm)
-        linear_acc[..., j, :] = linear_acc[..., i, :] + cross(alpha, arm) + cross(omega, cross(omega, arm))
+        carried = cross(omega, arm)
+        linear[..., j, :] = linear[..., i, :] + carried
         if joint.is_prismatic:
             linear[..., j, :] += rate
+        if a is None:
+            continue
+        relative = a[..., k, None] * axis
+        linear_acc[..., j, :] = linear_acc[..., i, :] + cross(alpha, arm) + cross(omega, carried)
+        if joint.is_prismatic:
+            angular_acc[..., j, :] = alpha
             linear_acc[..., j, :] += 2 * cross(omega, rate) + relative
+        else:
+            angular_acc[..., j, :] = alpha + cross(omega, rate) + relative
     rotation, origin, angular, angular_acc = (
         rotation[..., 1:, :, :],
         origin[..., 1:, :],
@@ -177,10 +182,11 @@ def state_on(vertex_0: Ground, model: RobotModel, q: Array, v: Array, a: Array |
     def twist(at_origin: Array, angular_part: Array) -> Array:
         return np.concatenate([at_origin, np.einsum("...iba,...ib->...ia", rotation, angular_part)], axis=-1)
 
-    velocity = twist(linear[..., 1:, :] + cross(angular, arms), angular)
+    carried = cross(angular, arms)
+    velocity = twist(linear[..., 1:, :] + carried, angular)
     acceleration = None
     if a is not None:
-        at_center = linear_acc[..., 1:, :] + cross(angular_acc, arms) + cross(angular, cross(angular, arms))
+        at_center = linear_acc[..., 1:, :] + cross(angular_acc, arms) + cross(angular, carried)
         acceleration = twist(at_center, angular_acc)
     kind = ComplexState if number.kind == "c" else MaximalState
     return kind(model, origin + arms, rotation, velocity, acceleration, vertex_0)

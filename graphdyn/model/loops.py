@@ -174,8 +174,9 @@ class Loops:
                 angular[..., j, :] += rate
                 angular_drift[..., j, :] += cross(omega, rate)
                 rate = np.zeros_like(rate)
-            linear[..., j, :] = linear[..., i, :] + cross(omega, arm) + rate
-            turning = cross(drift, arm) + cross(omega, cross(omega, arm))
+            carried = cross(omega, arm)
+            linear[..., j, :] = linear[..., i, :] + carried + rate
+            turning = cross(drift, arm) + cross(omega, carried)
             linear_drift[..., j, :] = linear_drift[..., i, :] + turning + 2 * cross(omega, rate)
         return Links(rotation, origin, axis, linear, angular, linear_drift, angular_drift)
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import inertia_from_parameters, parameters_from_inertia
-from graphdyn.model.spatial import Placement, skew, turned
+from graphdyn.model.spatial import Placement, cross, skew, turned
 
 JointKind = Literal["revolute", "continuous", "prismatic"]
 
@@ -207,6 +207,6 @@ def axis_normals(axis: Array) -> Array:
     """
     alignment = np.abs(axis)
     least = int(np.argmax(alignment <= alignment.min() + AXIS_TIE_TOLERANCE))
-    t_1 = np.cross(axis, np.eye(3)[least])
+    t_1 = cross(axis, np.eye(3)[least])
     t_1 /= np.linalg.norm(t_1)
-    return read_only(np.stack([t_1, np.cross(axis, t_1)]))
+    return read_only(np.stack([t_1, cross(axis, t_1)]))

@@ -26,7 +26,7 @@ SLOW = (
 QUICK = [name for name in FORMATS if name not in ("urdf", *SLOW)]
 
 
-MANY = [*((name, 50) for name in QUICK), *((name, 5) for name in SLOW)]
+MANY = [*((name, 25) for name in QUICK), *((name, 5) for name in SLOW)]
 
 
 @pytest.mark.parametrize(("name", "many"), few([*MANY, *((name, 100) for name, _ in MANY)], *MANY))

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import comb
 from typing import Literal
 from weakref import WeakKeyDictionary
@@ -23,8 +24,10 @@ import numpy as np
 
 from crosscheck.recordings.preparation.filtering import (
     FILTER_ORDER,
+    REMEMBERED_FILTERS,
     TorqueFilter,
     border,
+    butterworth,
     check_cutoff,
     lowpass,
     padding,
@@ -90,11 +93,12 @@ def residual_analysis(values: Array, rate: float, order: int = 4) -> ResidualAna
     return ResidualAnalysis(cutoff, float(np.sqrt(noise)), frequencies, np.sqrt(squares))
 
 
+@lru_cache(maxsize=REMEMBERED_FILTERS)
 def _removed(cutoff: float, rate: float, order: int) -> float:
     """The part of the power of white noise that the filter, run forward and backward, removes."""
-    from scipy.signal import butter, sosfreqz
+    from scipy.signal import sosfreqz
 
-    _, response = sosfreqz(butter(order, cutoff, fs=rate, output="sos"), RESPONSE_FREQUENCIES, fs=rate)
+    _, response = sosfreqz(butterworth(order, cutoff, rate), RESPONSE_FREQUENCIES, fs=rate)
     return float(np.mean((1 - np.abs(response) ** 2) ** 2))
 
 

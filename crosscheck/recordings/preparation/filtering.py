@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from math import ceil, log, prod
 from numbers import Integral
 from typing import Any
@@ -25,6 +25,9 @@ from graphdyn.layout import Array
 FILTER_ORDER = 4
 """Default order of the Butterworth filter, in one pass."""
 
+REMEMBERED_FILTERS = 256
+"""Filters whose sections are kept: the trial cutoffs of a channel are those of its other joints."""
+
 BORDER_DECAY = 1e-3
 """Fraction of its initial value to which the slowest mode of the filter has decayed at the end of the border."""
 
@@ -37,7 +40,7 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER
 
     Raises InvalidInput for a cutoff outside 0 … rate/2, for an order below 1, for too few rows.
     """
-    from scipy.signal import butter, sosfiltfilt
+    from scipy.signal import sosfiltfilt
 
     check_cutoff(rate, cutoff)
     if order < 1:
@@ -47,8 +50,16 @@ def lowpass(values: Array, rate: float, cutoff: float, order: int = FILTER_ORDER
             f"{counted(len(values), 'row is', 'rows are')} too few for a filter of order {order}; "
             f"give more than {padding(order)}"
         )
-    sections = butter(order, cutoff, fs=rate, output="sos")
+    sections = butterworth(order, cutoff, rate)
     return np.asarray(sosfiltfilt(sections, values, axis=0, padlen=padding(order)))
+
+
+@lru_cache(maxsize=REMEMBERED_FILTERS)
+def butterworth(order: int, cutoff: float, rate: float) -> Array:
+    """Second-order sections (k, 6) of a Butterworth low-pass, designed once. cutoff, rate [Hz]"""
+    from scipy.signal import butter
+
+    return np.asarray(butter(order, cutoff, fs=rate, output="sos"))
 
 
 def check_cutoff(rate: float, cutoff: float) -> None:

@@ -113,7 +113,7 @@ class TestSaid:
         first = found.works[0].comparisons[0]
         assert ratio_text(first.ratio.median) in words
         assert "measured on 300 samples and extrapolated in proportion to 600" in words
-        assert f"kr500 6 bodies {SAMPLES} random states seed 0" in words
+        assert f"kr500 3 bodies {SAMPLES} random states seed 0" in words
         assert words.startswith("Benchmark on kr500 agrees")
         faster = sum(c.ratio.median > 1 for measured in found.works for c in measured.comparisons)
         faster += sum(ratio.median > 1 for _, ratio in found.identification.comparisons)
@@ -135,6 +135,7 @@ class TestSaid:
         done = program(result=replace(found, works=works))
         assert done.exit_code == 1
 
+    @pytest.mark.usefixtures("unpictured")
     def test_page(self, program, found, tmp_path):
         path = tmp_path / "bench.html"
         assert program("--html", path).exit_code == 0

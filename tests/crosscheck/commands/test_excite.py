@@ -149,6 +149,7 @@ def test_the_time_of_a_collision():
     assert found == {"links": "a - b", "poses": 7, "first": 2.345}
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_the_program(program, small_arm, tmp_path):
     """Record, page and file of two motions; the file keeps its promise when it is examined."""
     out, file, page = tmp_path / "m.csv", tmp_path / "r.json", tmp_path / "r.html"
@@ -193,6 +194,7 @@ def test_a_better_random_motion_is_told(best_random, seed, better):
     assert random_is_better(found) is better
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_motion_beyond_a_limit(program, small_arm, tmp_path):
     model = urdf.load(small_arm)
     path = tmp_path / "fast.csv"

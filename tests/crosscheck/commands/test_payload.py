@@ -1,6 +1,8 @@
 """`graphdyn payload`: the terminal, the JSON file, the page, the file of gains, and bad input."""
 
 import json
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from jsonschema import Draft202012Validator
 from shared_data import REPOSITORY
 
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.identifying.data_quality.data_quality import QualityFinding
 
 SCHEMA = json.loads((REPOSITORY / "docs/schemas/payload-1.schema.json").read_text(encoding="utf-8"))
 
@@ -30,6 +33,7 @@ def run(program, folder, monkeypatch):
     return lambda *arguments: program("payload", *arguments, "--robot", "ur5", "--cutoff", 8)
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_gains_and_then_a_load(run, folder):
     first = run("empty.csv", "weight.csv", "--mass", 4, "--write-gains", "gains.toml")
     assert first.code == AGREED, first.err
@@ -45,10 +49,28 @@ def test_gains_and_then_a_load(run, folder):
     assert record["recordings"] == ["empty.csv", "load.csv"]
 
 
-def test_currents_without_gains(run):
+def check_currents_without_gains(run):
     done = run("empty.csv", "load.csv")
     assert done.code == DISAGREED
     assert "the columns may be currents" in " ".join(done.out.split())
+
+
+@pytest.mark.long
+def test_currents_without_gains(run):
+    check_currents_without_gains(run)
+
+
+def test_units_that_the_data_quality_tells_are_said_by_the_gains(run, monkeypatch):
+    unit = QualityFinding("torque-unit", "fault", (), "the torques are 10 times too large", "check the unit")
+    told = SimpleNamespace(faults=(unit,))
+    monkeypatch.setattr("crosscheck.identifying.payload.fitted_currents.data_quality", lambda *_: told)
+    check_currents_without_gains(run)
+    other = replace(unit, code="exchanged-torques", message="the torques of two joints are exchanged")
+    told.faults = (unit, other)
+    done = run("empty.csv", "load.csv")
+    assert done.code == DISAGREED
+    assert "the torques of two joints are exchanged" in " ".join(done.out.split())
+    assert "10 times too large" not in " ".join(done.out.split())
 
 
 def test_trusted_links(run):

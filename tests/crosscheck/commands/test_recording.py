@@ -29,6 +29,7 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.usefixtures("unexamined")
 def test_identify_prints_the_command_that_helps(program, folder):
     stopped = program("identify", "log.csv", "--robot", "small.urdf", "--lock", "elbow=0.1")
     assert stopped.code == BAD_INPUT
@@ -61,6 +62,7 @@ def test_identify_prints_the_command_where_no_torque_is_recognized(program, fold
     assert "motion.csv: no columns are recognized as torques; `graphdyn recording motion.csv" in stopped.err
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_what_is_left_to_be_said(program, folder):
     done = program("recording", "currents.csv", "--robot", "small.urdf", "--write-mapping", "m.toml",
                    "--json", "r.json", "--html", "r.html")  # fmt: skip

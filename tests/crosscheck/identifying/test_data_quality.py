@@ -52,6 +52,13 @@ def quality_of(recording):
     return data_quality(arm().torque_model, [recording], identified_arm.CUTOFF)
 
 
+def quality_of_three(change):
+    """What is said of the recording of an arm of three joints, changed, in half the time; and its joints."""
+    small = identified_arm.virtual()
+    found = data_quality(small.torque_model, [change(small.fitted)], identified_arm.CUTOFF)
+    return found, small.torque_model.model.joint_names
+
+
 RECORDINGS = ("ur10", "tx40", "kr300")
 SPOILT = ("tau4 reversed", "q2, q3 exchanged", "tau 20 ms early")
 
@@ -219,7 +226,7 @@ class TestSeveralFaults:
         assert q == pytest.approx(0.0, abs=1e-6)
         assert tau < MAX_PASTED_DIFFERENCE
 
-    @pytest.mark.parametrize("what", few(SEVERAL, SEVERAL[1]))
+    @pytest.mark.parametrize("what", few(SEVERAL, SEVERAL[0]))
     def test_in_a_file(self, file, what):
         tables = several_faults.whole({"joints": [*NAMES], "rate": 1.0} | RIGHT)
         planted = several_faults.PLANTED[what]
@@ -264,11 +271,12 @@ class TestWords:
         ]
 
     def test_of_units(self):
-        (finding,) = quality_of(replace(arm().fitted, tau=1000 * arm().fitted.tau)).findings
+        found, _ = quality_of_three(lambda recording: replace(recording, tau=1000 * recording.tau))
+        (finding,) = found.findings
         assert (finding.code, finding.severity) == ("torque-unit", "fault")
         pasted = tomllib.loads("\n".join(finding.lines))["tau"]
-        assert (pasted["unit"], pasted["sign"]) == ("N m", [1.0] * 4)
-        assert pasted["gain"] == pytest.approx([1e-3] * 4, rel=0.3)
+        assert (pasted["unit"], pasted["sign"]) == ("N m", [1.0] * 3)
+        assert pasted["gain"] == pytest.approx([1e-3] * 3, rel=0.3)
 
     @pytest.mark.parametrize(
         ("gain", "severity"),
@@ -293,19 +301,19 @@ class TestWords:
             assert said[0].remedy.endswith("if the unit is right, the masses of the robot's file are not")
 
     def test_of_noise(self):
-        found = quality_of(spoilt_recordings.noise(arm().fitted))
+        found, names = quality_of_three(spoilt_recordings.noise)
         assert {finding.code for finding in found.faults} == {"unrelated"}
-        assert {joint for finding in found.faults for joint in finding.joints} >= set(NAMES[1:])
+        assert {joint for finding in found.faults for joint in finding.joints} >= set(names[1:])
 
     def test_of_halves(self):
         """What changed in between is told first, then the fault of the half that has it, which no mapping corrects."""
-        found = quality_of(spoilt_recordings.half_reversed(1)(arm().fitted))
+        found, (_, name, _) = quality_of_three(spoilt_recordings.half_reversed(1))
         first, *others = found.faults
-        assert (first.code, first.joints) == ("halves", ("shoulder_lift_joint",))
-        assert first.message.startswith("the two halves of the recording contradict each other at shoulder_lift_joint")
+        assert (first.code, first.joints) == ("halves", (name,))
+        assert first.message.startswith(f"the two halves of the recording contradict each other at {name}")
         (second,) = [finding for finding in others if finding.code != "halves"]
         assert second.message.startswith(
-            "in the second half alone the torque of shoulder_lift_joint is reversed: undone there, the equations of "
+            f"in the second half alone the torque of {name} is reversed: undone there, the equations of "
         )
         assert second.remedy == "correct it in that part of the file, or use the other part, by --split"
         assert second.lines == ()

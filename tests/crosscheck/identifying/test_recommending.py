@@ -68,6 +68,7 @@ class TestRecommendation:
         worse = replace(best.result, held_out=scaled(best.result.held_out, 1.5))
         assert "the smallest of 2 such results" in answer_of(best.result, replace(worse, name="worse")).reason
 
+    @pytest.mark.usefixtures("unexamined")
     def test_the_simpler_of_two_that_differ_by_less_than_the_pieces(self):
         """Noise of 30 % on the torque, and CAD without error: nothing is gained by identifying links."""
         arm, rng = virtual(), np.random.default_rng(0)

@@ -74,6 +74,7 @@ def test_two_standard_deviations_cover_the_truth_of_the_virtual_robot(seeds):
     assert white < 0.6
 
 
+@pytest.mark.usefixtures("unexamined")
 class TestCorrelation:
     """A recording of a three-joint arm whose residual is correlated for a known time."""
 

@@ -323,6 +323,7 @@ class TestServer:
         assert self.let_go(server, b" " * (MAX_QUESTION_BYTES + 1))[0] == 413
 
 
+@pytest.mark.usefixtures("unpictured")
 class TestCommand:
     def test_a_page(self, program, small_arm, tmp_path):
         run, file = tmp_path / "run.npz", tmp_path / "view.html"

@@ -9,7 +9,7 @@ from back_ends import BACK_ENDS, COMPILED, LONG_ROBOTS, on
 from random_trees import NAMED, random_base_motion, random_state, random_wrenches
 
 import graphdyn
-from graphdyn.compiler import interpreter, running
+from graphdyn.compiler import interpreter, native, running
 from graphdyn.compiler.gram import gram as gram_of_portions
 from graphdyn.compiler.gram.gram import SAMPLES_PER_PORTION, torque_gram
 from graphdyn.compiler.llvm import emitter
@@ -17,6 +17,9 @@ from graphdyn.compiler.native import MAX_CACHED_RESULT_BYTES, host_lanes
 
 MODEL = NAMED["mixed_chain"]
 """Four joints, one of them prismatic."""
+
+FUSED = 1e-13
+"""Products that are fused with sums, or rounded before: relative to the largest number; measured 2e-17."""
 
 back_ends = pytest.mark.parametrize("back_end", BACK_ENDS)
 with_long_robots = pytest.mark.parametrize("back_end", [*BACK_ENDS, LONG_ROBOTS])
@@ -51,6 +54,21 @@ def test_a_sample_does_not_depend_on_the_samples_beside_it(back_end):
         for first, last in [(k, k + 1) for k in range(9)] + [(0, 2), (1, 4), (0, 7), (3, 12), (5, 37), (0, 33)]:
             part = verbs(*(x[first:last] for x in arrays))
             assert_same(part, {name: value[first:last] for name, value in together.items()})
+
+
+@pytest.mark.parametrize("back_end", ["host", LONG_ROBOTS])
+def test_code_that_is_not_optimized_computes_the_same(back_end, monkeypatch):
+    """Most other tests run on it: it is compiled in half the time, with the same operations, fewer of them fused."""
+    q, v, x, wrenches = states(37)
+    found = []
+    for level in (native.OPTIMIZATION, 0):
+        monkeypatch.setattr(native, "OPTIMIZATION", level)
+        with on(back_end):
+            second = graphdyn.inverse_dynamics_derivatives(MODEL, q, v, x, method="recursive")
+            gram = torque_gram(MODEL, [0, 3, 12], 0)(q, v, x, x, np.empty((*x.shape, 0)))
+            found.append({**verbs(q, v, x, wrenches), **vars(second), "gram": np.concatenate(gram[0], axis=None)})
+    for name, value in found[0].items():
+        assert np.abs(value - found[1][name]).max(initial=0.0) <= FUSED * np.abs(value).max(initial=0.0), name
 
 
 @with_long_robots

@@ -8,6 +8,7 @@ other.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,10 +69,18 @@ def grams(matrix: Array, right: Array, tau: Array, kept: NDArray[np.bool_]) -> A
     n, p = matrix.shape[1:]
     found = np.zeros((n, p + 1, p + 1))
     for j, rows in enumerate(kept.T):
-        augmented = np.column_stack([matrix[rows, j], right[rows, j]])
-        acting = np.flatnonzero(augmented.any(axis=0))
-        own = augmented[:, acting]
-        found[j][np.ix_(acting, acting)] = own.T @ own / (float(np.sum(tau[rows, j] ** 2)) or 1.0)
+        if rows.all():
+            own_matrix, own_right, own_tau = matrix[:, j], right[:, j], tau[:, j]
+        else:
+            own_matrix, own_right, own_tau = matrix[rows, j], right[rows, j], tau[rows, j]
+        acting = np.flatnonzero(own_matrix.any(axis=0))
+        count = len(acting) + bool(own_right.any())
+        transposed = np.empty((count, len(own_matrix)))
+        transposed[: len(acting)] = own_matrix.T[acting]
+        transposed[len(acting) :] = own_right
+        places = np.append(acting, p) if count > len(acting) else acting
+        gram = transposed @ transposed.T / (float(np.sum(own_tau**2)) or 1.0)
+        found[j, places[:, None], places] = gram
     return found
 
 
@@ -83,6 +92,13 @@ class FreeFit:
         self._matrix = fit.matrix[..., structure(torque_model).base.independent]
         self._fit, self._tau = fit, tau
         self._grams = grams(self._matrix, tau - fit.known, tau, fit.kept)
+
+    @cached_property
+    def _equations(self) -> list[Array]:
+        """[W_j | right_j] of the rows that count, joint by joint."""
+        right = self._tau - self._fit.known
+        kept = enumerate(self._fit.kept.T)
+        return [np.column_stack([self._matrix[rows, j], right[rows, j]]) for j, rows in kept]
 
     def misfit_of_torque(self, joint: int, torque: Array) -> float:
         """Σ_j log ‖e_j‖ with another torque (N,) of one joint."""
@@ -100,16 +116,15 @@ class FreeFit:
         n, p, c = len(self._grams), self._matrix.shape[-1], columns.shape[-1]
         whole = np.zeros((n, p + c + 1, p + c + 1))
         old, new = np.append(np.arange(p), p + c), np.arange(p, p + c)
-        right = self._tau - self._fit.known
+        whole[:, old[:, None], old] = self._grams
         for j, rows in enumerate(self._fit.kept.T):
-            whole[j][np.ix_(old, old)] = self._grams[j]
             own = columns[rows, j]
             if own.any():
                 size = float(np.sum(self._tau[rows, j] ** 2)) or 1.0
-                known = np.column_stack([self._matrix[rows, j], right[rows, j]])
-                whole[j][np.ix_(new, new)] = own.T @ own / size
-                whole[j][np.ix_(new, old)] = own.T @ known / size
-                whole[j][np.ix_(old, new)] = whole[j][np.ix_(new, old)].T
+                beside = own.T @ self._equations[j] / size
+                whole[j, p : p + c, p : p + c] = own.T @ own / size
+                whole[j, new[:, None], old] = beside
+                whole[j, old[:, None], new] = beside.T
         return gram_misfit(whole)
 
 
@@ -119,16 +134,17 @@ def gram_misfit(matrices: Array) -> float:
     matrices: of grams (n, p + 1, p + 1)
     """
     n, p = len(matrices), matrices.shape[-1] - 1
-    if not np.all(np.isfinite(matrices)):
+    if not np.isfinite(matrices).all():
         return np.inf
-    weights, squares = np.ones(n), np.ones(n)
+    flat, diagonal = matrices.reshape(n, -1), np.arange(p)
+    weights, squares, solution = np.ones(n), np.ones(n), np.full(p + 1, -1.0)
     for _ in range(2):
-        whole = np.tensordot(weights, matrices, 1)
-        length = np.sqrt(np.diag(whole)[:p])
+        whole = (weights @ flat).reshape(p + 1, p + 1)
+        length = np.sqrt(whole[diagonal, diagonal])
         length[length <= ROUNDING_SHARE * length.max(initial=0.0)] = np.inf
-        unit = whole[:p, :p] / np.outer(length, length)
-        unit[np.arange(p), np.arange(p)] += GRAM_RIDGE
-        solution = np.append(np.linalg.solve(unit, whole[:p, p] / length) / length, -1.0)
+        unit = whole[:p, :p] / (length[:, None] * length)
+        unit[diagonal, diagonal] += GRAM_RIDGE
+        solution[:p] = np.linalg.solve(unit, whole[:p, p] / length) / length
         squares = np.maximum(np.einsum("i,jik,k->j", solution, matrices, solution), MIN_RESIDUAL**2)
         weights = 1 / squares
     return 0.5 * float(np.sum(np.log(squares)))

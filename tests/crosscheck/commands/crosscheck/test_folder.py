@@ -381,6 +381,7 @@ class TestResume:
         assert len(writes) == 3
 
 
+@pytest.mark.usefixtures("unpictured")
 class TestPage:
     def test_few(self, program, here, folder, tmp_path):
         path = tmp_path / "r.html"

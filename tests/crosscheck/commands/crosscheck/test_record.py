@@ -134,6 +134,7 @@ class TestJson:
         assert path.read_text(encoding="utf-8") == "precious"
 
 
+@pytest.mark.usefixtures("unpictured")
 class TestHtml:
     def test_beside_json(self, program, pendulum, tmp_path, wrong_torque):
         page, record = tmp_path / "r.html", tmp_path / "r.json"

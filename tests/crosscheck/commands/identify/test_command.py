@@ -205,6 +205,7 @@ class TestFiles:
         assert "None" not in text
         assert "nan" not in text.lower().split()
 
+    @pytest.mark.usefixtures("unexamined")
     def test_nothing_is_written_without_a_real_robot(self, program, two_files, tmp_path):
         code, said = program(
             *two_files,
@@ -225,7 +226,7 @@ class TestFiles:
         assert "is not written: OLS is not physically consistent" in said
         assert not (tmp_path / "out.urdf").exists()
 
-    @pytest.mark.usefixtures("unexamined")
+    @pytest.mark.usefixtures("unexamined", "unpictured")
     def test_a_mass_that_a_limit_holds_is_told_where_it_is_written(self, program, two_files, tmp_path):
         """In the table of links, in JSON, on the page, and beside the written file."""
         files = [tmp_path / f"found.{suffix}" for suffix in ("json", "html", "urdf")]
@@ -396,6 +397,7 @@ class TestModels:
 
 
 class TestSimulated:
+    @pytest.mark.usefixtures("unexamined")
     def test_truth_is_shown(self, program, arm, tmp_path):
         code, said = program(
             "--robot",

@@ -41,6 +41,7 @@ def run(program, folder, monkeypatch):
     return lambda *arguments: program("identify", *arguments, *options)
 
 
+@pytest.mark.usefixtures("unexamined", "unpictured")
 def test_a_known_load(run, folder, gains):
     """Gains with deviations in the report, the page, the JSON file and the file of gains; torques are identified."""
     done = run(

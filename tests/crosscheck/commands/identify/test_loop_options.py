@@ -60,6 +60,7 @@ def program(folder, monkeypatch):
     return run
 
 
+@pytest.mark.usefixtures("unexamined")
 def test_everything_at_once(program, folder):
     """The regressor is not exogenous, in every result; least squares alone has wrong friction."""
     loop = ["--controller", "control.py:pd", "--control-rate", "1000", "--torque-hold", "0.001"]
@@ -80,6 +81,7 @@ def test_everything_at_once(program, folder):
     assert all(error[name] < 2 for name in ("IDIM-IV", "DIDIM", "CLOE", "CLIE"))
 
 
+@pytest.mark.usefixtures("unexamined")
 @pytest.mark.parametrize(
     ("options", "message"),
     [

@@ -45,6 +45,7 @@ CHANGES = (
 )
 
 
+@pytest.mark.usefixtures("unpictured")
 @pytest.mark.parametrize(
     ("command", "change", "said"),
     [
@@ -76,6 +77,7 @@ def test_json(program, odd, tmp_path, command):
     assert json.loads(file.read_text(encoding="utf-8"))["warnings"] == [f"{path}: {AXIS}"]
 
 
+@pytest.mark.usefixtures("unpictured")
 def test_warnings_of_one_command_are_not_those_of_the_next(program, odd, small_arm, tmp_path):
     file = tmp_path / "page.html"
     assert program("show", odd('<axis xyz="0 1 0"/>', '<axis xyz="0 2 0"/>')).code == AGREED

@@ -66,6 +66,12 @@ def assessed(samples, model=None):
     return assess_recording(model or torque_model(), [Piece(samples, PERIOD)])
 
 
+@functools.cache
+def of_clean():
+    """What is found in the clean recording."""
+    return assessed(clean())
+
+
 def tilted(degrees):
     angle = np.deg2rad(degrees)
     return 9.81 * np.array([0.0, np.sin(angle), -np.cos(angle)])
@@ -73,8 +79,7 @@ def tilted(degrees):
 
 class TestFaults:
     def test_none_in_a_clean_recording(self):
-        found = assessed(clean())
-        assert found.faults == found.hints == ()
+        assert of_clean().faults == of_clean().hints == ()
 
     def test_the_mounting(self):
         model = replace(torque_model(), model=robot().with_gravity(tilted(25.0)))
@@ -178,7 +183,7 @@ class TestFaults:
 class TestVisibleSizes:
     def test_planted_ones_show(self):
         """A zero half as large as the smallest visible one gains too little; one twice as large enough."""
-        found = assessed(clean())
+        found = of_clean()
         assert np.isinf(found.visible.zeros[0])  # the first axis is vertical
         size = np.deg2rad(found.visible.zeros[1])
         for factor, shows in ((0.5, False), (2.0, True)):
