@@ -23,6 +23,9 @@ OFFSET_WEIGHTS = np.array([-1, 9, -45, 45, -9, 1]) / 60
 Fornberg, "Generation of finite difference formulas on arbitrarily spaced grids", Mathematics of Computation 51(184),
 1988."""
 
+RATE_OFFSETS, RATE_WEIGHTS = np.array([-1.0, 1.0]), np.array([-0.5, 0.5])
+"""The slope of a polynomial of the second degree: what forces and torques are in velocities and accelerations."""
+
 Answering = Callable[[DynamicsCode, Numbers, State], Array]
 """(code, numbers (…, K, 1), q, v, a (n, K or 1, R)) → (D, K, R)."""
 
@@ -43,9 +46,11 @@ class Derivative:
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         n, rows = state[0].shape[0], state[0].shape[-1]
-        hinge = np.array([self.by == "q" and not slides for slides in code.prismatic])[:, None]
-        steps, weights = np.where(hinge, TURNS, OFFSETS), np.where(hinge, TURN_WEIGHTS, OFFSET_WEIGHTS)
-        count = len(OFFSETS)
+        steps, weights = np.tile(RATE_OFFSETS, (n, 1)), np.tile(RATE_WEIGHTS, (n, 1))
+        if self.by == "q":
+            hinge = np.logical_not(code.prismatic)[:, None]
+            steps, weights = np.where(hinge, TURNS, OFFSETS), np.where(hinge, TURN_WEIGHTS, OFFSET_WEIGHTS)
+        count = steps.shape[1]
         moved = [np.repeat(y[..., None, :], n * count, axis=-2) for y in state]
         place = "qva".index(self.by)
         moved[place] = moved[place] + (np.eye(n)[..., None] * steps).reshape(n, 1, n * count, 1)

@@ -48,7 +48,7 @@ class JointWrenches:
     ) -> Array:
         forces, moments = parts
         turns = motions(code, x, state, Operations([], 1), self.base).rotations[1:]
-        is_world, numbers = self.chosen.get("axes") == "world", []
+        is_world, numbers = self.chosen.get("axes") == "world", list[Array]()
         for j, (f, n, R, slides) in enumerate(zip(forces, moments, turns, code.prismatic, strict=True)):
             p, c = x.axes[j], x.centers[j]
             if self.chosen.get("actuator") == "left out":

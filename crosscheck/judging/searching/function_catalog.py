@@ -11,6 +11,7 @@ from crosscheck.judging.faults.catalog import families, faults
 from crosscheck.judging.faults.fault import NO_NUMBERS, CodeFault, named
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes, shifted_links
+from crosscheck.judging.faults.link_parameters import LinkInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
 from crosscheck.judging.functions.table import TORQUES, formulations_of
 from crosscheck.judging.observing.observation import Observation
@@ -61,30 +62,45 @@ class RightRecursion:
         return self.formulation(code, numbers, state, Operations([], state[0].shape[-1]))
 
 
-def catalog_of(known: Quantity, states: JudgedStates, chosen: Chosen, of_file: FileFaults) -> Catalog | None:
-    """What may be wrong with a function; None for one that is not known here."""
-    model = states.model
-    forms = formulations_of(known.name, model, states.frame, chosen)
-    if not forms:
-        return None
-    own = dataclasses.replace(DynamicsCode.of(model), recursion=RightRecursion(forms[0]))
-    shown = _shown(own, state_of(known, states.trial.rows(np.arange(PROBED_STATES))))
-    takes_torques = "tau" in known.arguments
-    is_linear = known.name.startswith(LINEAR)
+@dataclasses.dataclass(frozen=True, eq=False)
+class FunctionFaults:
+    """What may be wrong with a function of a robot, however its answers are read."""
 
-    def relevant(fault: CodeFault) -> bool:
-        changed = fault.change(own, fault.right if fault.starts is None else fault.starts[-1])
-        if changed.answers or (takes_torques and changed.arguments):
-            return False
-        return bool(changed.arguments) or any(
-            getattr(changed.numbers, name) is not getattr(own.numbers, name) for name in shown
-        )
+    known: Quantity
+    states: JudgedStates
+    faults: Sequence[CodeFault]
+    families: Sequence[CodeFault]
+    links: Sequence[LinkInertial]
 
-    tried = [*faults(model), *of_file.faults, *([] if is_linear else _of_links(own, of_file))]
-    fitted = [*families(model)]
-    slips = () if known.name in TORQUES or known.name.startswith("d") else forms
-    tried = _differing(own, list(filter(relevant, tried)), state_of(known, states.trial.rows(np.arange(1))))
-    return Catalog(own, tried, list(filter(relevant, fitted)), of_file.links, slips, is_linear)
+    @classmethod
+    def of(cls, known: Quantity, states: JudgedStates, of_file: FileFaults) -> FunctionFaults:
+        model = states.model
+        tried = [*faults(model), *of_file.faults]
+        if not known.name.startswith(LINEAR):
+            tried += _of_links(DynamicsCode.of(model), of_file)
+        return cls(known, states, tried, list(families(model)), of_file.links)
+
+    def catalog(self, chosen: Chosen) -> Catalog:
+        """Read in one way."""
+        known, states = self.known, self.states
+        forms = formulations_of(known.name, states.model, states.frame, chosen)
+        own = dataclasses.replace(DynamicsCode.of(states.model), recursion=RightRecursion(forms[0]))
+        shown = _shown(own, state_of(known, states.trial.rows(np.arange(PROBED_STATES))))
+        takes_torques = "tau" in known.arguments
+
+        def relevant(fault: CodeFault) -> bool:
+            changed = fault.change(own, fault.right if fault.starts is None else fault.starts[-1])
+            if changed.answers or (takes_torques and changed.arguments):
+                return False
+            return bool(changed.arguments) or any(
+                getattr(changed.numbers, name) is not getattr(own.numbers, name) for name in shown
+            )
+
+        at_one = state_of(known, states.trial.rows(np.arange(1)))
+        tried = _differing(own, list(filter(relevant, self.faults)), at_one)
+        slips = () if known.name in TORQUES or known.name.startswith("d") else forms
+        fitted = list(filter(relevant, self.families))
+        return Catalog(own, tried, fitted, self.links, slips, known.name.startswith(LINEAR))
 
 
 def _differing(own: DynamicsCode, among: Sequence[CodeFault], state: State) -> list[CodeFault]:

@@ -34,6 +34,9 @@ FITTING_STATES = 3
 MIN_FITTED_ANSWERS = 15
 """Number of answers to which families are fitted at least: those of one body have ten numbers."""
 
+MANY_ANSWERS = 30
+"""Number of answers at one state from which on one state is enough to try and to fit."""
+
 MAX_KEPT_FAULTS = 150
 """Number of faults, those that leave least at these states, that are tried at the others."""
 
@@ -141,10 +144,11 @@ class Search:
         self.experiments, self.judged = experiments, judged
         self.all_rows = experiments if judged is None else experiments.and_(judged)
         self.own = catalog.own
-        enough = -(-MIN_FITTED_ANSWERS // experiments.answers.shape[1])
-        self._tried, self._fitted = (
-            experiments.only(_of_states(experiments, size)) for size in (TRIAL_STATES, max(FITTING_STATES, enough))
-        )
+        width = experiments.answers.shape[1]
+        tried, fitting = TRIAL_STATES, max(FITTING_STATES, -(-MIN_FITTED_ANSWERS // width))
+        if width >= MANY_ANSWERS:
+            tried, fitting = 1, 1
+        self._tried, self._fitted = (experiments.only(_of_states(experiments, size)) for size in (tried, fitting))
 
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
@@ -195,6 +199,15 @@ class Search:
                 return found
         return None
 
+    def looks_explained(self) -> bool:
+        """Whether one fault without numbers, another gravity or one slip gives the first answers: a quick look."""
+        known = [fault.change(self.own, NO_NUMBERS) for fault in self._catalog.faults]
+        left = root_mean_square(self._tried.residuals(known)) if known else np.array([np.inf])
+        if left.min() <= self.bound or self._slips(self.experiments):
+            return True
+        gravity = fitted(self._catalog.families[:1], self.own, self._fitted, self.noise)
+        return any(fit.left <= self.bound for fit in gravity)
+
     @property
     def is_of_torques(self) -> bool:
         """Whether the answers are torques, or can be read as such."""
@@ -202,9 +215,12 @@ class Search:
 
     def slips(self) -> list[Explanation]:
         """Every slip of the formulations that people write that gives the numbers of the first rows."""
-        forms, names = self._catalog.formulations, (self.model.joint_names, self.model.body_names)
-        slips = list(fitting_slips(forms, self.own, names, self.all_rows, self.bound))
+        slips = self._slips(self.all_rows)
         return self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in slips], self.all_rows)
+
+    def _slips(self, rows: Observation) -> list[CodeFault]:
+        names = self.model.joint_names, self.model.body_names
+        return list(fitting_slips(self._catalog.formulations, self.own, names, rows, self.bound))
 
     def together(self, started: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together.

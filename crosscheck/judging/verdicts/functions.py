@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.file_reading import FileFaults
+from crosscheck.judging.functions.table import formulations_of
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.references import relative_errors
-from crosscheck.judging.searching.function_catalog import catalog_of, observed
-from crosscheck.judging.searching.search import MIN_FITTED_ANSWERS, Search
+from crosscheck.judging.searching.function_catalog import FunctionFaults, observed
+from crosscheck.judging.searching.search import MANY_ANSWERS, MIN_FITTED_ANSWERS, Search
 from crosscheck.judging.verdicts.diagnosis import explained, holding_alone
 from crosscheck.judging.verdicts.verdicts import Judged
 from crosscheck.quantities.measures import Chosen
 
 MAX_READINGS = 3
-"""Number of ways to read the answers that are tried, those with the smallest errors."""
+"""Number of ways to read the answers that are tried, those with the smallest errors, besides those that look right."""
 
 
 def diagnose_function(
@@ -25,23 +26,40 @@ def diagnose_function(
 ) -> list[Diagnosis]:
     """What is wrong, where one fault gives the answers at all states; else nothing."""
     known, states = found.function.known, found.states
-    for chosen in _nearest(found):
-        catalog = catalog_of(known, states, chosen, of_file())
-        if catalog is None:
-            return []
-        rows = _experiments(found)
-        experiments = observed(known, found.answer[rows], states.rows(rows), chosen, "answers")
-        judged = observed(known, found.answer, states, chosen, "judged")
-        search = Search(states.model, catalog, experiments, judged, precision, bound)
+    nearest = _nearest(found)
+    if not formulations_of(known.name, states.model, states.frame, nearest[0]):
+        return []
+    for search in _searches(found, nearest, FunctionFaults.of(known, states, of_file()), precision, bound):
         holding = holding_alone(search, search.alone(search.nothing()))
         if holding:
             return explained(found.function.name, search, holding, evidence)
     return []
 
 
+def _searches(
+    found: Judged, nearest: Sequence[Chosen], given: FunctionFaults, precision: float, bound: float
+) -> Iterator[Search]:
+    """Of the nearest way to read the answers, of those by which something is explained at first sight, and of the next
+    ones."""
+
+    def read(chosen: Chosen) -> Search:
+        rows = _experiments(found)
+        experiments = observed(given.known, found.answer[rows], found.states.rows(rows), chosen, "answers")
+        judged = observed(given.known, found.answer, found.states, chosen, "judged")
+        return Search(found.states.model, given.catalog(chosen), experiments, judged, precision, bound)
+
+    yield read(nearest[0])
+    others = [read(chosen) for chosen in nearest[1:]]
+    likely = [search for search in others if search.looks_explained()]
+    yield from likely
+    yield from [search for search in others if search not in likely][: MAX_READINGS - 1]
+
+
 def _experiments(found: Judged) -> NDArray[np.intp]:
     """Numbers of the states to which faults are fitted: more where an answer is one number, or few."""
     rows = found.states.trial_rows
+    if found.answer[0].size >= MANY_ANSWERS:
+        return rows[[0, -1]]
     missing = MIN_FITTED_ANSWERS // max(1, found.answer[0].size) + 1 - len(rows)
     others = np.setdiff1d(np.flatnonzero(found.states.ordinary), rows)[: max(0, missing)]
     return np.concatenate([rows[: len(rows) // 2], others, rows[len(rows) // 2 :]])
@@ -55,4 +73,4 @@ def _nearest(found: Judged) -> list[Chosen]:
         ours = known.of_graphdyn(states, chosen)
         return float(np.median(relative_errors(known, found.answer, ours, states, chosen)))
 
-    return sorted(known.readings(found.declared), key=middle)[:MAX_READINGS]
+    return sorted(known.readings(found.declared), key=middle)
