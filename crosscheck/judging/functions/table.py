@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 from crosscheck.judging.faults.recursion import torque_recursion
+from crosscheck.judging.functions.articulated import articulated_bodies
 from crosscheck.judging.functions.bodies import BodySums
 from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, power
 from crosscheck.judging.functions.frames import FrameFormulations
@@ -54,6 +55,8 @@ def formulations_of(name: str, model: RobotModel, frame: str | None, chosen: Cho
     wrenches = JointWrenches(model.base, chosen)
     if name == "joint_wrenches":
         return (wrenches,)
+    if name == "forward_dynamics":
+        return (articulated_bodies,)
     if name == "multipliers":
         return (partial(multipliers, model.base),)
     by: Any = name[-1]

@@ -11,7 +11,7 @@ Journal on Scientific Computing 33(3), 2011.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import comb
 
@@ -278,13 +278,15 @@ MAX_EXTRA_NUMBERS = 1
 """Explanations that change so many numbers more are listed as alternatives."""
 
 
-def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnosis]:
-    """What is wrong with a function that deviates."""
+def diagnose(deviation: Deviation, say: Callable[[str], object]) -> Iterator[list[Diagnosis]]:
+    """What is wrong with a function that deviates: first by one fault, nothing where there is none; then by two at
+    once, or where the deviation is."""
     trial, observed = deviation.trial, deviation.observed
     own = split(torques(trial.model), trial, observed.acceleration)
     before = deviations(observed, own, scales(trial, own, observed))
     if not np.isfinite(list(before.values())).all():
-        return [unknown(deviation, "the answers are not finite", "", np.inf)]
+        yield [unknown(deviation, "the answers are not finite", "", np.inf)]
+        return
     experiments = of_experiments(trial, observed)
     catalog = Catalog.of_torques(trial.model, deviation.of_file())
     search = Search(trial.model, catalog, experiments, deviation.judged, deviation.noise, deviation.bound)
@@ -293,16 +295,19 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     left = float((nothing.worst if deviation.judged is None else nothing.judged).max())
     if left <= deviation.bound and deviation.bound > deviation.tolerance:
         remedy = "judge it with a tolerance that its precision allows"
-        return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
+        yield [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
+        return
     found = search.alone(nothing)
     holding = holding_alone(search, found)
-    if not holding and nothing.experiments.max() > deviation.bound:
+    yield explained(deviation.function, search, holding, evidence) if holding else []
+    if nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
         pairs = search.together(firsts(found, nothing, deviation.bound))
         holding = [pair for pair in pairs if search.holds(pair)]
-    if not holding:
-        return unexplained(deviation, search, nothing, found, evidence)
-    return explained(deviation.function, search, holding, evidence)
+    if holding:
+        yield explained(deviation.function, search, holding, evidence)
+    else:
+        yield unexplained(deviation, search, nothing, found, evidence)
 
 
 def _told_plainly(holding: Sequence[Explanation]) -> bool:

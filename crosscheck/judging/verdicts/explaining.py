@@ -219,16 +219,17 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
     own = OWN_FAULTS.get(name)
     if own is not None and (fault := own(found.answer, found.conventions.ours, found.states, bound)):
         return one(fault)
-    by_terms = [
-        replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, count))))
-        for diagnosis in _of_terms(found, precision, of_file, say)
-    ]
-    if by_terms and by_terms[0].status in ("confirmed", "candidate"):
-        return by_terms
+    stages = _of_terms(found, precision, of_file, say)
+    by_terms = next(stages, [])
+    if by_terms:
+        return _counted(by_terms, count)
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
     if by_function := diagnose_function(found, of_file, precision, bound, count):
         return by_function
+    by_terms = _counted(next(stages, []), count)
+    if by_terms and by_terms[0].status in ("confirmed", "candidate"):
+        return by_terms
     if fault := factor_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
     if where:
@@ -236,6 +237,11 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         remedy = "look for a case, a limit or a table that begins there"
         return [Diagnosis(name, "region", message, count, remedy, np.inf, "located")]
     return by_terms or [_unknown(name, "no fault that is known here gives the answers", count)]
+
+
+def _counted(diagnoses: list[Diagnosis], count: str) -> list[Diagnosis]:
+    """With the number of states that deviate as further evidence."""
+    return [replace(one, evidence="; ".join(filter(None, (one.evidence, count)))) for one in diagnoses]
 
 
 def _special(deviating: NDArray[np.bool_], found: Judged) -> str | None:
@@ -267,19 +273,23 @@ def _other_convention(found: Judged) -> FoundFault | None:
     return FoundFault(FaultDescription("convention", message, "convert them"), float(left.max()))
 
 
-def _of_terms(found: Judged, precision: float, of_file: OfFile, say: Progress) -> list[Diagnosis]:
-    """Diagnoses from experiments, for functions that are parts of the equations of motion; empty for others."""
+def _of_terms(found: Judged, precision: float, of_file: OfFile, say: Progress) -> Iterator[list[Diagnosis]]:
+    """Diagnoses from experiments, for functions that are parts of the equations of motion, by one fault and then by
+    two; none for others."""
     function, name, states = found.function, found.function.name, found.states
     tau = states.answer("inverse_dynamics", loaded=True).tau
     torque = np.maximum(np.sqrt(np.mean(tau**2, axis=0)), np.finfo(float).tiny)
     try:
         observed = observe(function, states.trial, torque)
     except np.linalg.LinAlgError:
-        return [_unknown(name, "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular")]
+        yield []
+        yield [_unknown(name, "the answers do not determine a mass matrix: M⁻¹ from unit torques is singular")]
+        return
     except FunctionFailure as failure:
-        return [_unknown(name, f"an experiment has no answer: {failure}")]
-    if observed is None:
-        return []
-    judged = of_judged(name, found.answer, states)
-    deviation = Deviation(name, states.trial, observed, judged, of_file, precision, found.verdict.bound)
-    return diagnose(deviation, say)
+        yield []
+        yield [_unknown(name, f"an experiment has no answer: {failure}")]
+        return
+    if observed is not None:
+        judged = of_judged(name, found.answer, states)
+        deviation = Deviation(name, states.trial, observed, judged, of_file, precision, found.verdict.bound)
+        yield from diagnose(deviation, say)
