@@ -304,7 +304,7 @@ class Search:
 def preference(explanation: Explanation) -> tuple[object, ...]:
     """Fewer numbers first, mistakes before fitted numbers; then by kind and words: a rule, not the order of trial."""
     said = explanation.said
-    has_numbers = any(one.numbers for one in said)
+    has_numbers = any(one.numbers and one.kind != "gravity" for one in said)
     return explanation.size, has_numbers, *((FAULT_KINDS.index(one.kind), one.message) for one in said)
 
 

@@ -29,10 +29,10 @@ def diagnose_function(
     nearest = _nearest(found)
     if not formulations_of(known.name, states.model, states.frame, nearest[0]):
         return []
-    for search in _searches(found, nearest, FunctionFaults.of(known, states, of_file()), precision, bound):
-        holding = holding_alone(search, search.alone(search.nothing()))
-        if holding:
-            return explained(found.function.name, search, holding, evidence)
+    with np.errstate(all="ignore"):  # a fault may divide by nothing
+        for search in _searches(found, nearest, FunctionFaults.of(known, states, of_file()), precision, bound):
+            if holding := holding_alone(search, search.alone(search.nothing())):
+                return explained(found.function.name, search, holding, evidence)
     return []
 
 

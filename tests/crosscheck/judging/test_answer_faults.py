@@ -137,6 +137,12 @@ class ByHand:
 
 
 CHANGES = {
+    "the absolute values of the numbers are given": lambda self: np.abs(self.answer()),
+    "negative numbers are replaced by zero": lambda self: np.where(self.answer() < 0, 0.0, self.answer()),
+    "every entry of the mass matrix is inverted by itself": lambda self: 1 / np.linalg.inv(self.answer()),
+    "the last row is \\(0, 0, 0, 0\\), not \\(0, 0, 0, 1\\)": lambda self: (
+        self.answer() * np.array([[1], [1], [1], [0]])
+    ),
     "all answers have the opposite sign": lambda self: -self.answer(),
     "the matrix is transposed": lambda self: self.answer().swapaxes(1, 2),
     "only the lower triangle of the matrix is filled in": lambda self: np.tril(self.answer()),

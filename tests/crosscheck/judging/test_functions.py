@@ -223,7 +223,7 @@ FAULTS = {
     "frame_jacobian, one axis": (
         "frame_jacobian",
         lambda m: lambda q: graphdyn.frame_jacobian(m, q, FRAME, reference="local") * scaled_joint(m, 2, -1.0),
-        "sign", "the column of a joint multiplied: 'elbow_joint' × -1",
+        "slip", "the joint axis in world axes at joint 'elbow_joint' has the opposite sign",
     ),
     "frame_velocity, linear part": (
         "frame_velocity",
@@ -237,7 +237,7 @@ FAULTS = {
     "frame_velocity, millimeters": (
         "frame_velocity",
         lambda m: lambda q, v: graphdyn.frame_velocity(m, q, v, FRAME, reference="local") * np.repeat([1000, 1], 3),
-        "unit", "the linear part is multiplied by 1000, the angular part by 1",
+        "unit", "the linear part is multiplied by 1000",
     ),
     "frame_acceleration, a ignored": (
         "frame_acceleration",
