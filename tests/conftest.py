@@ -59,9 +59,18 @@ def pytest_xdist_make_scheduler(config, log):
     return BySharedResults(config, log)
 
 
-OPTIMIZED = ("graphdyn/compiler", "graphdyn/recursions", "test_many_robots.py", "test_compiled.py",
-             "test_single_precision.py", "test_agreement.py")  # fmt: skip
-"""Parts of the paths of files whose tests are of compiled code: it is optimized there as users have it."""
+OPTIMIZED = (
+    *(
+        "graphdyn/compiler",
+        "graphdyn/recursions",
+        "test_many_robots.py",
+        "test_compiled.py",
+        "test_single_precision.py",
+    ),
+    *("test_agreement.py", "crosscheck/study", "crosscheck/distributing", "recordings/parts"),
+)
+"""Parts of the paths of files whose tests are of compiled code, or compare its bits with those of other processes: it
+is optimized there as users have it."""
 
 OPTIMIZATION = native.OPTIMIZATION
 
