@@ -294,6 +294,8 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> list[Diagnos
     if left <= deviation.bound and deviation.bound > deviation.tolerance:
         remedy = "judge it with a tolerance that its precision allows"
         return [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
+    if left <= deviation.bound and deviation.judged is None:
+        return [unknown(deviation, "the experiments show no deviation: it is at other states", evidence, np.inf)]
     found = search.alone(nothing)
     holding = holding_alone(search, found)
     if not holding and nothing.experiments.max() > deviation.bound:
