@@ -1,7 +1,7 @@
 """Functions that take all states at once and mix them: which other rows an answer depends on, found by asking.
 
 Each row is asked alone. Where the answers differ from those in the batch, some rows of a small batch are exchanged, one
-after the other, and one of them is watched.
+after the other, and the answer to one of them is compared.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from crosscheck.quantities import LOADS, argument_at
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
 
-REMEDY = "compute every row from its own arguments alone"
+BATCH_REMEDY = "compute every row from its own arguments alone"
 
-WATCHED_ROW = 2
-BATCH_ROWS = 5
-"""A small batch, and the row of it that is watched: neither first nor last, nor beside them."""
+ROW_IN_QUESTION = 2
+SMALL_BATCH_ROWS = 5
+"""A small batch, and the row of it that is compared: neither first nor last, nor beside them."""
 
 PLACES = {0: "the first row", 1: "the row before", 3: "the row after", 4: "the last row"}
-"""The other rows of the small batch as the watched one sees them."""
+"""The other rows of the small batch as the one in question sees them."""
 
 MAPS: dict[str, Callable[[NDArray[np.intp]], NDArray[np.intp]]] = {
     "the first row": lambda rows: 0 * rows,
@@ -50,7 +50,7 @@ def mixed_rows(
 
     answers: to all states in one batch
     """
-    if not function.batched or len(states.q) < BATCH_ROWS or not answers.answered.all():
+    if not function.batched or len(states.q) < SMALL_BATCH_ROWS or not answers.answered.all():
         return None
     arguments = function.known.arguments_at(states)
     try:
@@ -76,27 +76,27 @@ def mixed_rows(
             continue
         left = float(relative_errors(function.known, answers.values, expected, states, chosen)[1:-1].max())
         if left <= bound:
-            return FoundFault(FaultDescription("mixed_rows", f"{BEGINNING}: {message}", REMEDY), left, chosen)
+            return FoundFault(FaultDescription("mixed_rows", f"{BEGINNING}: {message}", BATCH_REMEDY), left, chosen)
     right = (
         relative_errors(function.known, alone, function.known.of_graphdyn(some, chosen), some, chosen).max() <= bound
     )
     message = BEGINNING + (f": of {matters}" if matters else "")
     message += "; each row alone is right" if right else ""
-    return FoundFault(FaultDescription("mixed_rows", message, REMEDY), np.inf, chosen)
+    return FoundFault(FaultDescription("mixed_rows", message, BATCH_REMEDY), np.inf, chosen)
 
 
 BEGINNING = "an answer depends on the other rows of its batch"
 
 
 def _rows_that_matter(function: FunctionUnderTest, arguments: tuple[Array, ...]) -> str:
-    """Those of a small batch whose exchange changes the answer to the watched one, in words; "" for all of them."""
-    base = np.arange(BATCH_ROWS)
-    here = function.ask(*(x[base] for x in arguments)).values[WATCHED_ROW]
+    """The rows of a small batch that change the answer to the compared one, in words; "" for all of them."""
+    base = np.arange(SMALL_BATCH_ROWS)
+    here = function.ask(*(x[base] for x in arguments)).values[ROW_IN_QUESTION]
     mattering = []
     for place, said in PLACES.items():
         rows = base.copy()
         rows[place] = len(arguments[0]) - 1
-        there = function.ask(*(x[rows] for x in arguments)).values[WATCHED_ROW]
+        there = function.ask(*(x[rows] for x in arguments)).values[ROW_IN_QUESTION]
         if not np.array_equal(here, there):
             mattering.append(said)
     return " and ".join(mattering) if len(mattering) < len(PLACES) else ""

@@ -28,17 +28,17 @@ MAX_LISTED_LEVELS = 6
 SAME_SHARE = 1e-6
 """Relative distance of limits that are one part of the model's, or one number."""
 
-MOTIONS = {"v": ("velocities", "rad/s or m/s"), "a": ("accelerations", "rad/s² or m/s²")}
+CLIPPED_ARGUMENTS = {"v": ("velocities", "rad/s or m/s"), "a": ("accelerations", "rad/s² or m/s²")}
 """Arguments whose limits are fitted: in words, and their unit."""
 
-REMEDY = "the dynamics hold beyond limits: take them away for the comparison"
+MOTION_REMEDY = "the dynamics hold beyond limits: take them away for the comparison"
 
 
 def clipped_motion(given: Answered, deviating: NDArray[np.bool_]) -> FoundFault | None:
     """Arguments that are clipped, joint by joint. deviating: states (N,)"""
     if found := _positions(given):
         return found
-    for name in MOTIONS:
+    for name in CLIPPED_ARGUMENTS:
         if name in given.function.arguments and (found := _fitted(given, deviating, name)):
             return found
     return None
@@ -57,7 +57,7 @@ def _positions(given: Answered) -> FoundFault | None:
         left = float(given.errors(given.known.of_graphdyn(given.states.but(q=changed), given.chosen)).max())
         if left <= given.bound:
             return FoundFault(
-                FaultDescription("clipped", f"positions are clipped at {said}", REMEDY), left, given.chosen
+                FaultDescription("clipped", f"positions are clipped at {said}", MOTION_REMEDY), left, given.chosen
             )
     return None
 
@@ -112,12 +112,12 @@ def _fitted(given: Answered, deviating: NDArray[np.bool_], name: str) -> FoundFa
     left = float(given.errors(_of_clipped(given, given.states, name, limits)).max())
     if left > given.bound:
         return None
-    what, unit = MOTIONS[name]
+    what, unit = CLIPPED_ARGUMENTS[name]
     names = given.states.model.joint_names
     which = np.flatnonzero(np.isfinite(limits))
     numbers = tuple(FittedNumber(f"largest {name}, {names[k]}", float(limits[k]), np.inf, unit) for k in which)
     message = f"{what} are clipped, at a limit: {_said(given, name, limits, which, unit)}"
-    return FoundFault(FaultDescription("clipped", message, REMEDY, numbers=numbers), left, given.chosen)
+    return FoundFault(FaultDescription("clipped", message, MOTION_REMEDY, numbers=numbers), left, given.chosen)
 
 
 def _of_clipped(given: Answered, states: JudgedStates, name: str, limits: Array) -> Array:

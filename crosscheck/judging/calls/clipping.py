@@ -28,7 +28,7 @@ MIN_REPETITIONS = 2
 
 MAX_LISTED_LEVELS = 6
 
-REMEDY = "take the limits away for the comparison"
+CLIP_REMEDY = "take the limits away for the comparison"
 
 ANSWER_NAMES = {"inverse_dynamics": "torques", "gravity_torque": "torques", "bias_torque": "torques"} | {
     "static_torque": "torques",
@@ -38,7 +38,7 @@ ANSWER_NAMES = {"inverse_dynamics": "torques", "gravity_torque": "torques", "bia
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Where numbers (N, m) are clipped: at most upper, at least lower (m,); infinite where they are not."""
+    """The limits of numbers (N, m): at most upper, at least lower (m,); infinite where they are not."""
 
     lower: Array
     upper: Array
@@ -150,7 +150,7 @@ def _fault(
     said = next(levels.said(lambda _: "every one")) if len(every) == 1 else ""
     said = said or first_of(list(levels.said(name)), MAX_LISTED_LEVELS)
     message = f"{what} are clipped, at a limit: {said} {unit}"
-    return FoundFault(FaultDescription("clipped", message, REMEDY, numbers=numbers), left, given.chosen)
+    return FoundFault(FaultDescription("clipped", message, CLIP_REMEDY, numbers=numbers), left, given.chosen)
 
 
 def _place(model: RobotModel, kinds: tuple[int | str, ...], shape: tuple[int, ...], k: int) -> str:
@@ -175,5 +175,5 @@ def _scaled_down(given: Answered, deviating: NDArray[np.bool_]) -> FoundFault | 
         left = float(given.errors(given.ours * scale.reshape(shape)).max())
         if left <= given.bound:
             message = f"the answers are scaled down to a {what} of {level:.6g}"
-            return FoundFault(FaultDescription("clipped", message, REMEDY), left, given.chosen)
+            return FoundFault(FaultDescription("clipped", message, CLIP_REMEDY), left, given.chosen)
     return None

@@ -113,7 +113,7 @@ def _by_vector(there: Array, back: Array, here: Array) -> Array:
 
 
 def _by_entries(skew: bool, there: Array, back: Array, here: Array) -> Array:
-    """Of Ṙ Rᵀ: the mean of both triangles, or the lower one and (1, 3)."""
+    """Entries of Ṙ Rᵀ: the mean of both triangles, or the lower one and (1, 3)."""
     turn = (there - back) @ np.swapaxes(here, -1, -2)
     if skew:
         turn = (turn - np.swapaxes(turn, -1, -2)) / 2
@@ -214,12 +214,12 @@ PARTS = ((True, False), (False, True), (True, True))
 
 def forms(name: str) -> Iterator[Form]:
     """The ways in which a function is computed by differences; none for functions that are not."""
-    if name in DERIVATIVES:
-        yield partial(_derivative, *DERIVATIVES[name])
+    if name in DERIVED_FROM:
+        yield partial(_derivative, *DERIVED_FROM[name])
     yield from OTHER_FORMS.get(name, ())
 
 
-DERIVATIVES: Mapping[str, tuple[str, str]] = {
+DERIVED_FROM: Mapping[str, tuple[str, str]] = {
     **{f"dtau_d{x}": ("inverse_dynamics", x) for x in "qv"},
     **{f"da_d{x}": ("forward_dynamics", x) for x in "qv"},
     **{f"dwrenches_d{x}": ("joint_wrenches", x) for x in "qva"},

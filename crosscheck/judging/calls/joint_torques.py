@@ -24,16 +24,16 @@ from graphdyn.layout import Array
 N_SWEPT = 64
 """Number of positions, and of velocities, at which a torque is seen."""
 
-N_CHECKED = 24
+N_VERIFIED_PAIRS = 24
 """Number of pairs of them at which it must be the sum of both."""
 
-TORQUES = ("inverse_dynamics", "forward_dynamics", "bias_torque", "gravity_torque", "static_torque")
+TORQUE_FUNCTIONS = ("inverse_dynamics", "forward_dynamics", "bias_torque", "gravity_torque", "static_torque")
 """Functions whose answers tell added torques."""
 
 NOISE_FACTOR = 10.0
 """Torques count from so many times the bound on; sums of two deviations have the noise of both."""
 
-REMEDY = "the dynamics of rigid bodies have no such torque; switch it off for the comparison"
+ADDED_TORQUE_REMEDY = "the dynamics of rigid bodies have no such torque; switch it off for the comparison"
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class JointTorques:
 
     def seen(self, given: Answered) -> FoundFault:
         """What is known without laws, as a fault."""
-        return FoundFault(FaultDescription("joint_torque", self.regions, REMEDY), np.inf, given.chosen)
+        return FoundFault(FaultDescription("joint_torque", self.regions, ADDED_TORQUE_REMEDY), np.inf, given.chosen)
 
 
 def with_added_torques(diagnoses: list[Diagnosis], added: JointTorques | None) -> list[Diagnosis]:
@@ -79,7 +79,9 @@ OWN_KINDS = ("friction", "spring", "offset", "clipped", "precision")
 def added_torques(given: Answered) -> JointTorques | None:
     """None where a deviating torque depends on more than the motion of its joint."""
     model = given.states.model
-    if given.name not in TORQUES or model.n_bodies == 1 or not np.isfinite(given.answer).all():
+    if given.name not in TORQUE_FUNCTIONS or model.n_bodies == 1 or not np.isfinite(given.answer).all():
+        return None
+    if getattr(given.function.function, "in_rounds", False):
         return None
     judged = _deviation(given, given.states, given.answer)
     room = NOISE_FACTOR * given.bound * _scale(given)
@@ -114,12 +116,12 @@ def added_torques(given: Answered) -> JointTorques | None:
     )
     kind = "friction" if all(law.of_velocity or not law.said for _, pair in known for law in pair) else "spring"
     numbers = tuple(n for x, pair in known for law in pair for n in law.numbers(model.joint_names[x.joint]))
-    description = FaultDescription(kind, said, REMEDY, numbers=numbers)
+    description = FaultDescription(kind, said, ADDED_TORQUE_REMEDY, numbers=numbers)
     return JointTorques(FoundFault(description, float(left), given.chosen), plain, regions)
 
 
 def _scale(given: Answered) -> float:
-    """Of torques [N m]: the largest joint wrench."""
+    """The scale of torques, the largest joint wrench [N m or N]."""
     return float(np.abs(given.states.wrenches).max()) or 1.0
 
 
@@ -179,7 +181,7 @@ def _swept(given: Answered, k: int, room: float) -> Swept | None:
     half = fastest * np.linspace(0, 1, N_SWEPT // 2 + 1)[1:] ** 2
     moving = "v" in given.function.arguments
     v = np.concatenate([-half[::-1], half]) if moving else np.zeros(0)
-    i, j = rng.integers(len(q), size=N_CHECKED), rng.integers(max(len(v), 1), size=N_CHECKED)
+    i, j = rng.integers(len(q), size=N_VERIFIED_PAIRS), rng.integers(max(len(v), 1), size=N_VERIFIED_PAIRS)
     middle = q[N_SWEPT // 2]
     pairs = [(x, 0.0) for x in q] + [(middle, x) for x in v]
     pairs += [(q[a], v[b] if moving else 0.0) for a, b in zip(i, j, strict=True)]

@@ -24,7 +24,7 @@ TRIAL_STEPS = {False: 1e-4, True: 2e-3}
 """Steps of forward and central differences that show the slope of their error, by whether they are central."""
 
 MIN_CORRELATION = 0.9
-"""Of the deviation and the error of differences: rounding may make up the rest."""
+"""Smallest correlation of the deviation and the error of differences: rounding may make up the rest."""
 
 MAX_ERROR = 0.5
 """Median relative error beyond which no difference quotients are looked for: nobody takes such steps."""
@@ -35,7 +35,7 @@ MAX_LEFT_SHARE = 0.1
 MAX_ROUNDING_SHARE = 0.5
 """Part of it that may be rounding of the differences."""
 
-MAX_NOISE_FACTOR = 10.0
+MAX_LEFT_NOISE = 10.0
 """What is left may be so many times the noise of the function."""
 
 SHOWN_NOISE_SHARE = 1e-2
@@ -131,7 +131,7 @@ def _checked(given: Answered, form: Form, by: Differences, largest: float) -> Fo
     expected = given.ours + (by.step / used.step) ** (2 if by.central else 1) * error
     corrected = replace(given, answer=given.answer - expected + given.ours)
     errors, before = corrected.errors(given.ours), given.errors(given.ours)
-    rounding = min(MAX_NOISE_FACTOR * given.noise, MAX_ROUNDING_SHARE * largest)
+    rounding = min(MAX_LEFT_NOISE * given.noise, MAX_ROUNDING_SHARE * largest)
     room = max(given.bound, MAX_LEFT_SHARE * largest, rounding)
     usual = errors[errors <= room]  # others may be states at rest, where rounding has no size to compare with
     if len(usual) < MIN_USUAL_SHARE * len(errors) or (errors > np.maximum(room, before)).any():

@@ -18,19 +18,19 @@ from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from graphdyn.layout import Array
 
-SOLVED = ("forward_dynamics", "mass_matrix_inverse")
+SOLVING_FUNCTIONS = ("forward_dynamics", "mass_matrix_inverse")
 """Functions that solve with the mass matrix."""
 
 MAX_STEPS = 200
 """Number of steps of a method that are tried."""
 
-EQUAL_SHARE = 1e-5
+EQUAL_ITERATE_SHARE = 1e-5
 """Part of the deviation within which an iterate is the answer: conjugate gradients amplify rounding."""
 
 MAX_RESIDUAL = 1e-2
 """Largest backward error that is told as the residual of a solver; beyond, anything may be wrong."""
 
-REMEDY = "take as many steps as the accuracy needs, or a Cholesky factorization"
+SOLVER_REMEDY = "take as many steps as the accuracy needs, or a Cholesky factorization"
 
 Steps = Iterator[Array]
 """Iterates (N, n, m) after one step, two, …"""
@@ -83,7 +83,7 @@ def _ratio(x: Array, y: Array) -> Array:
     return np.divide(x, y, out=np.zeros_like(x), where=np.abs(y) > 0)
 
 
-METHODS: Mapping[str, Callable[[Array, Array], Steps]] = {
+SOLVERS: Mapping[str, Callable[[Array, Array], Steps]] = {
     "conjugate gradients": partial(_conjugate_gradients, False),
     "conjugate gradients scaled by the diagonal": partial(_conjugate_gradients, True),
     "Gauss-Seidel iteration": partial(_gauss_seidel, False),
@@ -96,12 +96,12 @@ METHODS: Mapping[str, Callable[[Array, Array], Steps]] = {
 
 def stopped_early(given: Answered) -> FoundFault | None:
     """A method and its number of steps, or of singular values, that gives the answers."""
-    if given.name not in SOLVED or not np.isfinite(given.answer).all():
+    if given.name not in SOLVING_FUNCTIONS or not np.isfinite(given.answer).all():
         return None
     M, b = given.states.mass, _right_side(given)
     answer = given.answer if given.answer.ndim == 3 else given.answer[..., None]
     with np.errstate(all="ignore"):
-        for name, method in METHODS.items():
+        for name, method in SOLVERS.items():
             if found := _of_method(given, name, method, M, b, answer):
                 return found
         return _cut_off(given, M, b, answer) or _within_few_powers(given, M, b, answer)
@@ -115,11 +115,11 @@ def _right_side(given: Answered) -> Array:
 
 
 def _equal(x: Array, given: Answered, answer: Array, rows: NDArray[np.intp]) -> NDArray[np.bool_]:
-    """At which of some states iterates are the answers."""
+    """Whether iterates are the answers, at each of some states."""
     right = given.ours[rows] if given.ours.ndim == 3 else given.ours[rows][..., None]
     off, deviation = (np.abs(y).max(axis=(1, 2)) for y in (x - answer[rows], right - answer[rows]))
     return np.asarray(
-        np.isfinite(off) & (off <= EQUAL_SHARE * deviation + given.bound * np.abs(right).max(axis=(1, 2)))
+        np.isfinite(off) & (off <= EQUAL_ITERATE_SHARE * deviation + given.bound * np.abs(right).max(axis=(1, 2)))
     )
 
 
@@ -134,18 +134,18 @@ def _of_method(
     counts = _counts(method, M[deviating], b[deviating], given, answer, deviating)
     if not counts.all():
         return None
-    left = EQUAL_SHARE * float(given.errors(given.ours).max())
+    left = EQUAL_ITERATE_SHARE * float(given.errors(given.ours).max())
     everywhere = np.arange(len(M))
     least, most = int(counts.min()), int(counts.max())
     steps = f"{least} step{'s' if least > 1 else ''}" if least == most else f"{least} to {most} steps"
     if most == 1:
         name = " or ".join(
-            other for other, x in METHODS.items() if _equal(next(x(M, b)), given, answer, everywhere).all()
+            other for other, x in SOLVERS.items() if _equal(next(x(M, b)), given, answer, everywhere).all()
         )
     message = f"{_equation(given)} is solved by {name}, stopped after {steps} from zero"
     if least < most:
         message += f" with a residual of up to {_residual(given, M, b, answer):.1e} of the right side"
-    return FoundFault(FaultDescription("stopped_solver", message, REMEDY), left, given.chosen)
+    return FoundFault(FaultDescription("stopped_solver", message, SOLVER_REMEDY), left, given.chosen)
 
 
 def _counts(
@@ -188,7 +188,7 @@ def _cut_off(given: Answered, M: Array, b: Array, answer: Array) -> FoundFault |
         f"{_equation(given)} is solved without the small singular values of M: those below a limit between "
         f"{left_out:.1e} and {kept:.1e} of the largest are cut off"
     )
-    left = EQUAL_SHARE * float(given.errors(given.ours).max())
+    left = EQUAL_ITERATE_SHARE * float(given.errors(given.ours).max())
     return FoundFault(FaultDescription("stopped_solver", message, "M is regular: keep all of them"), left, given.chosen)
 
 
@@ -204,12 +204,14 @@ def _within_few_powers(given: Answered, M: Array, b: Array, answer: Array) -> Fo
             for q in columns:
                 rest = rest - _dot(q, rest) * q
         off = np.abs(rest).max(axis=1) / size
-        if (off <= EQUAL_SHARE * 1e-2).all():
+        if (off <= EQUAL_ITERATE_SHARE * 1e-2).all():
             message = (
                 f"the answers are combinations of b, M b, … with {count} terms, where b is the right side of "
                 f"{_equation(given)}: an iterative solver stopped after {count} step{'s' if count > 1 else ''}"
             )
-            return FoundFault(FaultDescription("stopped_solver", message, REMEDY), float(off.max()), given.chosen)
+            return FoundFault(
+                FaultDescription("stopped_solver", message, SOLVER_REMEDY), float(off.max()), given.chosen
+            )
         following = M @ columns[-1]
         for _ in range(2):
             for q in columns:
@@ -220,7 +222,7 @@ def _within_few_powers(given: Answered, M: Array, b: Array, answer: Array) -> Fo
 
 def residual_said(given: Answered) -> FoundFault | None:
     """The residual that the answers leave, where it is small."""
-    if given.name not in SOLVED or not np.isfinite(given.answer).all():
+    if given.name not in SOLVING_FUNCTIONS or not np.isfinite(given.answer).all():
         return None
     answer = given.answer if given.answer.ndim == 3 else given.answer[..., None]
     size = _residual(given, given.states.mass, _right_side(given), answer)
@@ -230,4 +232,4 @@ def residual_said(given: Answered) -> FoundFault | None:
         f"{_equation(given)} is left with a residual of up to {size:.1e} of the right side, as by a solver that is "
         "stopped early or by a slightly different matrix"
     )
-    return FoundFault(FaultDescription("residual", message, REMEDY), np.inf, given.chosen)
+    return FoundFault(FaultDescription("residual", message, SOLVER_REMEDY), np.inf, given.chosen)

@@ -11,7 +11,7 @@ from crosscheck.judging.faults.fault import FaultDescription, joints_said
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from graphdyn.layout import Array
 
-REMEDY = "convert to rad/s when they are read"
+VELOCITY_UNIT_REMEDY = "convert to rad/s when they are read"
 
 WAYS = {
     np.pi / 180: "are taken as degrees per second",
@@ -32,7 +32,7 @@ def velocity_unit(given: Answered) -> FoundFault | None:
             if given.errors(here, few, chosen).max() <= given.bound:
                 left = float(given.errors(given.known.of_graphdyn(changed, chosen), chosen=chosen).max())
                 if left <= given.bound:
-                    return FoundFault(FaultDescription("unit", message, REMEDY), left, chosen)
+                    return FoundFault(FaultDescription("unit", message, VELOCITY_UNIT_REMEDY), left, chosen)
     return None
 
 

@@ -91,3 +91,21 @@ def test_right_functions_of_many_kinds_are_not_accused(batched):
     assert crosscheck.judge("ur5", samples=10, batched=batched, precision="single", **rounded).agrees
     jacobian = quotients.derivative(lambda q: graphdyn.center_of_mass(model, q), "central", 6e-6)
     assert crosscheck.judge("ur5", samples=10, center_of_mass_jacobian=jacobian).agrees
+
+
+def test_an_array_that_is_overwritten_is_copied_and_noted():
+    model, buffer = urdf.load("ur5"), np.zeros(6)
+
+    def gravity_torque(q):
+        buffer[:] = graphdyn.gravity_torque(model, q)
+        return buffer
+
+    judgment = crosscheck.judge("ur5", gravity_torque=gravity_torque, samples=5)
+    assert judgment.agrees
+    note = "gravity_torque returns one array at every call and overwrites it: answers were copied at once"
+    assert judgment.notes == (note,)
+
+
+def test_complex_numbers_without_imaginary_part_are_real():
+    model = urdf.load("ur5")
+    assert crosscheck.judge("ur5", gravity_torque=lambda q: graphdyn.gravity_torque(model, q) + 0j, samples=5).agrees
