@@ -133,6 +133,8 @@ def judge_functions(
                 found = with_exact_errors(found, robot, setting, notes)
             verdicts[name] = found.verdict
             notes += [f"{name} changes its argument {x}: give it a copy" for x in sorted(answers.changed)]
+            if function.returned.overwritten:
+                notes.append(f"{name} returns one array at every call and overwrites it: answers were copied at once")
             if not found.verdict.agrees and not found.verdict.wrong_by_proof_alone:
                 say(f"looking for the fault of {name}")
                 diagnoses += diagnoses_of(found, partial(faults_of_file, robot), say)

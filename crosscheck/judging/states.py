@@ -193,10 +193,12 @@ class JudgedStates(ScaledStates):
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:
-    """q, v (count, n): every other position and velocity, on the average, is outside its limits."""
+    """q, v (count, n): every other position and velocity, on the average, is outside its limits, at a third of the
+    states each those of positions alone, of velocities alone, and of both."""
     q, v = model.random_state(rng, count)
     for k, joint in enumerate(model.joints):
         outside, below = rng.integers(2, size=(2, 2, count)).astype(bool)
+        outside[0, 1::3] = outside[1, 2::3] = False
         far = MAX_BEYOND_LIMITS * rng.uniform(size=(2, count))
         lower, upper, speed = joint.limits.lower, joint.limits.upper, joint.limits.velocity
         if joint.kind != "continuous" and lower is not None and upper is not None:

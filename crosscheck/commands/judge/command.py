@@ -10,6 +10,7 @@ import typer
 
 from crosscheck.commands.judge.answers import AnswerOptions, warn_of_unused, write_further
 from crosscheck.commands.judge.programs import ProgramOptions, user_programs
+from crosscheck.commands.judge.time_limit import NoAnswerInTime, limited
 from crosscheck.commands.program.console import progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.exits import AGREED, DISAGREED, PENDING
@@ -122,7 +123,10 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             if name in named:
                 option = named[name][0]
                 raise typer.BadParameter(f"{name} is named by {option} and by --command or --library; name it once")
-        found: dict[str, Any] = {name: user_function(option, text) for name, (option, text) in named.items()}
+        found: dict[str, Any] = {
+            name: limited(user_function(option, text), f"{option} {text}", self.time_limit)
+            for name, (option, text) in named.items()
+        }
         return found | dict(programs)
 
 
@@ -149,6 +153,8 @@ def run(options: JudgeOptions) -> None:
                 judgment, unused = judge_answers(
                     setting, read_answers(answers), functions, lambda what: advance(what, 1)
                 )
+        except NoAnswerInTime as late:
+            raise late.ended() from None
         except AnswersPending as pending:
             write_further(options.further, pending, setting, answers)
             raise typer.Exit(PENDING) from None

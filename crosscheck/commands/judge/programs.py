@@ -37,7 +37,7 @@ class ProgramOptions:
     time_limit: Annotated[
         float,
         typer.Option(
-            min=0.001, metavar="SECONDS", help="Time for each answer of --command and --library, start-up included."
+            min=0.001, metavar="SECONDS", help="Time for each call of a function, start-up of a program included."
         ),
     ] = 30.0
     restart_after: Annotated[

@@ -10,6 +10,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from crosscheck.judging.exchange.csv_dialects import plain_lines
 from crosscheck.judging.exchange.printed_numbers import (
     BeyondDoubles,
     UnreadableAnswer,
@@ -59,8 +60,8 @@ def read_answers(files: Sequence[Path]) -> dict[int, GivenAnswer]:
 
 def _csv(path: Path) -> Iterator[tuple[int, GivenAnswer]]:
     """Rows of an id and numbers, with commas, semicolons or blanks between them; a first line of words is a head."""
-    text = path.read_bytes().decode("utf-8-sig", errors="replace").replace("\r\n", "\n").replace("\r", "\n")
-    for row, line in enumerate(text.split("\n"), start=1):
+    lines = plain_lines(path.read_bytes())
+    for row, line in enumerate(lines, start=1):
         where = f"{path}, line {row}"
         try:
             numbers = printed_numbers(line)

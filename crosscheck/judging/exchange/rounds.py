@@ -44,7 +44,10 @@ class Replay:
 
     given: the answers by id, those of other functions among them
     used: the ids that were asked for, added to at each call
+    in_rounds: it cannot be asked about single joints besides the experiments
     """
+
+    in_rounds = True
 
     def __init__(self, given: Mapping[int, GivenAnswer], used: set[int]):
         self._given, self._used = given, used

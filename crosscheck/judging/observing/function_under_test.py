@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,6 +45,26 @@ class Answers:
     decimals: NDArray[Any] | None = None
 
 
+class ReturnedArrays:
+    """The last array that a function returned, and whether it was overwritten by a later call.
+
+    overwritten: whether some array was
+    """
+
+    def __init__(self) -> None:
+        self.overwritten = False
+        self._last: NDArray[Any] | None = None
+        self._kept: NDArray[Any] | None = None
+
+    def after(self, returned: object) -> object:
+        """What the function returns, compared with what it returned before."""
+        if self._last is not None and self._kept is not None and not self.overwritten:
+            self.overwritten = not np.array_equal(self._last, self._kept, equal_nan=self._last.dtype.kind == "f")
+        self._last = returned if isinstance(returned, np.ndarray) else None
+        self._kept = None if self._last is None else self._last.copy()
+        return returned
+
+
 @dataclass(frozen=True, eq=False)
 class FunctionUnderTest:
     """A function under test.
@@ -58,6 +79,7 @@ class FunctionUnderTest:
     order: NDArray[np.intp]
     batched: bool = False
     loaded: bool = False
+    returned: ReturnedArrays = field(default_factory=ReturnedArrays)
 
     @property
     def name(self) -> str:
@@ -126,7 +148,7 @@ class FunctionUnderTest:
         """One call; count: the number of states, None for a single one."""
         kept = {name: x.copy() for name, x in arguments.items()}
         try:
-            returned = function(*arguments.values())
+            returned = self.returned.after(function(*arguments.values()))
         except (Exception, SystemExit) as error:  # user code may raise anything
             where = "" if count else f"; at {_where(kept)}"
             raise FunctionFailure(f"{self.name} raised {in_words(error)}{_line(error)}{where}") from error
@@ -154,9 +176,13 @@ class FunctionUnderTest:
         try:
             if returned is None:
                 raise TypeError("a return is missing")
+            if np.ma.is_masked(returned):
+                raise TypeError("some of its entries are masked; give numbers in their place")
             answer = np.asarray(returned)
             if np.iscomplexobj(answer):
-                raise TypeError("it has imaginary parts")
+                if np.abs(answer.imag).max(initial=0.0) != 0:
+                    raise TypeError(f"it has imaginary parts of up to {np.abs(answer.imag).max():.2g}")
+                answer = answer.real
             return answer.astype(float)
         except (TypeError, ValueError) as error:
             raise FunctionFailure(
@@ -174,6 +200,10 @@ class FunctionUnderTest:
         return answer
 
 
+OWN_FILES = str(Path(__file__).parents[2])
+"""Folder of the files that are no user code."""
+
+
 def _where(arguments: Mapping[str, Array]) -> str:
     return ", ".join(f"{name} = {x.tolist()}" for name, x in arguments.items())
 
@@ -181,7 +211,7 @@ def _where(arguments: Mapping[str, Array]) -> str:
 def _line(error: BaseException) -> str:
     """The place in the file of the function where an exception was raised, or the call that led to it; "" for compiled
     ones."""
-    frames = traceback.extract_tb(error.__traceback__)[1:]  # the first one is ours
+    frames = [x for x in traceback.extract_tb(error.__traceback__) if not x.filename.startswith(OWN_FILES)]
     own = [frame for frame in frames if frame.filename == frames[0].filename]
     return f" ({own[-1].filename}, line {own[-1].lineno}, in {own[-1].name})" if own else ""
 

@@ -297,6 +297,10 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> Iterator[lis
         remedy = "judge it with a tolerance that its precision allows"
         yield [Diagnosis(deviation.function, "precision", precision_said(deviation.noise), evidence, remedy, left)]
         return
+    if left <= deviation.bound and deviation.judged is None:
+        yield []
+        yield [unknown(deviation, "the experiments show no deviation: it is at other states", evidence, np.inf)]
+        return
     found = search.alone(nothing)
     holding = holding_alone(search, found)
     yield explained(deviation.function, search, holding, evidence) if holding else []

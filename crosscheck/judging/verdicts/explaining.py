@@ -1,144 +1,30 @@
-"""What is wrong with a function under test whose answers deviate: the searches, one after the other.
-
-The region of the states at which it deviates lies beyond a threshold of one quantity, or of two. All thresholds of all
-quantities are tried, of one and of two at a time: a decision tree of two levels, found exhaustively. A library of
-decision trees grows the same tree greedily, and is a heavy dependency for these few lines.
-"""
+"""What is wrong with a function under test whose answers deviate: the searches, one after the other."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from dataclasses import dataclass, replace
-from itertools import combinations
-from math import comb
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.judging.calls.answered import Answered
+from crosscheck.judging.calls.batches import mixed_rows
+from crosscheck.judging.calls.joint_torques import added_torques, with_added_torques
+from crosscheck.judging.calls.search import found_in_calls, told_of_calls
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.faults.file_reading import FileFaults
-from crosscheck.judging.judgment import Diagnosis
+from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault, factor_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
-from crosscheck.judging.special_states import ONE_JOINT, OTHER_STATES, conditions, only_where
-from crosscheck.judging.states import JudgedStates
+from crosscheck.judging.special_states import conditions, only_where
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
 from crosscheck.judging.verdicts.functions import diagnose_function
+from crosscheck.judging.verdicts.regions import region
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls
-from graphdyn.layout import Array
-
-MAX_CHANCE_PROBABILITY = 1e-3
-"""Largest probability that states drawn without any rule would be separated as well."""
-
-UNIT_SUFFIXES = {"q": "", "v": "/s", "a": "/s²"}
-
-
-@dataclass(frozen=True, eq=False)
-class RegionVariable:
-    """A number of each state, in which a region may be bounded.
-
-    name: in words; values: (N,); unit: with a blank before it, or ""
-    limit: of this quantity, None where there is none
-    """
-
-    name: str
-    values: Array
-    unit: str
-    limit: float | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class Side:
-    """One side of a threshold: all states that deviate, and others.
-
-    inside: the states on this side (N,)
-    """
-
-    quantity: RegionVariable
-    above: bool
-    inside: NDArray[np.bool_]
-
-    def said(self, among: NDArray[np.bool_]) -> str:
-        """Such as "q of joint 'elbow' > 2 rad", "∣v∣ of joint 'elbow' > 2.4 rad/s (80 % of its limit)".
-
-        among: the states that tell where the threshold is (N,)
-        """
-        values, limit = self.quantity.values, self.quantity.limit
-        sign = 1.0 if self.above else -1.0
-        x, y = sign * (sign * values[self.inside]).min(), sign * (sign * values[among & ~self.inside]).max()
-        edge, part = roundest(x, y), ""
-        if limit:
-            percent = roundest(100 * x / limit, 100 * y / limit)
-            edge, part = percent * limit / 100, f" ({percent:.12g} % of its limit)"
-        return f"{self.quantity.name} {'>' if self.above else '<'} {edge:.6g}{self.quantity.unit}{part}"
-
-
-def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collection[str]) -> str | None:
-    """The region of the deviating states, in words; None where that has no such form, or may be chance.
-
-    arguments: of the function
-    """
-    in_motion = ~np.isin(np.broadcast_to(states.labels, len(deviating)), (OTHER_STATES, ONE_JOINT))
-    deviating, states = deviating[in_motion], states.rows(in_motion)  # at rest some function vanishes, right or wrong
-    count, total = int(deviating.sum()), len(deviating)
-    if not 0 < count < total:
-        return None
-    known = list(quantities(states, arguments))
-    sides = [side for quantity in known for side in _sides(quantity, deviating)]
-    by_chance = 1 / comb(total, count)  # that the deviating states are those beyond some threshold of one quantity
-    if 2 * len(known) * by_chance > MAX_CHANCE_PROBABILITY:
-        return None
-    single = [side for side in sides if np.array_equal(side.inside, deviating)]
-    if single:
-        return single[0].said(np.ones(total, dtype=bool))
-    if (2 * len(known)) ** 2 * total * by_chance > MAX_CHANCE_PROBABILITY:
-        return None
-    pairs = ((x, y) for x, y in combinations(sides, 2) if np.array_equal(x.inside & y.inside, deviating))
-    found = next(pairs, None)
-    if found is None:
-        return None
-    x, y = found
-    return f"{x.said(y.inside)} and {y.said(x.inside)}"
-
-
-def _sides(quantity: RegionVariable, deviating: NDArray[np.bool_]) -> Iterator[Side]:
-    """The tightest threshold from either side that has all deviating states beyond it."""
-    for above, values in ((True, quantity.values), (False, -quantity.values)):
-        inside = values >= values[deviating].min()
-        if not inside.all():
-            yield Side(quantity, above, inside)
-
-
-def quantities(states: JudgedStates, arguments: Collection[str]) -> Iterator[RegionVariable]:
-    """Position, velocity, acceleration and speed of each joint; the largest of all joints."""
-    model, moving = states.model, [name for name in "qva" if name in arguments]
-    speed = np.array([joint.limits.velocity or np.nan for joint in model.joints])
-    for k, joint in enumerate(model.joints):
-        for name in moving:
-            values, unit = getattr(states, name)[:, k], f" {'m' if joint.is_prismatic else 'rad'}{UNIT_SUFFIXES[name]}"
-            limit = float(speed[k]) if name == "v" and speed[k] > 0 else None
-            yield RegionVariable(f"{name} of joint '{joint.name}'", values, unit)
-            yield RegionVariable(f"∣{name}∣ of joint '{joint.name}'", np.abs(values), unit, limit)
-    if "v" in moving and (speed > 0).all():
-        fastest = (np.abs(states.v) / speed).max(axis=1) * 100
-        yield RegionVariable("the largest speed of a joint", fastest, " % of its limit")
-    for name in moving:
-        yield RegionVariable(f"the largest ∣{name}∣ of a joint", np.abs(getattr(states, name)).max(axis=1), "")
-
-
-def roundest(x: float, y: float) -> float:
-    """The roundest number between two numbers: a multiple of as large a power of ten as can be, or of half of one."""
-    lower, upper = min(x, y), max(x, y)
-    for digits in range(-6, 16):
-        for step in (10.0**-digits, 0.5 * 10.0**-digits):
-            rounded = round(float(np.ceil(lower / step)) * step, max(digits + 1, 0))
-            if rounded <= upper:
-                return rounded + 0.0  # not -0
-    return lower
-
 
 OfFile = Callable[[], FileFaults]
 Progress = Callable[[str], object]
@@ -148,6 +34,9 @@ MIN_ERROR_REDUCTION = 10.0
 
 MAX_ANSWER = 1e100
 """A number beyond this is no answer that a fault could be found in: squares of it overflow."""
+
+LOCATED_KINDS = ("mixed_rows", "joint_torque", "residual")
+"""Kinds of what is certain, and gives no numbers."""
 
 WORST_STATE_REMEDY = "look at the worst state"
 
@@ -193,7 +82,7 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         evidence = f"{int(unbounded.sum())} of {len(wrong)} answers{f', {special}' if special else _only(where)}"
         finite = np.isfinite(found.answer).all()
         message = f"answers beyond {MAX_ANSWER:g}" if finite else "the answers are not finite"
-        message += f" {special}" if special else ""
+        message += f" {special}" if special else _only(where)
         return [_unknown(name, message, evidence, "not_finite")]
     where = region(wrong, found.states, function.known.arguments)
     count = f"{int(wrong.sum())} of {len(wrong)} states deviate{_only(where)}"
@@ -201,7 +90,8 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
     def one(fault: FoundFault) -> list[Diagnosis]:
         read = ", ".join(f"{convention} '{way}'" for convention, way in fault.chosen.items())
         evidence = f"{count}{f'; answers read with {read}' if read else ''}"
-        return [diagnosis_of(name, fault.said, evidence, fault.left)]
+        status: DiagnosisStatus = "located" if fault.said.kind in LOCATED_KINDS else "confirmed"
+        return [diagnosis_of(name, fault.said, evidence, fault.left, status)]
 
     if other := _other_convention(found):
         return one(other)
@@ -216,13 +106,31 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
     bound = min(max(verdict.bound, MAX_NOISE_FACTOR * precision), size / MIN_ERROR_REDUCTION)
     if earlier := earlier_arguments(found, bound):
         return one(earlier)
+    if mixed := mixed_rows(function, found.answers, found.asked, found.conventions.chosen, bound):
+        return one(mixed)
+    given = Answered(
+        function,
+        found.states,
+        found.answer,
+        found.conventions.ours,
+        found.conventions.chosen,
+        declared,
+        bound,
+        precision,
+    )
+    if fault := found_in_calls(given, verdict.bound):
+        return one(fault)
+    added = added_torques(given)
+    if added and not added.plain:
+        return one(added.fault or added.seen(given))
     own = OWN_FAULTS.get(name)
     if own is not None and (fault := own(found.answer, found.conventions.ours, found.states, bound)):
         return one(fault)
     stages = _of_terms(found, precision, of_file, say)
-    by_terms = next(stages, [])
-    if by_terms:
-        return _counted(by_terms, count)
+    if by_terms := next(stages, []):
+        return with_added_torques(_counted(by_terms, count), added)
+    if fault := (added.fault or added.seen(given)) if added else None:
+        return one(fault)
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
     if by_function := diagnose_function(found, of_file, precision, bound, count):
@@ -236,6 +144,8 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         message = f"the answers deviate only where {where}"
         remedy = "look for a case, a limit or a table that begins there"
         return [Diagnosis(name, "region", message, count, remedy, np.inf, "located")]
+    if fault := told_of_calls(given):
+        return one(fault)
     return by_terms or [_unknown(name, "no fault that is known here gives the answers", count)]
 
 

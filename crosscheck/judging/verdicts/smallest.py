@@ -13,7 +13,7 @@ from crosscheck.judging.judgment import WorstCall
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.references import backward_errors, relative_errors
 from crosscheck.judging.states import JudgedStates
-from crosscheck.judging.verdicts.explaining import roundest
+from crosscheck.judging.verdicts.regions import roundest
 from crosscheck.judging.verdicts.verdicts import Judged
 from crosscheck.quantities import LOADS, argument_at
 from graphdyn import Joint

@@ -10,6 +10,7 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.judging.calls.batches import mixed_rows
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import Diagnosis, FailedState, JudgedFunction, WorstCall, largest_errors
 from crosscheck.judging.observing.function_under_test import Answers, FunctionFailure, FunctionUnderTest
@@ -28,8 +29,11 @@ from crosscheck.quantities import LOADS, argument_at
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
 
-N_REPEATS = 3
+N_REPEATS = 6
 """Number of times that one question is asked in a row."""
+
+MAX_SETTLING_SHARE = 0.75
+"""Part of the change before that answers to one question may still change by, if they settle."""
 
 PURE_FUNCTION_REMEDY = "compute every answer from the arguments alone; clear what is kept between calls"
 
@@ -102,11 +106,21 @@ def kept_between_calls(found: Judged) -> Diagnosis:
         same = function.ask(*rows).values
     except FunctionFailure:
         return diagnosis("kept_state", "an answer depends on the calls before it")
-    if not all(np.array_equal(same[-1], x, equal_nan=True) for x in same[1:]):
+    if mixed := mixed_rows(function, found.answers, found.asked, found.conventions.chosen, bound):
+        return diagnosis(mixed.said.kind, mixed.said.message, mixed.left)
+    if not _settles(same):
         return diagnosis("not_repeatable", "the same question, asked several times in a row, has different answers")
     if earlier := earlier_arguments(found, bound):
         return diagnosis(earlier.said.kind, earlier.said.message, earlier.left)
     return diagnosis("kept_state", "an answer depends on the calls before it")
+
+
+def _settles(same: Array) -> bool:
+    """Whether the last answers to one question are equal, or ever nearer to one another."""
+    if np.array_equal(same[-1], same[-2], equal_nan=True):
+        return True
+    steps = np.abs(np.diff(same.reshape(len(same), -1), axis=0)).max(axis=1)
+    return bool((steps[1:] <= MAX_SETTLING_SHARE * steps[:-1]).all())
 
 
 def earlier_arguments(found: Judged, bound: float) -> FoundFault | None:
@@ -135,6 +149,7 @@ def _stale(function: FunctionUnderTest, states: JudgedStates) -> Iterator[tuple[
     for subset in subsets:
         what = f"{' and '.join(subset)} {'is that' if len(subset) == 1 else 'are those'} of"
         yield f"{what} the call before", _with(states, subset, lambda x: np.concatenate([x[:1], x[:-1]]))
+        yield f"{what} two calls before", _with(states, subset, lambda x: np.concatenate([x[:2], x[:-2]]))
         yield f"{what} the first call", _with(states, subset, lambda x: np.broadcast_to(x[:1], x.shape))
         if same := [name for name in names if name not in subset]:
             given, like = [argument_at(states, name) for name in same], f"with the same {' and '.join(same)}"

@@ -147,7 +147,7 @@ class TestStandings:
 
     def test_where_an_unknown_deviation_is(self, short, short_arm):
         (diagnosis,) = diagnoses(
-            lambda q, v, a: short_arm.inverse_dynamics(q, v, a) + np.sin(3 * q) * (np.arange(3) == 2), short
+            lambda q, v, a: short_arm.inverse_dynamics(q, v, a) + np.sin(3 * q[1] * q) * (np.arange(3) == 2), short
         )
         assert diagnosis.status == "unknown"
         assert diagnosis.message.endswith("; only torques of elbow_joint deviate")

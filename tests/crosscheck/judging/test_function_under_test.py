@@ -121,7 +121,11 @@ class TestInput:
         ("returned", "words"),
         [
             (None, "NoneType, which is no array of real numbers: a return is missing"),
-            (np.eye(6) + 0j, "ndarray, which is no array of real numbers: it has imaginary parts"),
+            (np.eye(6) + 2e-3j, "ndarray, which is no array of real numbers: it has imaginary parts of up to 0.002"),
+            (
+                np.ma.masked_array(np.eye(6), mask=np.eye(6) == 0),
+                "MaskedArray, which is no array of real numbers: some of its entries are masked; give numbers in their",
+            ),
             ([[1.0], [1.0, 2.0]], "list, which is no array of real numbers"),
             ("heavy", "str, which is no array of real numbers"),
         ],

@@ -154,7 +154,7 @@ def test_what_has_no_name_is_located():
     short = urdf.load("ur5", lock=WRIST_LOCKED)
     right = TextbookArm.of(short)
     (diagnosis,) = judge(
-        short, inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a) + np.sin(3 * q), samples=1
+        short, inverse_dynamics=lambda q, v, a: right.inverse_dynamics(q, v, a) + np.sin(3 * q[::-1]), samples=1
     ).diagnoses
     assert diagnosis.kind == "unknown"
     assert diagnosis.message == "no fault of the catalog explains the deviation at rest (v = 0, a = 0)"

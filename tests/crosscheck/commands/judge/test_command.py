@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -179,3 +180,29 @@ def test_options_of_programs_and_libraries(monkeypatch, tmp_path):
     what = "--command gravity_torque=arm --fast 'a b'"
     assert kept == [(["arm", "--fast", "a b"], what, PROTOCOLS_BY_NAME["json"], 2.5, 7), (library, "rnea", 2.5)]
     assert closed == list(found.values())
+
+
+SLOW = """
+import time
+
+def sleeps(q):
+    time.sleep(1000)
+
+def catches(q):
+    while True:
+        try:
+            time.sleep(1000)
+        except Exception:
+            pass
+"""
+
+
+@pytest.mark.parametrize("name", ["sleeps", "catches"])
+def test_a_function_that_does_not_return_ends_with_an_error(small_arm, tmp_path, name):
+    (tmp_path / "slow.py").write_text(SLOW)
+    named = f"gravity_torque={tmp_path / 'slow.py'}:{name}"
+    command = [sys.executable, "-m", "crosscheck", "judge", str(small_arm), "--function", named, "--time-limit", "0.2"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "had not returned after 0.2 s" in done.stderr
+    assert "give more time by --time-limit" in done.stderr

@@ -418,7 +418,7 @@ class TestReading:
     @pytest.mark.parametrize(
         ("name", "content", "message"),
         [
-            ("a.csv", "1;0,5;0,7\n", ", line 1: '0,5' is one number or two; write decimal points; write the id"),
+            ("a.csv", "1;0,5;0.7\n", ", line 1: '0,5' is one number or two; write decimal points; write the id"),
             ("a.csv", "id q\n1 0,5 0,7\n", ", line 2: '0,5' is one number or two; write decimal points"),
             ("a.csv", "7,1,,2\n", ", line 1: '' is no number"),
             ("a.csv", "1;,5;,7\n", ", line 1: '' is no number"),
