@@ -14,8 +14,8 @@ import numpy as np
 from other_functions.fault import TEN_ARMS, model_of, path_of
 from other_functions.planted import CLAIMS
 from other_functions.right_functions import EVERY, OTHERS, QUOTIENTS, single_precision
-from plain_codes.arm import PlainArm
-from plain_codes.code import FRAMES, right_code
+from textbook_codes.arm import PlainArm
+from textbook_codes.code import FRAMES, right_code
 
 from crosscheck.judging.judge import judge
 

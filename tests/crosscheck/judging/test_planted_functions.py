@@ -5,8 +5,8 @@ from long_check import few
 from other_functions.fault import path_of
 from other_functions.planted import FAULTS, SPECIAL_FAULTS, verdict
 from other_functions.right_functions import OTHERS
-from plain_codes.arm import PlainArm
-from plain_codes.code import FRAMES, function_text, right_code
+from textbook_codes.arm import PlainArm
+from textbook_codes.code import FRAMES, function_text, right_code
 
 import urdf
 from crosscheck.judging.judge import judge
@@ -41,7 +41,7 @@ def test_a_right_function_is_not_accused(name, way, make):
     assert judge("kinova", samples=5, **{name: make(arm)}).agrees
 
 
-def test_the_plain_codes_stand_for_themselves():
+def test_the_textbook_codes_stand_for_themselves():
     assert "graphdyn" not in function_text("newton_euler")
     arm = PlainArm.of(urdf.load("kinova"), FRAMES["kinova"])
     right = right_code("forward_dynamics", arm)

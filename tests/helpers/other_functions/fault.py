@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from zlib import crc32
 
 import numpy as np
-from plain_codes.arm import PlainArm
-from plain_codes.code import FRAMES, right_code, text_with
 from shared_data import ARMS
+from textbook_codes.arm import PlainArm
+from textbook_codes.code import FRAMES, right_code, text_with
 
 import urdf
 

@@ -5,8 +5,8 @@
 import numpy as np
 from other_functions.fault import answers, arguments, numbers, plant, text
 from other_functions.torque_faults import OPPOSITE, OUT
-from plain_codes.kinematics import frame_pose
 from scipy.spatial.transform import Rotation
+from textbook_codes.kinematics import frame_pose
 
 OFFSET = ("ur5", "kinova", "panda", "z1", "vx300s", "kr210_r2700_2")
 """Arms whose frame is not at the origin of its link."""

@@ -3,10 +3,10 @@
 # ruff: noqa: E501, E741 - one case a line; I is an inertia tensor
 
 import numpy as np
-from plain_codes.algebra import gradient, hat
-from plain_codes.code import TEXT, right_code
-from plain_codes.kinematics import frame_pose, motions, point_jacobian, poses
-from plain_codes.masses import body_centers
+from textbook_codes.algebra import gradient, hat
+from textbook_codes.code import TEXT, right_code
+from textbook_codes.kinematics import frame_pose, motions, point_jacobian, poses
+from textbook_codes.masses import body_centers
 
 EVERY = (
     *("inverse_dynamics", "forward_dynamics", "bias_torque", "gravity_torque", "static_torque", "power"),

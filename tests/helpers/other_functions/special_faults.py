@@ -4,10 +4,10 @@
 
 import numpy as np
 from other_functions.fault import SpecialFault
-from plain_codes.algebra import cross
-from plain_codes.code import text_with
-from plain_codes.kinematics import poses
 from scipy.spatial.transform import Rotation
+from textbook_codes.algebra import cross
+from textbook_codes.code import text_with
+from textbook_codes.kinematics import poses
 
 TURNING = ("ur5", "kr500", "kinova", "xarm7", "ur3", "so100", "kr210_r2700_2")
 """Arms all of whose joints turn."""

@@ -4,8 +4,8 @@
 
 import numpy as np
 from other_functions.fault import answers, arguments, numbers, plant, text
-from plain_codes.algebra import cross
-from plain_codes.kinematics import poses
+from textbook_codes.algebra import cross
+from textbook_codes.kinematics import poses
 
 OUT = r"(left out|missing|not counted|omitted|ignored|zero|multiplied by -?0\b|by 0\b|is -?0\b|e-1\d kg|× 0\b)"
 """How a message may say that something is not there."""
@@ -56,7 +56,7 @@ ABA = "articulated_accelerations"
 
 
 def articulated(name, place, instead, named, **more):
-    from plain_codes.code import text_with
+    from textbook_codes.code import text_with
 
     changed = text_with(ABA, place, instead)
     return plant("forward_dynamics", f"ABA, {name}", lambda arm, _, code: code(ABA, arm, changed), named, **more)

@@ -3,8 +3,8 @@
 # ruff: noqa: E741 - I is an inertia tensor, as in textbooks
 
 import numpy as np
-from plain_codes.algebra import cross
-from plain_codes.kinematics import motions, point_jacobian, poses
+from textbook_codes.algebra import cross
+from textbook_codes.kinematics import motions, point_jacobian, poses
 
 
 def body_centers(arm, q):

@@ -4,13 +4,13 @@ import functools
 import re
 from pathlib import Path
 
-from plain_codes.arm import PlainArm
+from textbook_codes.arm import PlainArm
 
 FILES = (
     *("algebra", "kinematics", "masses", "torques", "multipliers", "matrices"),
     *("articulated", "derivatives", "regressors"),
 )
-OWN_IMPORTS = re.compile(r"^from plain_codes.*\n", re.MULTILINE)
+OWN_IMPORTS = re.compile(r"^from textbook_codes.*\n", re.MULTILINE)
 TEXT = "\n".join(OWN_IMPORTS.sub("", (Path(__file__).parent / f"{x}.py").read_text(encoding="utf-8")) for x in FILES)
 FRAMES = {
     **dict.fromkeys(("ur5", "ur3", "kr210_r2700_2"), "tool0"),

@@ -1,10 +1,10 @@
 """Derivatives of torques, accelerations, wrenches and multipliers: by complex steps, and from the matrices."""
 
 import numpy as np
-from plain_codes.algebra import gradient
-from plain_codes.matrices import coriolis_matrix, forward_dynamics, mass_matrix
-from plain_codes.multipliers import multipliers
-from plain_codes.torques import inverse_dynamics, joint_wrenches
+from textbook_codes.algebra import gradient
+from textbook_codes.matrices import coriolis_matrix, forward_dynamics, mass_matrix
+from textbook_codes.multipliers import multipliers
+from textbook_codes.torques import inverse_dynamics, joint_wrenches
 
 
 def dtau_dq(arm, q, v, a):

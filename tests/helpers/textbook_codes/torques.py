@@ -1,9 +1,9 @@
 """Torques and joint wrenches: Newton-Euler in link axes, and statics by Jacobians."""
 
 import numpy as np
-from plain_codes.algebra import cross, turn
-from plain_codes.kinematics import point_jacobian, poses
-from plain_codes.masses import body_centers
+from textbook_codes.algebra import cross, turn
+from textbook_codes.kinematics import point_jacobian, poses
+from textbook_codes.masses import body_centers
 
 
 def newton_euler(arm, q, v, a):

@@ -1,7 +1,7 @@
 """Forward dynamics by articulated bodies (Featherstone, 2008, table 7.1), angular parts first."""
 
 import numpy as np
-from plain_codes.algebra import hat, turn
+from textbook_codes.algebra import hat, turn
 
 
 def across(m):

@@ -1,9 +1,9 @@
 """Matrices that multiply m, m c and I = xx, xy, yy, xz, yz, zz about O (Atkeson, An and Hollerbach, 1986)."""
 
 import numpy as np
-from plain_codes.algebra import hat
-from plain_codes.kinematics import motions, point_jacobian, poses
-from plain_codes.matrices import forward_dynamics, mass_matrix
+from textbook_codes.algebra import hat
+from textbook_codes.kinematics import motions, point_jacobian, poses
+from textbook_codes.matrices import forward_dynamics, mass_matrix
 
 
 def tensor_rows(w):

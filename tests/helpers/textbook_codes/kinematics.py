@@ -1,7 +1,7 @@
 """Placements, Jacobians, velocities and accelerations of a frame: of its origin, in world axes."""
 
 import numpy as np
-from plain_codes.algebra import cross, turn
+from textbook_codes.algebra import cross, turn
 
 
 def poses(arm, q):

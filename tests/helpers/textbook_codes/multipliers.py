@@ -1,9 +1,9 @@
 """The five multipliers of each joint, from its wrench (docs/notation.md)."""
 
 import numpy as np
-from plain_codes.algebra import cross, turn
-from plain_codes.kinematics import poses
-from plain_codes.torques import newton_euler
+from textbook_codes.algebra import cross, turn
+from textbook_codes.kinematics import poses
+from textbook_codes.torques import newton_euler
 
 
 def normals(axis):

@@ -3,10 +3,10 @@
 # ruff: noqa: E741 - I is an inertia tensor, as in textbooks
 
 import numpy as np
-from plain_codes.algebra import gradient
-from plain_codes.kinematics import point_jacobian, poses
-from plain_codes.masses import body_centers
-from plain_codes.torques import bias_torque
+from textbook_codes.algebra import gradient
+from textbook_codes.kinematics import point_jacobian, poses
+from textbook_codes.masses import body_centers
+from textbook_codes.torques import bias_torque
 
 
 def mass_matrix(arm, q):
