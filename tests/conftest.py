@@ -60,14 +60,15 @@ def pytest_xdist_make_scheduler(config, log):
 
 
 OPTIMIZED = (
-    *(
-        "graphdyn/compiler",
-        "graphdyn/recursions",
-        "test_many_robots.py",
-        "test_compiled.py",
-        "test_single_precision.py",
-    ),
-    *("test_agreement.py", "crosscheck/study", "crosscheck/distributing", "recordings/parts"),
+    "graphdyn/compiler",
+    "graphdyn/recursions",
+    "test_many_robots.py",
+    "test_compiled.py",
+    "test_single_precision.py",
+    "test_agreement.py",
+    "crosscheck/study",
+    "crosscheck/distributing",
+    "recordings/parts",
 )
 """Parts of the paths of files whose tests are of compiled code, or compare its bits with those of other processes: it
 is optimized there as users have it."""
@@ -84,7 +85,7 @@ def _quickly_compiled(request):
     if level != native.OPTIMIZATION:
         native.OPTIMIZATION = level
         for programs in running._of_contents.values():
-            programs.ready.clear()
+            programs.ready, programs.at_the_other_level = getattr(programs, "at_the_other_level", {}), programs.ready
         compiled._compiled.clear()
         loop_rows._prepared.clear()
 
