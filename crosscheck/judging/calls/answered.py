@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,11 +41,14 @@ class Answered:
     def name(self) -> str:
         return self.function.name
 
-    def errors(self, expected: Array, rows: NDArray[np.intp] | None = None, chosen: Chosen | None = None) -> Array:
-        """Relative errors of the answers against others, at all states or some (N,). Accelerations are compared as
+    def at(self, rows: NDArray[np.intp]) -> Answered:
+        """The same at some of the states."""
+        return replace(self, states=self.states.rows(rows), answer=self.answer[rows], ours=self.ours[rows])
+
+    def errors(self, expected: Array, chosen: Chosen | None = None) -> Array:
+        """Relative errors of the answers against others, at all states (N,). Accelerations are compared as
         torques as well, like those of the references."""
-        states = self.states if rows is None else self.states.rows(rows)
-        answer = self.answer if rows is None else self.answer[rows]
+        states, answer = self.states, self.answer
         found = relative_errors(self.known, answer, expected, states, self.chosen if chosen is None else chosen)
         if self.name != "forward_dynamics":
             return found

@@ -17,8 +17,9 @@ from graphdyn.layout import Array
 MAX_FITTED_STATES = 40
 """Number of deviating states to which the limits are fitted."""
 
-BELOW = 0.3
-"""Least part of the largest number at states that agree that a limit may be: at some of them it changes nothing."""
+BELOW = (0.9, 0.3)
+"""Least parts of the largest number at states that agree that a limit may be, tried in turn: at some of them it
+changes nothing."""
 
 LEVEL_STEP = 1e-6
 """Relative step of the slopes in the limits."""
@@ -101,16 +102,24 @@ def _fitted(given: Answered, deviating: NDArray[np.bool_], name: str) -> FoundFa
         found: Array = ((np.array(there) - here) / steps[:, None]).T
         return found
 
-    start = np.maximum(least[fitted], SAME_SHARE * most[fitted])
-    lower, upper = BELOW * start, most[fitted] * (1 + SAME_SHARE)
-    found = least_squares(
-        lambda x: residuals(x[None])[0], start, slopes, bounds=(lower, upper), xtol=1e-15, ftol=1e-15, gtol=1e-15,
-        max_nfev=40,
-    ).x  # fmt: skip
-    limits = np.full(len(least), np.inf)
-    limits[fitted] = np.where(found < most[fitted], found, np.inf)
-    left = float(given.errors(_of_clipped(given, given.states, name, limits)).max())
-    if left > given.bound:
+    start, upper = np.maximum(least[fitted], SAME_SHARE * most[fitted]), most[fitted] * (1 + SAME_SHARE)
+    for below in BELOW:
+        found = least_squares(
+            lambda x: residuals(x[None])[0],
+            start,
+            slopes,
+            bounds=(below * start, upper),
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
+            max_nfev=40,
+        ).x
+        limits = np.full(len(least), np.inf)
+        limits[fitted] = np.where(found < most[fitted], found, np.inf)
+        left = float(given.errors(_of_clipped(given, given.states, name, limits)).max())
+        if left <= given.bound:
+            break
+    else:
         return None
     what, unit = CLIPPED_ARGUMENTS[name]
     names = given.states.model.joint_names

@@ -21,7 +21,7 @@ from crosscheck.judging.states import JudgedStates
 from graphdyn import inverse_dynamics
 from graphdyn.layout import Array
 
-N_SWEPT = 64
+N_SWEPT = 96
 """Number of positions, and of velocities, at which a torque is seen."""
 
 N_VERIFIED_PAIRS = 24
@@ -88,6 +88,8 @@ def added_torques(given: Answered) -> JointTorques | None:
     joints = np.flatnonzero((np.abs(judged) > room).any(axis=0))
     if not len(joints) or not all(_alone(given.states, judged[:, k], int(k), room) for k in joints):
         return None
+    if all(_on_lines(given.states, judged[:, k], int(k), room) for k in joints):
+        return None
     try:
         swept = [_swept(given, int(k), room) for k in joints]
     except FunctionFailure:
@@ -96,7 +98,7 @@ def added_torques(given: Answered) -> JointTorques | None:
         return None
     found = [x for x in swept if x is not None]
     laws = [_laws(x, room) for x in found]
-    regions = "; ".join(x.said(model.joint_names[x.joint]) for x in found)
+    regions = "; ".join(said for x in found if (said := x.said(model.joint_names[x.joint])))
     if any(law is None for pair in laws for law in pair):
         return JointTorques(None, plain=all(pair[0] is not None and pair[0].plain for pair in laws), regions=regions)
     known = [(x, [law for law in pair if law is not None]) for x, pair in zip(found, laws, strict=True)]
@@ -149,6 +151,13 @@ def _alone_said(what: str, joint: str) -> str:
     return f"a torque that depends on the {what} of joint '{joint}' alone is added"
 
 
+def _on_lines(states: JudgedStates, torque: Array, k: int, room: float) -> bool:
+    """Whether the torque is a constant, lines of position and velocity, and dry friction: the catalog has these."""
+    q, v = states.q[:, k], states.v[:, k]
+    columns = np.stack([np.ones_like(q), q, v, np.sign(v)], axis=1)
+    return bool(np.abs(columns @ np.linalg.lstsq(columns, torque, rcond=None)[0] - torque).max() <= room)
+
+
 @dataclass(frozen=True, eq=False)
 class Swept:
     """The torque of a joint over its positions at rest, and what its velocities add, at N_SWEPT of each."""
@@ -174,7 +183,8 @@ def _swept(given: Answered, k: int, room: float) -> Swept | None:
     """The torques of joint k; None where they are no sum of those of its position and its velocity."""
     states, rng = given.states, np.random.default_rng(k)
     lower, upper = position_limits(states.model.joints[k])
-    q = np.linspace(max(lower, -np.pi), min(upper, np.pi), N_SWEPT)
+    ends = (lower, upper) if np.isfinite(upper - lower) else (-np.pi, np.pi)
+    q = np.sort([*ends, *rng.uniform(*ends, N_SWEPT - 2)])  # uneven steps tell all harmonics apart
     if not q[0] < q[-1]:
         return None
     fastest = float(np.abs(states.v[:, k]).max()) or 1.0

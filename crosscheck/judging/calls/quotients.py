@@ -26,7 +26,7 @@ TRIAL_STEPS = {False: 1e-4, True: 2e-3}
 MIN_CORRELATION = 0.9
 """Smallest correlation of the deviation and the error of differences: rounding may make up the rest."""
 
-MAX_ERROR = 0.5
+MAX_ERROR = 0.05
 """Median relative error beyond which no difference quotients are looked for: nobody takes such steps."""
 
 MAX_LEFT_SHARE = 0.1

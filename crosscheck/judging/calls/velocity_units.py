@@ -24,12 +24,12 @@ def velocity_unit(given: Answered) -> FoundFault | None:
     """Velocities of all turning joints, or of one, that are multiplied by a factor of degrees."""
     if "v" not in given.function.arguments:
         return None
-    few = np.arange(min(FIRST_TRIAL_STATES, len(given.states.q)))
+    few = given.at(np.arange(min(FIRST_TRIAL_STATES, len(given.states.q))))
     for scale, message, alone in _scales(given):
-        changed = given.states.but(v=scale * given.states.v)
         for chosen in [given.chosen] if alone else given.known.readings(given.declared):
-            here = given.known.of_graphdyn(changed.rows(few), chosen)
-            if given.errors(here, few, chosen).max() <= given.bound:
+            here = given.known.of_graphdyn(few.states.but(v=scale * few.states.v), chosen)
+            if few.errors(here, chosen).max() <= given.bound:
+                changed = given.states.but(v=scale * given.states.v)
                 left = float(given.errors(given.known.of_graphdyn(changed, chosen), chosen=chosen).max())
                 if left <= given.bound:
                     return FoundFault(FaultDescription("unit", message, VELOCITY_UNIT_REMEDY), left, chosen)

@@ -175,7 +175,7 @@ GEARS = [
         ("mass matrix|rotor",),
     ),
     Case("torque clipped at a quarter of the effort limit", "ur5", clipped, ("clipped|limit",)),
-    Case("contact at the limits", "ur5", limit_spring, ("limit",), "only torques of|only where"),
+    Case("contact at the limits", "ur5", limit_spring, ("limit",), "only torques of|only where|position of joint"),
     Case("fingers held together", "vx300s", equality(7, 8), ("finger",), "finger|direction"),
     Case("M in one triangle", "kinova", triangle, ("triangle",), function="mass_matrix"),
 ]
