@@ -15,8 +15,8 @@ DOCS = REPOSITORY / "docs"
 MUSEUM = DOCS / "museum"
 sys.path.append(str(MUSEUM))
 
-import run as museum  # noqa: E402
 import plain_codes as plain  # noqa: E402
+import run as museum  # noqa: E402
 
 PAGE = (DOCS / "museum.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| (.*) \| .* \| (\d{4}) \| .* \| ([\w, ]+) \|$", PAGE, re.MULTILINE)
