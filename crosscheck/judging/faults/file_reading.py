@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from crosscheck.judging.faults.fault import CodeFault, named, opposite_rotation_from, rotation_from
-from crosscheck.judging.faults.link_parameters import LinkInertial, links_of
+from crosscheck.judging.faults.link_parameters import PlacedInertial, links_of
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.reference.subject import Subject
 from graphdyn.layout import Array
@@ -33,7 +33,7 @@ class FileFaults:
     """Faults in reading the file of a robot, none where it has no file; and the inertials of its links."""
 
     faults: Sequence[CodeFault]
-    links: Sequence[LinkInertial]
+    links: Sequence[PlacedInertial]
 
 
 _known: dict[tuple[str, str | None, str], FileFaults] = {}

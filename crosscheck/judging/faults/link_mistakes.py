@@ -17,8 +17,8 @@ from crosscheck.judging.faults.fault import opposite_rotation_from
 from crosscheck.judging.faults.inertials import OTHER_TENSOR_ORDERS, TENSOR_NAMES, TENSOR_POINT_MESSAGES, UPPER_TRIANGLE
 from crosscheck.judging.faults.link_parameters import (
     LINK_PARAMETERS,
-    LinkInertial,
     Parameters,
+    PlacedInertial,
     about_origin,
     in_body,
     right,
@@ -27,7 +27,7 @@ from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 from urdf.document import rpy_from_rotation
 
-Mistake = Callable[[LinkInertial], Parameters]
+Mistake = Callable[[PlacedInertial], Parameters]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class LinkMistake:
     remedy: str
     of: Mistake
 
-    def differences(self, links: Sequence[LinkInertial]) -> Array:
+    def differences(self, links: Sequence[PlacedInertial]) -> Array:
         """What each link adds to the parameters of its body (L, 13)."""
         return np.array([in_body(link, self.of(link)) - in_body(link, right(link)) for link in links])
 
@@ -53,7 +53,7 @@ SHIFTED_PARTS = {
 """What may be that of another link, in words, and the fields."""
 
 
-def shifted_links(links: Sequence[LinkInertial]) -> Iterator[tuple[str, Array]]:
+def shifted_links(links: Sequence[PlacedInertial]) -> Iterator[tuple[str, Array]]:
     """Numbers of each link that are those of its neighbors, or of the links in the opposite order; as differences of
     the parameters of its body (L, 13)."""
     n = len(links)
@@ -120,7 +120,9 @@ def _with_mass(message: str, mass: float) -> LinkMistake:
 def _of_tensors() -> Iterator[LinkMistake]:
     """Other tensors about the center of mass."""
 
-    def other(message: str, change: Callable[[LinkInertial], Array], kind: str = "inertial_parameters") -> LinkMistake:
+    def other(
+        message: str, change: Callable[[PlacedInertial], Array], kind: str = "inertial_parameters"
+    ) -> LinkMistake:
         return LinkMistake(kind, message, LINK_REMEDY, lambda x: about_origin(x.mass, x.center, change(x)))
 
     for axes, change_of in (
@@ -159,7 +161,7 @@ def _of_tensors() -> Iterator[LinkMistake]:
     yield other("the tensor of {who} is multiplied by its mass once more", lambda x: x.turned_tensor * x.mass)
     yield other("the tensor of {who} is a unit matrix, whatever the file says", lambda x: np.eye(3))
     one_side = "the inertial frame's rotation is applied on one side only"
-    rotated: dict[str, Callable[[LinkInertial], Array]] = {
+    rotated: dict[str, Callable[[PlacedInertial], Array]] = {
         f"R J, not R J Rᵀ: {one_side}": lambda x: x.axes @ x.tensor,
         f"J Rᵀ, not R J Rᵀ: {one_side}": lambda x: x.tensor @ x.axes.T,
         f"Rᵀ J, not R J Rᵀ: {one_side}": lambda x: x.axes.T @ x.tensor,
@@ -174,12 +176,12 @@ def _of_tensors() -> Iterator[LinkMistake]:
         yield other(f"the tensor of {{who}} is {message}", change, "inertial_frame")
 
 
-def _in_file(change: Callable[[Array], Array], link: LinkInertial) -> Array:
+def _in_file(change: Callable[[Array], Array], link: PlacedInertial) -> Array:
     tensor: Array = link.axes @ change(link.tensor) @ link.axes.T
     return tensor
 
 
-def _in_link(change: Callable[[Array], Array], link: LinkInertial) -> Array:
+def _in_link(change: Callable[[Array], Array], link: PlacedInertial) -> Array:
     return change(link.turned_tensor)
 
 
@@ -212,7 +214,7 @@ def _of_points() -> Iterator[LinkMistake]:
         yield LinkMistake("inertia_point", message, LINK_REMEDY, partial(_about_another_point, factor))
 
 
-def _about_another_point(factor: float, x: LinkInertial) -> Parameters:
+def _about_another_point(factor: float, x: PlacedInertial) -> Parameters:
     return about_origin(x.mass, x.center, x.turned_tensor + factor * parallel_axis(x.mass, x.center))
 
 
@@ -254,34 +256,34 @@ def _of_centers() -> Iterator[LinkMistake]:
     )
 
 
-def _times_center(matrix: Array, link: LinkInertial) -> Array:
+def _times_center(matrix: Array, link: PlacedInertial) -> Array:
     center: Array = matrix @ link.center
     return center
 
 
-def _times_moment(matrix: Array, link: LinkInertial) -> Array:
+def _times_moment(matrix: Array, link: PlacedInertial) -> Array:
     moment: Array = link.mass * matrix @ link.center
     return moment
 
 
-def _turned_center(link: LinkInertial) -> Array:
+def _turned_center(link: PlacedInertial) -> Array:
     return _times_center(link.axes, link)
 
 
-def _back_center(link: LinkInertial) -> Array:
+def _back_center(link: PlacedInertial) -> Array:
     return _times_center(link.axes.T, link)
 
 
 _UNITS = {"millimeters": 1e-3, "meters where the code means millimeters": 1e3}
 
 
-def _with_center(message: str, center: Callable[[LinkInertial], Array]) -> LinkMistake:
+def _with_center(message: str, center: Callable[[PlacedInertial], Array]) -> LinkMistake:
     return LinkMistake(
         "inertial_parameters", message, LINK_REMEDY, lambda x: about_origin(x.mass, center(x), x.turned_tensor)
     )
 
 
-def _with_moment(message: str, moment: Callable[[LinkInertial], Array]) -> LinkMistake:
+def _with_moment(message: str, moment: Callable[[PlacedInertial], Array]) -> LinkMistake:
     return LinkMistake("inertial_parameters", message, LINK_REMEDY, lambda x: (x.mass, moment(x), right(x)[2]))
 
 
@@ -291,7 +293,7 @@ def _of_frames() -> Iterator[LinkMistake]:
     def joined(message: str, of: Mistake) -> LinkMistake:
         return LinkMistake("fixed_link", message, "a fixed joint has a placement like every other", of)
 
-    def back(link: LinkInertial, whole: Parameters) -> Parameters:
+    def back(link: PlacedInertial, whole: Parameters) -> Parameters:
         """Parameters in link axes that give these in the body."""
         mass, moment, tensor = whole
         R, t = link.rotation, link.translation
@@ -299,7 +301,7 @@ def _of_frames() -> Iterator[LinkMistake]:
         about = tensor - parallel_axis(mass, t) - 2 * (h @ t) * np.eye(3) + np.outer(h, t) + np.outer(t, h)
         return mass, R.T @ h, R.T @ about @ R
 
-    def placed(link: LinkInertial) -> tuple[Array, Array]:
+    def placed(link: PlacedInertial) -> tuple[Array, Array]:
         return link.translation + link.rotation @ link.center, link.rotation @ link.turned_tensor @ link.rotation.T
 
     yield joined(

@@ -18,7 +18,7 @@ symmetric."""
 
 
 @dataclass(frozen=True, eq=False)
-class LinkInertial:
+class PlacedInertial:
     """What a file says of the inertia of a link, and where the link is.
 
     body: number of the body that carries it, from 0; rotation (3, 3), translation (3,): of the link in that body
@@ -45,16 +45,16 @@ Parameters = tuple[float, Array, Array]
 """Mass, first moment (3,), tensor about the link origin (3, 3), in link axes."""
 
 
-def right(link: LinkInertial) -> Parameters:
+def right(link: PlacedInertial) -> Parameters:
     return about_origin(link.mass, link.center, link.turned_tensor)
 
 
 def about_origin(mass: float, center: Array, tensor: Array) -> Parameters:
-    """From the tensor about the center of mass."""
+    """The parameters, from the tensor about the center of mass."""
     return mass, mass * center, tensor + parallel_axis(mass, center)
 
 
-def in_body(link: LinkInertial, parameters: Parameters) -> Array:
+def in_body(link: PlacedInertial, parameters: Parameters) -> Array:
     """The same about the body's origin, in body axes (13,)."""
     mass, moment, tensor = parameters
     h, t = link.rotation @ moment, link.translation
@@ -63,11 +63,11 @@ def in_body(link: LinkInertial, parameters: Parameters) -> Array:
     return np.concatenate([[mass], h + mass * t, moved.ravel()])
 
 
-def links_of(model: RobotModel, readings: Misreadings | None) -> list[LinkInertial]:
+def links_of(model: RobotModel, readings: Misreadings | None) -> list[PlacedInertial]:
     """The links with an inertial that moves, as the file has them; the bodies of the model where it has no file, or
     its reading changed them."""
     bodies = [
-        LinkInertial(body.name, k, np.eye(3), np.zeros(3), body.mass, body.center_of_mass, np.eye(3), body.inertia)
+        PlacedInertial(body.name, k, np.eye(3), np.zeros(3), body.mass, body.center_of_mass, np.eye(3), body.inertia)
         for k, body in enumerate(model.bodies)
     ]
     links = [] if readings is None else list(_of_file(readings, model))
@@ -78,7 +78,7 @@ def links_of(model: RobotModel, readings: Misreadings | None) -> list[LinkInerti
     return links if np.allclose(whole, ours, rtol=1e-9, atol=1e-12 * np.abs(ours).max()) else bodies
 
 
-def _of_file(readings: Misreadings, model: RobotModel) -> Iterator[LinkInertial]:
+def _of_file(readings: Misreadings, model: RobotModel) -> Iterator[PlacedInertial]:
     known = {*model.body_names, *(frame.name for frame in model.frames)}
     for link in readings.robot.links:
         if link.inertial is None or link.name not in known:
@@ -86,7 +86,7 @@ def _of_file(readings: Misreadings, model: RobotModel) -> Iterator[LinkInertial]
         frame = model.frame(link.name)
         origin = np.eye(4) if link.inertial.origin is None else link.inertial.origin
         if frame.body > 0:
-            yield LinkInertial(
+            yield PlacedInertial(
                 link.name,
                 frame.body - 1,
                 frame.placement.rotation,

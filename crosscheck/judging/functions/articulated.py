@@ -78,7 +78,7 @@ def articulated_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operati
 
 
 def _transform(turn: Array, r: Array) -> Array:
-    """Of motions, from the inside link to the link (6, 6, …)."""
+    """The transform of motions from the inside link to the link (6, 6, …)."""
     back = np.swapaxes(turn, 0, 1)
     lower = -_times(back, _skew(r))
     back = back + 0 * lower

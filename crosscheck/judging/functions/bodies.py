@@ -39,17 +39,17 @@ class BodySums:
     chosen: Chosen
 
     def center(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        """(3, K, R)."""
+        """The center of mass (3, K, R)."""
         bodies = self._bodies(code, x, state, do)[1]
         return stacked(list(self._mean([body.center for body in bodies], bodies, do)))
 
     def velocity(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        """Of the center of mass (3, K, R)."""
+        """Velocity of the center of mass (3, K, R)."""
         bodies = self._bodies(code, x, state, do)[1]
         return stacked(list(self._mean([body.velocity for body in bodies], bodies, do)))
 
     def jacobian(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        """Of the center of mass, row by row (3 n, K, R)."""
+        """Jacobian of the center of mass, row by row (3 n, K, R)."""
         m, bodies = self._bodies(code, x, state, do)
         columns = []
         for j, (z, slides) in enumerate(zip(m.axes, code.prismatic, strict=True)):

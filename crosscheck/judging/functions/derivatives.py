@@ -36,7 +36,7 @@ def power(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array
 
 @dataclass(frozen=True)
 class Derivative:
-    """Of a function in q, v or a; the last index is that of the joint.
+    """The derivative of a function in q, v or a; the last index is that of the joint.
 
     of: the function; by: the argument
     """

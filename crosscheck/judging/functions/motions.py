@@ -1,6 +1,6 @@
 """Places and motions of all links in world axes, link after link, of many codes at once; its operations open to slips.
 
-Siciliano et al., "Robotics: Modelling, Planning and Control", sections 3.1 and 7.2.
+Siciliano et al., "Robotics: Modeling, Planning and Control", sections 3.1 and 7.2.
 """
 
 # ruff: noqa: B023 - the functions are called before the next joint
@@ -32,8 +32,10 @@ WITH_THE_INSIDE = "turned with the inside link"
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """Of the ground, number 0, and of the links (3, …): rotations (3, 3, …), origins, velocities and accelerations of
-    the origins, ω, ω̇; axes of the joints, by their own numbers from 0.
+    """Motions of the ground, number 0, and of the links (3, …).
+
+    They are rotations (3, 3, …), origins, their velocities and accelerations, ω and ω̇; axes of the joints by their own
+    numbers from 0.
 
     inside: number of the inside body of each joint
     """

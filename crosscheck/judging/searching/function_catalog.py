@@ -11,7 +11,7 @@ from crosscheck.judging.faults.catalog import families, faults
 from crosscheck.judging.faults.fault import NO_NUMBERS, CodeFault, named
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes, shifted_links
-from crosscheck.judging.faults.link_parameters import LinkInertial
+from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
 from crosscheck.judging.functions.table import TORQUES, formulations_of
 from crosscheck.judging.observing.observation import Observation
@@ -23,26 +23,14 @@ from crosscheck.quantities import Quantity
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import BODY_DOF, Array
 
-LINEAR = (
-    "kinetic_energy",
-    "potential_energy",
-    "joint_wrenches",
-    "multipliers",
-    "power",
-    "dtau_",
-    "dwrenches_",
-    "dmult",
+LINEAR_FUNCTIONS = (
+    *("kinetic_energy", "potential_energy", "joint_wrenches", "multipliers", "power"),
+    *("dtau_", "dwrenches_", "dmultipliers_"),
 )
 """Beginnings of the names of functions that are linear in the inertial parameters."""
 
 PROBED_STATES = 2
 """Number of states at which it is found out which numbers a function depends on."""
-
-EQUAL_ANSWERS = 1e-14
-"""Relative difference below which a fault changes nothing."""
-
-EQUAL_DIGITS = 11
-"""Number of digits that agree in answers of faults that a function cannot tell apart."""
 
 EQUAL_ANSWERS = 1e-13
 """Relative difference below which two answers are one."""
@@ -70,13 +58,13 @@ class FunctionFaults:
     states: JudgedStates
     faults: Sequence[CodeFault]
     families: Sequence[CodeFault]
-    links: Sequence[LinkInertial]
+    links: Sequence[PlacedInertial]
 
     @classmethod
     def of(cls, known: Quantity, states: JudgedStates, of_file: FileFaults) -> FunctionFaults:
         model = states.model
         tried = [*faults(model), *of_file.faults]
-        if not known.name.startswith(LINEAR):
+        if not known.name.startswith(LINEAR_FUNCTIONS):
             tried += _of_links(DynamicsCode.of(model), of_file)
         return cls(known, states, tried, list(families(model)), of_file.links)
 
@@ -100,12 +88,14 @@ class FunctionFaults:
         tried = _differing(own, list(filter(relevant, self.faults)), at_one)
         slips = () if known.name in TORQUES or known.name.startswith("d") else forms
         fitted = list(filter(relevant, self.families))
-        return Catalog(own, tried, fitted, self.links, slips, known.name.startswith(LINEAR))
+        return Catalog(own, tried, fitted, self.links, slips, known.name.startswith(LINEAR_FUNCTIONS))
 
 
 def _differing(own: DynamicsCode, among: Sequence[CodeFault], state: State) -> list[CodeFault]:
-    """Those that change something, one of each kind that give the same answers: a function that takes no velocities
-    cannot tell the sign of a velocity from that of a motion."""
+    """The faults that change something, one of each kind that give the same answers.
+
+    A function that takes no velocities cannot tell the sign of a velocity from that of a motion.
+    """
     said_of = {fault: next(iter(fault.say(NO_NUMBERS))) for fault in among}
     among = sorted(among, key=lambda fault: (said_of[fault].size, said_of[fault].message))
     answers = torques_of([own, *(fault.change(own, NO_NUMBERS) for fault in among)], state)[:, 0]

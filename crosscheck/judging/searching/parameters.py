@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import CodeFault, named
 from crosscheck.judging.faults.link_mistakes import LINK_REMEDY, mistakes, shifted_links
-from crosscheck.judging.faults.link_parameters import LINK_PARAMETERS, LinkInertial
+from crosscheck.judging.faults.link_parameters import LINK_PARAMETERS, PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 
-RANK_SHARE = 1e-10
+SHOWN_SHARE = 1e-10
 """Part of the largest singular value below which torques do not depend on a combination of parameters."""
 
 MIN_ANSWERS_PER_PARAMETER = 1.5
@@ -51,7 +51,7 @@ class OtherParameters:
         size = np.linalg.norm(columns, axis=0)
         self._size = np.where(size > 0, size, 1.0)
         u, s, vt = np.linalg.svd(columns / self._size, full_matrices=False)
-        known = s > RANK_SHARE * s.max(initial=0.0)
+        known = s > SHOWN_SHARE * s.max(initial=0.0)
         self.rank = int(known.sum())
         self._map = (s[known, None] * vt[known]) * self._size  # coordinates of a difference of parameters (rank, 13 n)
         self._target = u[:, known].T @ target
@@ -63,7 +63,7 @@ class OtherParameters:
         """Whether a difference of all parameters (13 n,) gives the answers, nearly: to be verified."""
         return bool(np.linalg.norm(self._target - self._map @ difference) <= self._largest)
 
-    def at_links(self, links: Sequence[LinkInertial], differences: Array) -> list[int] | None:
+    def at_links(self, links: Sequence[PlacedInertial], differences: Array) -> list[int] | None:
         """The links at which a mistake was made; None if it explains nothing. differences: what it changes (L, 13)"""
         whole = np.zeros((len(self.ours), len(links)))
         for k, (link, difference) in enumerate(zip(links, differences, strict=True)):
@@ -91,10 +91,10 @@ class OtherParameters:
 
     def _among(self, bodies: Sequence[int]) -> bool:
         columns = self._map[:, _places(bodies)] / self._size[_places(bodies)]
-        solution = np.linalg.lstsq(columns, self._target, rcond=RANK_SHARE)[0]
+        solution = np.linalg.lstsq(columns, self._target, rcond=SHOWN_SHARE)[0]
         return bool(np.linalg.norm(self._target - columns @ solution) <= self._largest)
 
-    def faults(self, links: Sequence[LinkInertial]) -> Iterator[CodeFault]:
+    def faults(self, links: Sequence[PlacedInertial]) -> Iterator[CodeFault]:
         """Mistakes that lead to the parameters that the answers show."""
         seen: list[Array] = []
         for mistake in mistakes():
@@ -120,14 +120,14 @@ class OtherParameters:
             if self.explained_by(difference) and (change := _with(self.ours + difference)) is not None:
                 yield CodeFault.of("inertial_parameters", message, "assign them by name", change, 1)
 
-    def _shown(self, links: Sequence[LinkInertial], differences: Array, among: Sequence[int]) -> Iterator[int]:
+    def _shown(self, links: Sequence[PlacedInertial], differences: Array, among: Sequence[int]) -> Iterator[int]:
         for k in among:
             if np.linalg.norm(self._map[:, _places([links[k].body])] @ differences[k]) > self._largest:
                 yield k
 
     def smallest(self) -> CodeFault | None:
         """The smallest change of all parameters that gives the answers, each measured by what it does to torques."""
-        difference = np.linalg.lstsq(self._map / self._size, self._target, rcond=RANK_SHARE)[0] / self._size
+        difference = np.linalg.lstsq(self._map / self._size, self._target, rcond=SHOWN_SHARE)[0] / self._size
         change = _with(self.ours + difference)
         if change is None:
             return None

@@ -15,7 +15,7 @@ from crosscheck.judging.faults.catalog import families, faults, limits, smooth_f
 from crosscheck.judging.faults.fault import COMPLEX_STEP, FAULT_KINDS, NO_NUMBERS, CodeFault, FaultDescription
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.inertials import PARAMETER_SETS, of_body
-from crosscheck.judging.faults.link_parameters import LinkInertial
+from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
@@ -114,7 +114,7 @@ class Catalog:
     own: DynamicsCode
     faults: Sequence[CodeFault]
     families: Sequence[CodeFault]
-    links: Sequence[LinkInertial]
+    links: Sequence[PlacedInertial]
     formulations: Sequence[Formulation]
     is_linear: bool
 

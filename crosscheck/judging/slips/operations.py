@@ -49,7 +49,7 @@ class Slip:
 
 
 ONCE = -1
-"""In place of a joint: an operation that is done once, such as one with the chosen frame."""
+"""What stands in place of a joint: an operation that is done once, such as one with the chosen frame."""
 
 
 class Operations:

@@ -150,7 +150,7 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
 
 
 def _counted(diagnoses: list[Diagnosis], count: str) -> list[Diagnosis]:
-    """With the number of states that deviate as further evidence."""
+    """The diagnoses, with the number of states that deviate as further evidence."""
     return [replace(one, evidence="; ".join(filter(None, (one.evidence, count)))) for one in diagnoses]
 
 

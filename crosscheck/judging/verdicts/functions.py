@@ -39,8 +39,7 @@ def diagnose_function(
 def _searches(
     found: Judged, nearest: Sequence[Chosen], given: FunctionFaults, precision: float, bound: float
 ) -> Iterator[Search]:
-    """Of the nearest way to read the answers, of those by which something is explained at first sight, and of the next
-    ones."""
+    """Searches of the nearest way to read the answers, of those that explain something at first sight, of the next."""
 
     def read(chosen: Chosen) -> Search:
         rows = _experiments(found)
