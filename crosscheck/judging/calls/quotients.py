@@ -29,6 +29,10 @@ MIN_CORRELATION = 0.9
 MAX_ERROR = 0.05
 """Median relative error beyond which no difference quotients are looked for: nobody takes such steps."""
 
+MAX_STEP = 0.1
+"""Largest step [rad, …/s] of difference quotients. Those of a trigonometric function are the right derivatives times
+sin h / h: any factor below 1 would be a large step."""
+
 MAX_LEFT_SHARE = 0.1
 """Part of the largest error that may be left."""
 
@@ -102,7 +106,9 @@ def _fitted(given: Answered, form: Form, rows: NDArray[np.intp]) -> Iterator[Dif
             if abs(correlation) < MIN_CORRELATION or (central and factor < 0):
                 continue
             step = by.step * (np.sqrt(factor) if central else factor)
-            yield replace(by, step=_refined(given, form, replace(by, step=float(step)), rows, deviation, weight))
+            step = _refined(given, form, replace(by, step=float(step)), rows, deviation, weight)
+            if abs(step) <= MAX_STEP:
+                yield replace(by, step=step)
 
 
 def _refined(

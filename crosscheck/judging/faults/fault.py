@@ -93,6 +93,16 @@ def rounded(x: float) -> float:
     return float(np.sign(x) * 10.0 ** round(power)) if abs(power - round(power)) < ROUND_NUMBER_TOLERANCE else x
 
 
+def told_apart(theirs: float, ours: float, unit: str) -> str:
+    """Such as "2.01 kg, not 2 kg", with as many digits as tell the two apart."""
+    digits = next((k for k in range(6, 17) if f"{theirs:.{k}g}" != f"{ours:.{k}g}"), 17)
+    return f"{theirs:.{digits}g} {unit}, not {ours:.{digits}g} {unit}"
+
+
+ZERO_SHARE = 1e-9
+"""Part of the right number below which a fitted number is zero."""
+
+
 def round_factor(x: float) -> float:
     """The integer next to a factor that was found by least squares, or the factor."""
     return float(round(x)) if abs(x - round(x)) < ROUND_NUMBER_TOLERANCE else x

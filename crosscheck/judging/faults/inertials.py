@@ -10,12 +10,14 @@ import numpy as np
 
 from crosscheck.judging.faults.fault import (
     QUARTER_TURNS,
+    ZERO_SHARE,
     Changed,
     CodeFault,
     FaultDescription,
     is_round,
     of_bodies,
     rounded,
+    told_apart,
 )
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers
 from crosscheck.judging.judgment import FittedNumber
@@ -210,7 +212,9 @@ def of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
     def say(x: Array) -> Iterator[FaultDescription]:
         moved = [i for i, difference in zip(which, x, strict=True) if difference != 0]
         numbers = tuple(
-            FittedNumber(PARAMETER_LABELS[i], float(own[i] + difference), float(own[i]), BODY_NUMBER_UNITS[i])
+            FittedNumber(
+                PARAMETER_LABELS[i], _or_zero(own[i] + difference, own[i]), float(own[i]), BODY_NUMBER_UNITS[i]
+            )
             for i, difference in zip(which, x, strict=True)
             if i in moved
         )
@@ -221,11 +225,16 @@ def of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
     return CodeFault(np.zeros(len(which)), change, say)
 
 
+def _or_zero(theirs: float, ours: float) -> float:
+    """Fitted numbers, zero where they are its rounding."""
+    return 0.0 if abs(theirs) <= ZERO_SHARE * abs(ours) else float(theirs)
+
+
 def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -> str:
     if len(moved) == 1 and moved[0] not in range(1, 4):
         (number,) = numbers
         what = "the mass" if moved == [0] else number.name
-        return f"{what} of body '{name}' is {number.theirs:.6g} {number.unit}, not {number.ours:.6g} {number.unit}"
+        return f"{what} of body '{name}' is {told_apart(number.theirs, number.ours, number.unit)}"
     what = " and ".join(word for places, word in PARAMETER_GROUPS.items() if set(places) & set(moved))
     if len(moved) > MAX_LISTED_NUMBERS:
         return f"other values of {what} of body '{name}' alone explain all numbers"

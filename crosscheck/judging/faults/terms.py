@@ -14,7 +14,15 @@ from functools import lru_cache, partial
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.fault import CodeFault, FaultDescription, factor_said, is_round, rounded
+from crosscheck.judging.faults.fault import (
+    ZERO_SHARE,
+    CodeFault,
+    FaultDescription,
+    factor_said,
+    is_round,
+    rounded,
+    told_apart,
+)
 from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel, maximal_state
@@ -168,12 +176,13 @@ def _gravity_message(ours: Array, found: Array) -> FaultDescription:
     elif np.abs(found + ours).max() < GRAVITY_ROUNDING:
         message = "gravity has the opposite sign"
     elif np.abs(found - factor * ours).max() < GRAVITY_ROUNDING:
-        message = f"gravity is {np.linalg.norm(found):.6g} m/s², not {np.linalg.norm(ours):.6g} m/s²"
+        message = f"gravity is {told_apart(float(np.linalg.norm(found)), float(np.linalg.norm(ours)), 'm/s²')}"
     else:
         size = 2
         message = f"gravity acts along ({shown}), not ({here}) m/s², or the base is turned"
     numbers = tuple(
-        FittedNumber(f"g_{axis}", float(x), float(y), "m/s²") for axis, x, y in zip("xyz", found, ours, strict=True)
+        FittedNumber(f"g_{axis}", 0.0 if abs(x) < GRAVITY_ROUNDING else float(x), float(y), "m/s²")
+        for axis, x, y in zip("xyz", found, ours, strict=True)
     )
     remedy = f"use the gravity vector ({here}) m/s² in the axes of the base"
     return FaultDescription("gravity", message, remedy, size, numbers)
@@ -255,6 +264,7 @@ def _symmetric(x: Array, n: int) -> Array:
 
 def _matrix_said(model: RobotModel, x: Array) -> Iterator[FaultDescription]:
     n = model.n_bodies
+    x = np.where(np.abs(x) > ZERO_SHARE * np.abs(x).max(initial=0.0), x, 0.0)
     pairs = [*((k, k) for k in range(n)), *itertools.combinations(range(n), 2)]
     numbers = tuple(
         FittedNumber(f"M[{i + 1}, {k + 1}]", float(value), 0.0, "kg m², kg m or kg")

@@ -114,7 +114,8 @@ def _of_base_regressor(answer: Array, ours: Array, states: JudgedStates, bound: 
         return None
     tested = [str(k + 1) for k in np.flatnonzero(outside_of(answer, ours).max(axis=(0, 1)) > bound)]
     missing = np.flatnonzero(outside_of(ours, answer).max(axis=(0, 1)) > bound)
-    ranks = f"rank {column_space(answer).shape[1]}, not {column_space(ours).shape[1]}"
+    theirs, here = (column_space(x).shape[1] for x in (answer, ours))
+    ranks = f"rank {theirs}, not {here}" if theirs != here else f"both of rank {here}"
     said = []
     if tested:
         said.append(
