@@ -450,7 +450,7 @@ def test_columns_outside_of_a_base_regressor(model, state):
     missing = np.delete(ours, 13, axis=-1)
     found = OWN_FAULTS["base_regressor"](np.concatenate([missing, more[..., :1]], axis=-1), ours, states, 1e-9)
     name = f"{PARAMETER_NAMES[3]} of body '{model.body_names[1]}'"
-    assert f"no combination of its columns gives those of {name} (rank " in found.said.message
+    assert f"no combination of its columns gives those of {name} (both of rank " in found.said.message
     assert f"gives columns {10 * model.n_bodies}; " in found.said.message
 
 
