@@ -99,7 +99,7 @@ def told_apart(theirs: float, ours: float, unit: str) -> str:
     return f"{theirs:.{digits}g} {unit}, not {ours:.{digits}g} {unit}"
 
 
-ZERO_SHARE = 1e-9
+FITTED_ZERO_SHARE = 1e-9
 """Part of the right number below which a fitted number is zero."""
 
 

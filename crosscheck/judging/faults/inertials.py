@@ -9,8 +9,8 @@ from functools import partial
 import numpy as np
 
 from crosscheck.judging.faults.fault import (
+    FITTED_ZERO_SHARE,
     QUARTER_TURNS,
-    ZERO_SHARE,
     Changed,
     CodeFault,
     FaultDescription,
@@ -227,7 +227,7 @@ def of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
 
 def _or_zero(theirs: float, ours: float) -> float:
     """Fitted numbers, zero where they are its rounding."""
-    return 0.0 if abs(theirs) <= ZERO_SHARE * abs(ours) else float(theirs)
+    return 0.0 if abs(theirs) <= FITTED_ZERO_SHARE * abs(ours) else float(theirs)
 
 
 def _message(name: str, moved: Sequence[int], numbers: Sequence[FittedNumber]) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import (
-    ZERO_SHARE,
+    FITTED_ZERO_SHARE,
     CodeFault,
     FaultDescription,
     factor_said,
@@ -264,7 +264,7 @@ def _symmetric(x: Array, n: int) -> Array:
 
 def _matrix_said(model: RobotModel, x: Array) -> Iterator[FaultDescription]:
     n = model.n_bodies
-    x = np.where(np.abs(x) > ZERO_SHARE * np.abs(x).max(initial=0.0), x, 0.0)
+    x = np.where(np.abs(x) > FITTED_ZERO_SHARE * np.abs(x).max(initial=0.0), x, 0.0)
     pairs = [*((k, k) for k in range(n)), *itertools.combinations(range(n), 2)]
     numbers = tuple(
         FittedNumber(f"M[{i + 1}, {k + 1}]", float(value), 0.0, "kg m², kg m or kg")

@@ -146,7 +146,7 @@ class BodySums:
         for b, inside in enumerate(code.inside):
             R, before, c, J = m.rotations[b + 1], m.rotations[inside], x.centers[b], x.tensors[b]
             Rt = np.swapaxes(R, 0, 1)
-            offset = do.result("c in world axes", b, turned(R, c), {
+            offset = do.result("c, the center of mass from the link origin in world axes,", b, turned(R, c), {
                 NOT_TURNED: lambda: c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, c),
                 WITH_THE_INSIDE: lambda: turned(before, c),
             }, of="body")  # fmt: skip

@@ -108,6 +108,7 @@ def _other_arguments(known: Quantity) -> Iterator[AnswerFault]:
         are = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'}"
         for kind, what, remedy, change in (
             ("unit", "taken as degrees", "the arguments are in rad", np.deg2rad),
+            ("unit", "converted to degrees", "the arguments are in rad", np.rad2deg),
             ("sign", "taken with the opposite sign", "compare the senses of the joints", np.negative),
             ("argument", "ignored", "use the arguments", np.zeros_like),
         ):

@@ -66,7 +66,12 @@ class ByHand:
         return change(self, *found.groups())
 
     def changed_arguments(self, names, how):
-        factor = {"taken as degrees": np.pi / 180, "taken with the opposite sign": -1, "ignored": 0}[how]
+        factor = {
+            "taken as degrees": np.pi / 180,
+            "converted to degrees": 180 / np.pi,
+            "taken with the opposite sign": -1,
+            "ignored": 0,
+        }[how]
         for name in names.split(" and "):
             self.given[name] = factor * self.given[name]
         return self.answer()
@@ -149,7 +154,7 @@ CHANGES = {
     "only the upper triangle of the matrix is filled in": lambda self: np.triu(self.answer()),
     "the numbers of the matrix are stored column by column": ByHand.column_by_column,
     "the (linear|angular) part has the opposite sign": ByHand.part,
-    "(.*) (?:is|are) (taken as degrees|taken with the opposite sign|ignored)": ByHand.changed_arguments,
+    "(.*) (?:is|are) (taken as degrees|converted to degrees|taken with the opposite sign|ignored)": ByHand.changed_arguments,
     "(.) and (.) are exchanged": ByHand.exchanged,
     "the external wrenches (.*)": ByHand.other_loads,
     "the answers are those of frame '(.*)'": ByHand.of_frame,
