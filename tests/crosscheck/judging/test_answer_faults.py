@@ -154,7 +154,7 @@ CHANGES = {
     "only the upper triangle of the matrix is filled in": lambda self: np.triu(self.answer()),
     "the numbers of the matrix are stored column by column": ByHand.column_by_column,
     "the (linear|angular) part has the opposite sign": ByHand.part,
-    "(.*) (?:is|are) ((?:taken as|converted to) degrees|taken with the opposite sign|ignored)": ByHand.changed_arguments,
+    "(.*) (?:is|are) (.* degrees|taken with the opposite sign|ignored)": ByHand.changed_arguments,
     "(.) and (.) are exchanged": ByHand.exchanged,
     "the external wrenches (.*)": ByHand.other_loads,
     "the answers are those of frame '(.*)'": ByHand.of_frame,
