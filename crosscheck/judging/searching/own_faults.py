@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import ROUND_NUMBER_TOLERANCE, FaultDescription
+from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY
 from crosscheck.judging.searching.answer_faults import FoundFault
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities.measures import column_space, outside_of
@@ -22,8 +24,13 @@ MAX_COLUMN_REMAINDER = 1e-6
 
 
 def _of_columns(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
-    """The columns are ours in another order or scale. answer, ours: (N, n, 10n)"""
+    """The columns are ours in another order or scale. answer, ours: (N, …, 10n), of body regressors (N, n, 6, 10)"""
     model = states.model
+    if not np.isfinite(answer).all():
+        return None
+    if ours.shape[-1] == BODY_PARAMETERS < BODY_PARAMETERS * model.n_bodies:
+        answer, ours = (_as_columns(x) for x in (answer, ours))
+    answer, ours = (x.reshape(len(x), -1, x.shape[-1]) for x in (answer, ours))
     remedy = f"use {', '.join(PARAMETER_NAMES)} about the link origin, body after body"
     here = _by_body(ours)
     by_type = np.moveaxis(answer.reshape(*answer.shape[:2], BODY_PARAMETERS, -1), (2, 3), (1, 0))
@@ -52,15 +59,24 @@ def _of_columns(answer: Array, ours: Array, states: JudgedStates, bound: float) 
         ]
         if wrong:
             said.append(f"{'' if said else 'columns are '}scaled: {', '.join(wrong)}")
+        shown = np.array(factors)[here.any(axis=(0, 2))]
+        if len(said) == 1 and wrong and np.ptp(shown) <= ROUND_NUMBER_TOLERANCE:
+            return None  # one factor on all answers
         if said:
             return FoundFault(FaultDescription("parameter_order", ", ".join(said), remedy), left)
     return None
 
 
+def _as_columns(regressor: Array) -> Array:
+    """Body regressors (N, n, 6, 10) side by side (N, 6, 10 n)."""
+    return np.concatenate(np.moveaxis(regressor, 1, 0), axis=-1)
+
+
 def _by_body(regressor: Array) -> Array:
-    """All entries of the ten columns of each body: (N, n, 10n) → (n, 10, N n)."""
-    size, n = regressor.shape[:2]
-    return np.moveaxis(regressor.reshape(size, n, -1, BODY_PARAMETERS), (2, 3), (0, 1)).reshape(n, BODY_PARAMETERS, -1)
+    """All entries of the ten columns of each body: (N, r, 10 n) → (n, 10, N r)."""
+    size, rows = regressor.shape[:2]
+    apart = np.moveaxis(regressor.reshape(size, rows, -1, BODY_PARAMETERS), (2, 3), (0, 1))
+    return apart.reshape(*apart.shape[:2], -1)
 
 
 def _bodies(there: Array, here: Array) -> NDArray[np.intp] | None:
@@ -79,7 +95,11 @@ def _types(there: Array, here: Array) -> tuple[list[int], list[float], float] | 
     theirs, ours = (np.moveaxis(x, 1, 0).reshape(BODY_PARAMETERS, -1) for x in (there, here))
     places, factors, left = [], [], 0.0
     sizes = (ours**2).sum(axis=1)
-    for column in theirs:
+    for k, column in enumerate(theirs):
+        if not column.any() and not ours[k].any():  # such as tensors in potential energies
+            places.append(k)
+            factors.append(1.0)
+            continue
         factor = np.divide(ours @ column, sizes, out=np.zeros_like(sizes), where=sizes > 0)
         rest = np.abs(column - factor[:, None] * ours).max(axis=1) / (np.abs(column).max() or 1.0)
         best = int(rest.argmin())
@@ -197,13 +217,50 @@ def _of_rows(answer: Array, ours: Array, states: JudgedStates, bound: float) -> 
     return FoundFault(FaultDescription("joint_order", message, remedy), float(left))
 
 
+REGRESSORS_BY_BODY = (
+    *("joint_torque_regressor", "body_regressor", "momentum_regressor", "kinetic_energy_regressor"),
+    *("potential_energy_regressor", "forward_dynamics_parameter_derivatives"),
+)
+"""Functions with ten columns for each body."""
+
+ADDED_DERIVATIVES = {
+    "dtau_dv": ("friction", "viscous friction", "N m s/rad or N s/m"),
+    "dtau_dq": ("spring", "the stiffness of springs", "N m/rad or N/m"),
+}
+"""What a constant diagonal in a derivative of torques is: kind, words, unit."""
+
+
+def _of_torque_rates(name: str, answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """A constant diagonal is added, as by friction or springs."""
+    added = answer - ours
+    diagonal = np.diagonal(added[0])
+    left = float(np.abs(added - np.diag(diagonal)).max() / (np.abs(ours).max() or 1.0))
+    if not left <= bound or not diagonal.any():
+        return None
+    kind, what, unit = ADDED_DERIVATIVES[name]
+    shown = ", ".join(f"{x:.4g}" for x in np.where(np.abs(diagonal) > bound * np.abs(diagonal).max(), diagonal, 0.0))
+    message = f"{what} ({shown}) {unit} per joint is included"
+    return FoundFault(FaultDescription(kind, message, RIGID_BODY_REMEDY), left)
+
+
+def _of_acceleration_rates(
+    name: str, answer: Array, ours: Array, states: JudgedStates, bound: float
+) -> FoundFault | None:
+    """The same in the torques that the derivatives of accelerations need, −M ∂a."""
+    return _of_torque_rates(name, -states.mass @ answer, -states.mass @ ours, states, bound)
+
+
 OWN_FAULTS: Mapping[str, OwnFault] = {
-    "joint_torque_regressor": _of_columns,
+    **dict.fromkeys(REGRESSORS_BY_BODY, _of_columns),
     "base_regressor": _of_base_regressor,
     "coriolis_matrix": _of_coriolis_matrix,
     "center_of_mass": _of_center,
     "center_of_mass_jacobian": _of_center,
     "center_of_mass_velocity": _of_center,
+    "dtau_dq": partial(_of_torque_rates, "dtau_dq"),
+    "dtau_dv": partial(_of_torque_rates, "dtau_dv"),
+    "da_dq": partial(_of_acceleration_rates, "dtau_dq"),
+    "da_dv": partial(_of_acceleration_rates, "dtau_dv"),
     "mass_matrix": _of_mass_matrix,
     "mass_matrix_inverse": _of_rows,
 }

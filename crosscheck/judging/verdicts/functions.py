@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from crosscheck.judging.searching.function_catalog import FunctionFaults, observ
 from crosscheck.judging.searching.search import MANY_ANSWERS, MIN_FITTED_ANSWERS, Search
 from crosscheck.judging.verdicts.diagnosis import explained, holding_alone
 from crosscheck.judging.verdicts.verdicts import Judged
+from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.measures import Chosen
 
 MAX_READINGS = 3
@@ -25,15 +27,33 @@ def diagnose_function(
     found: Judged, of_file: Callable[[], FileFaults], precision: float, bound: float, evidence: str
 ) -> list[Diagnosis]:
     """What is wrong, where one fault gives the answers at all states; else nothing."""
-    known, states = found.function.known, found.states
+    name, states = found.function.name, found.states
+    if name in ENERGIES_PER_PARAMETER:
+        found = _times_parameters(found)
+    known = found.function.known
     nearest = _nearest(found)
     if not formulations_of(known.name, states.model, states.frame, nearest[0]):
         return []
     with np.errstate(all="ignore"):  # a fault may divide by nothing
         for search in _searches(found, nearest, FunctionFaults.of(known, states, of_file()), precision, bound):
             if holding := holding_alone(search, search.alone(search.nothing())):
-                return explained(found.function.name, search, holding, evidence)
+                return explained(name, search, holding, evidence)
     return []
+
+
+ENERGIES_PER_PARAMETER = {
+    "kinetic_energy_regressor": "kinetic_energy",
+    "potential_energy_regressor": "potential_energy",
+}
+"""What these are with the inertial parameters of the robot."""
+
+
+def _times_parameters(found: Judged) -> Judged:
+    """The energies that a regressor gives with the parameters of the robot, from the usual zero."""
+    known = FUNCTIONS[ENERGIES_PER_PARAMETER[found.function.name]]
+    usual = {name: ways[0] for name, ways in known.conventions.items()}
+    answer = found.answer @ found.states.model.inertial_parameters
+    return replace(found, function=replace(found.function, known=known), answer=answer, declared=usual)
 
 
 def _searches(

@@ -54,3 +54,34 @@ def test_rows_of_other_joints(states, name):
     said = found(name, states, lambda x: x[:, order][:, :, order])
     assert said.startswith("rows and columns are in the order of other joints: 'shoulder_pan_joint' has that of")
     assert "'wrist_3_joint' has that of 'wrist_2_joint'" in said
+
+
+def test_friction_and_springs_in_derivatives(states):
+    damping = np.array([0.1, 0.2, 0.3, 0.0, 0.5, 0.6])
+    rates = np.linalg.inv(states.mass) @ np.diag(damping)
+    shown = "(0.1, 0.2, 0.3, 0, 0.5, 0.6)"
+    friction, springs = "viscous friction", "the stiffness of springs"
+    for name, what, change in (
+        ("dtau_dv", friction, lambda x: x + np.diag(damping)),
+        ("dtau_dq", springs, lambda x: x + np.diag(damping)),
+        ("da_dv", friction, lambda x: x - rates),
+        ("da_dq", springs, lambda x: x - rates),
+    ):
+        said = found(name, states, change)
+        assert said.startswith(f"{what} {shown} ")
+        assert said.endswith("per joint is included")
+        assert found(name, states, lambda x: 1.1 * x) is None
+
+
+@pytest.mark.parametrize("name", ["momentum_regressor", "kinetic_energy_regressor", "body_regressor"])
+def test_columns_of_all_regressors(states, name):
+    order = [0, 1, 2, 3, 4, 6, 5, 7, 8, 9]
+
+    def reordered(x):
+        return x.reshape(*x.shape[:-1], -1, 10)[..., order].reshape(x.shape)
+
+    said = found(name, states, reordered)
+    assert said.startswith("the ten columns of each body are in the order m, mc_x, mc_y, mc_z, ")
+    halved = found(name, states, lambda x: x * np.tile([0.5, *[1] * 9], x.shape[-1] // 10))
+    assert halved == "columns are scaled: m × 0.5"
+    assert found(name, states, lambda x: -x) is None  # a fault of all answers

@@ -78,7 +78,7 @@ ENERGY = (
     answers("momentum_regressor", "shifted by one body", lambda W, *_: np.roll(W, 10, axis=1), "(bod|link|shift|order)"),
     answers("kinetic_energy_regressor", "½ forgotten", lambda W, *_: 2 * W, "(2|½|twice|doubl)"),
     answers("kinetic_energy_regressor", "products halved", scaled(1 / OFF), "(product|I_xy|scaled|off).*(0\\.5|half|halved)"),
-    text("kinetic_energy_regressor", "sign of m c", "kinetic_energy_regressor", "np.cross(speed, spin)", "np.cross(spin, speed)", f"(first moment|m c|center).*{OPPOSITE}|m c.*-1"),
+    text("kinetic_energy_regressor", "sign of m c", "kinetic_energy_regressor", "np.cross(speed, spin)", "np.cross(spin, speed)", f"(first moment|m c|center).*{OPPOSITE}|mc?_?.*-1"),
     answers("kinetic_energy_regressor", "xx, yy, zz, xy, xz, yz", columns("xx, yy, zz, xy, xz, yz"), ORDER),
     answers("potential_energy_regressor", "sign", lambda W, *_: -W, OPPOSITE),
     text("potential_energy_regressor", "not turned", "potential_energy_regressor", "-R[j + 1].T @ arm.gravity", "-arm.gravity", "(gravity|m c|first moment|center|R).*(not turned|world axes|axes|rotation)"),
