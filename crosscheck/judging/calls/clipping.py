@@ -61,13 +61,25 @@ class Levels:
 
 
 def clipped(given: Answered) -> FoundFault | None:
-    """Answers, torques or motions that are clipped, or answers that are scaled down."""
+    """Answers or torques that are clipped, or answers that are scaled down."""
+    deviating = _deviating(given)
+    if deviating is None:
+        return None
+    return _answers(given) or _torques(given) or _scaled_down(given, deviating)
+
+
+def clipped_arguments(given: Answered) -> FoundFault | None:
+    """Motions that are clipped: fits, which take longer than all single faults together."""
+    deviating = _deviating(given)
+    return None if deviating is None else clipped_motion(given, deviating)
+
+
+def _deviating(given: Answered) -> NDArray[np.bool_] | None:
+    """The states that deviate (N,); None where all do: numbers at rest are within limits."""
     if not np.isfinite(given.answer).all():
         return None
     deviating = given.errors(given.ours) > given.bound
-    if deviating.all() and len(deviating) > 1:
-        return None  # numbers at rest are within limits
-    return _answers(given) or _torques(given) or clipped_motion(given, deviating) or _scaled_down(given, deviating)
+    return None if deviating.all() and len(deviating) > 1 else deviating
 
 
 def _answers(given: Answered) -> FoundFault | None:

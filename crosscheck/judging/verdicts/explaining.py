@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.calls.batches import mixed_rows
+from crosscheck.judging.calls.clipping import clipped_arguments
 from crosscheck.judging.calls.joint_torques import added_torques, with_added_torques
 from crosscheck.judging.calls.search import found_in_calls, told_of_calls
 from crosscheck.judging.faults.fault import FaultDescription
@@ -129,7 +130,7 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
     stages = _of_terms(found, precision, of_file, say)
     if by_terms := next(stages, []):
         return with_added_torques(_counted(by_terms, count), added)
-    if fault := (added.fault or added.seen(given)) if added else None:
+    if fault := ((added.fault or added.seen(given)) if added else None) or clipped_arguments(given):
         return one(fault)
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
