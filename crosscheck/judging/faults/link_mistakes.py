@@ -20,9 +20,11 @@ from crosscheck.judging.faults.link_parameters import (
     Parameters,
     PlacedInertial,
     about_origin,
+    bodies_of,
     in_body,
     right,
 )
+from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
 from urdf.document import rpy_from_rotation
@@ -51,6 +53,16 @@ SHIFTED_PARTS = {
     "tensors": ("axes", "tensor"),
 }
 """What may be that of another link, in words, and the fields."""
+
+
+def shifted(links: Sequence[PlacedInertial], code: DynamicsCode) -> Iterator[tuple[str, list[tuple[int, Array]]]]:
+    """Shifts of the numbers of links, and of bodies where these are others: in words, and the differences (13,) of the
+    parameters of bodies, by their numbers."""
+    bodies = bodies_of(code)
+    for what, members in {"link": links, **({"body": bodies} if len(bodies) != len(links) else {})}.items():
+        for message, differences in shifted_links(members):
+            said = message if what == "link" else message.replace("every link", "every body").replace("links", "bodies")
+            yield said, [(link.body, x) for link, x in zip(members, differences, strict=True)]
 
 
 def shifted_links(links: Sequence[PlacedInertial]) -> Iterator[tuple[str, Array]]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crosscheck.judging.faults.recursion import DynamicsCode
 from graphdyn import RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import parallel_axis
@@ -61,6 +62,16 @@ def in_body(link: PlacedInertial, parameters: Parameters) -> Array:
     moved = link.rotation @ tensor @ link.rotation.T + parallel_axis(mass, t)
     moved = moved + 2 * (h @ t) * np.eye(3) - np.outer(h, t) - np.outer(t, h)
     return np.concatenate([[mass], h + mass * t, moved.ravel()])
+
+
+def bodies_of(code: DynamicsCode) -> list[PlacedInertial]:
+    """The bodies of a code, without names."""
+    x = code.numbers
+    numbers = zip(x.masses, x.centers, x.tensors, strict=True)
+    return [
+        PlacedInertial("", k, np.eye(3), np.zeros(3), float(mass), center, np.eye(3), tensor)
+        for k, (mass, center, tensor) in enumerate(numbers)
+    ]
 
 
 def links_of(model: RobotModel, readings: Misreadings | None) -> list[PlacedInertial]:

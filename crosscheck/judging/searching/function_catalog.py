@@ -10,7 +10,7 @@ import numpy as np
 from crosscheck.judging.faults.catalog import families, faults
 from crosscheck.judging.faults.fault import NO_NUMBERS, CodeFault, named
 from crosscheck.judging.faults.file_reading import FileFaults
-from crosscheck.judging.faults.link_mistakes import mistakes, shifted_links
+from crosscheck.judging.faults.link_mistakes import mistakes, shifted
 from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
 from crosscheck.judging.functions.table import TORQUES, formulations_of
@@ -139,8 +139,8 @@ def _of_links(own: DynamicsCode, of_file: FileFaults) -> Iterator[CodeFault]:
             if change is not None:
                 size = 1 if len(members) == 1 else 2
                 yield CodeFault.of(mistake.kind, mistake.message.format(who=who), mistake.remedy, change, size)
-    for message, differences in shifted_links(links):
-        change = with_parameters(own, [(link.body, x) for link, x in zip(links, differences, strict=True)])
+    for message, of_bodies in shifted(links, own):
+        change = with_parameters(own, of_bodies)
         if change is not None:
             yield CodeFault.of("inertial_parameters", message, "assign them by name", change)
 

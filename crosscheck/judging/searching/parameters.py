@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import CodeFault, named
-from crosscheck.judging.faults.link_mistakes import LINK_REMEDY, mistakes, shifted_links
+from crosscheck.judging.faults.link_mistakes import LINK_REMEDY, mistakes, shifted
 from crosscheck.judging.faults.link_parameters import LINK_PARAMETERS, PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.observing.observation import Observation
@@ -113,10 +113,10 @@ class OtherParameters:
             if (change := _with(changed)) is not None:
                 size = 1 if len(at) == 1 else 2 if every else 1 + len(at)
                 yield CodeFault.of(mistake.kind, mistake.message.format(who=who), mistake.remedy, change, size)
-        for message, differences in shifted_links(links):
+        for message, of_bodies in shifted(links, self._code):
             difference = np.zeros(len(self.ours))
-            for link, own in zip(links, differences, strict=True):
-                difference[_places([link.body])] += own
+            for body, own in of_bodies:
+                difference[_places([body])] += own
             if self.explained_by(difference) and (change := _with(self.ours + difference)) is not None:
                 yield CodeFault.of("inertial_parameters", message, "assign them by name", change, 1)
 

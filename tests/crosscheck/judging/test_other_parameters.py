@@ -9,7 +9,7 @@ from long_check import few
 
 import urdf
 from crosscheck.judging.faults.file_reading import faults_of_file
-from crosscheck.judging.faults.link_mistakes import mistakes, shifted_links
+from crosscheck.judging.faults.link_mistakes import mistakes, shifted
 from crosscheck.judging.faults.link_parameters import in_body, links_of, right
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.observing.observation import Observation
@@ -77,10 +77,12 @@ def test_a_mistake_at_some_links_is_named(arm, mistake):
 
 def test_numbers_of_the_neighbors_are_named(arm):
     model, links = arm
+    """Of links as the file has them, and of the bodies that they make up."""
     own = DynamicsCode.of(model)
-    for message, differences in list(shifted_links(links))[::4]:
-        change = with_parameters(own, [(link.body, x) for link, x in zip(links, differences, strict=True)])
-        assert message in told(model, links, change(own))
+    shifts = list(shifted(links, own))
+    assert {"link", "body"} <= {message.split(" every ")[-1].split()[0] for message, _ in shifts}
+    for message, of_bodies in shifts[::4]:
+        assert message in told(model, links, with_parameters(own, of_bodies)(own))
 
 
 def test_the_fewest_bodies_with_other_parameters(arm):
