@@ -65,6 +65,14 @@ def _below(angle: float) -> str:
     return f"every position is within {angle:g} of the one nearest to zero"
 
 
+def position_limits(joint: Joint) -> tuple[float, float]:
+    """Lower and upper limit of a joint that has both; infinite ones for all others."""
+    lower, upper = joint.limits.lower, joint.limits.upper
+    if joint.kind == "continuous" or lower is None or upper is None:
+        return -np.inf, np.inf
+    return lower, upper
+
+
 def nearest_to_zero(joint: Joint) -> float:
     """The position within the limits that is nearest to zero."""
     lower, upper = joint.limits.lower or 0.0, joint.limits.upper or 0.0

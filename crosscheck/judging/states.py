@@ -13,7 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import graphdyn
-from crosscheck.judging.special_states import NEAREST_TO_ZERO, ORDINARY, nearest_to_zero, special_states
+from crosscheck.judging.special_states import (
+    NEAREST_TO_ZERO,
+    ORDINARY,
+    nearest_to_zero,
+    position_limits,
+    special_states,
+)
 from crosscheck.quantities.scaled_states import ScaledStates
 from crosscheck.quantities.states import ACCELERATION_RANGE, LOAD
 from graphdyn import RobotModel, inverse_dynamics, mass_matrix
@@ -200,8 +206,8 @@ def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Ar
         outside, below = rng.integers(2, size=(2, 2, count)).astype(bool)
         outside[0, 1::3] = outside[1, 2::3] = False
         far = MAX_BEYOND_LIMITS * rng.uniform(size=(2, count))
-        lower, upper, speed = joint.limits.lower, joint.limits.upper, joint.limits.velocity
-        if joint.kind != "continuous" and lower is not None and upper is not None:
+        (lower, upper), speed = position_limits(joint), joint.limits.velocity
+        if np.isfinite(upper):
             reach = far[0] * (upper - lower)
             q[:, k] = np.where(outside[0], np.where(below[0], lower - reach, upper + reach), q[:, k])
         if speed:

@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.calls.clipped_motions import position_limits
 from crosscheck.judging.faults.fault import named
+from crosscheck.judging.special_states import position_limits
 from crosscheck.judging.states import JudgedStates
 
 MIN_STATES = 3

@@ -9,8 +9,8 @@ from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import FittedNumber
 from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.special_states import position_limits
 from crosscheck.judging.states import JudgedStates
-from graphdyn import Joint
 from graphdyn.errors import first_of
 from graphdyn.layout import Array
 
@@ -61,14 +61,6 @@ def _positions(given: Answered) -> FoundFault | None:
                 FaultDescription("clipped", f"positions are clipped at {said}", MOTION_REMEDY), left, given.chosen
             )
     return None
-
-
-def position_limits(joint: Joint) -> tuple[float, float]:
-    """Infinite where there are none."""
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.kind == "continuous" or lower is None or upper is None:
-        return -np.inf, np.inf
-    return lower, upper
 
 
 def _fitted(given: Answered, deviating: NDArray[np.bool_], name: str) -> FoundFault | None:

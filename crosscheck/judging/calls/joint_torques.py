@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crosscheck.judging.calls.answered import Answered
-from crosscheck.judging.calls.clipped_motions import position_limits
 from crosscheck.judging.calls.joint_laws import AddedLaw, of_position, of_velocity
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.special_states import position_limits
 from crosscheck.judging.states import JudgedStates
 from graphdyn import inverse_dynamics
 from graphdyn.layout import Array

@@ -12,6 +12,7 @@ import graphdyn
 from crosscheck.judging.judgment import WorstCall
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.references import backward_errors, relative_errors
+from crosscheck.judging.special_states import position_limits
 from crosscheck.judging.states import JudgedStates
 from crosscheck.judging.verdicts.regions import roundest
 from crosscheck.judging.verdicts.verdicts import Judged
@@ -80,10 +81,7 @@ def _grid(name: str, joints: tuple[Joint, ...]) -> tuple[Array, Array]:
         return np.zeros(len(joints)), np.array([x if x == 1 else roundest(x / 2, x) for x in slow])
     base, unit = [], []
     for joint in joints:
-        limited = joint.kind != "continuous" and joint.limits.lower is not None and joint.limits.upper is not None
-        lower, upper = (joint.limits.lower, joint.limits.upper) if limited else (-np.inf, np.inf)
-        assert lower is not None
-        assert upper is not None
+        lower, upper = position_limits(joint)
         base.append(0.0 if lower <= 0 <= upper else roundest(lower, upper))
         steps = [x for x in UNITS if lower <= base[-1] + x <= upper]
         unit.append(steps[0] if steps else 0.0)
