@@ -130,11 +130,15 @@ def _turned(parts: Sequence[str], rotation: Array, x: Numbers, k: int) -> dict[s
 
 
 def _reordered(places: Sequence[int], x: Numbers, k: int) -> dict[str, Array]:
+    return {"tensors": reordered_tensor(places, x.tensors[k])}
+
+
+def reordered_tensor(places: Sequence[int], tensor: Array) -> Array:
     """The tensor whose six numbers stand at other places: number i of it is number places[i] of this one."""
-    other = np.empty((3, 3), x.tensors.dtype)
+    other = np.empty_like(tensor)
     for (i, j), place in zip(UPPER_TRIANGLE, places, strict=True):
-        other[i, j] = other[j, i] = x.tensors[k][UPPER_TRIANGLE[place]]
-    return {"tensors": other}
+        other[i, j] = other[j, i] = tensor[UPPER_TRIANGLE[place]]
+    return other
 
 
 def _exchanged(n: int, i: int, k: int) -> list[int]:

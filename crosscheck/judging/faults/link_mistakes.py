@@ -14,9 +14,13 @@ from functools import partial
 import numpy as np
 
 from crosscheck.judging.faults.fault import opposite_rotation_from
-from crosscheck.judging.faults.inertials import OTHER_TENSOR_ORDERS, TENSOR_NAMES, TENSOR_POINT_MESSAGES, UPPER_TRIANGLE
+from crosscheck.judging.faults.inertials import (
+    OTHER_TENSOR_ORDERS,
+    TENSOR_NAMES,
+    TENSOR_POINT_MESSAGES,
+    reordered_tensor,
+)
 from crosscheck.judging.faults.link_parameters import (
-    LINK_PARAMETERS,
     Parameters,
     PlacedInertial,
     about_origin,
@@ -74,28 +78,20 @@ def shifted_links(links: Sequence[PlacedInertial]) -> Iterator[tuple[str, Array]
         "of every link are those of the one before, of the first one those of the last": [n - 1, *range(n - 1)],
         "of the links are in the opposite order": list(range(n))[::-1],
     }
-    own = np.array([in_body(link, right(link)) for link in links])
-    for (what, fields), (message, order) in itertools.product(SHIFTED_PARTS.items(), places.items()):
-        taken = [
-            replace(link, **{name: getattr(links[k], name) for name in fields})
-            for link, k in zip(links, order, strict=True)
-        ]
-        yield f"the {what} {message}", np.array([in_body(link, right(link)) for link in taken]) - own
-    without: dict[str, list[int | None]] = {
+    missing: dict[str, list[int | None]] = {
         "of every link are those of the next one, the last one has none": [*range(1, n), None],
         "of every link are those of the one before, the first one has none": [None, *range(n - 1)],
     }
-    for message, rows in without.items():
-        found = []
-        for link, place in zip(links, rows, strict=True):
-            other = None if place is None else links[place]
-            moved = (
-                None
-                if other is None
-                else replace(other, body=link.body, rotation=link.rotation, translation=link.translation)
-            )
-            found.append(np.zeros(LINK_PARAMETERS) if moved is None else in_body(moved, right(moved)))
-        yield f"the inertial parameters {message}", np.array(found) - own
+    whole = "inertial parameters"
+    shifts = [*itertools.product(SHIFTED_PARTS, places.items()), *((whole, shift) for shift in missing.items())]
+    own = np.array([in_body(link, right(link)) for link in links])
+    for what, (message, order) in shifts:
+        taken = np.zeros_like(own)
+        for k, (link, place) in enumerate(zip(links, order, strict=True)):
+            if place is not None:
+                other = replace(link, **{name: getattr(links[place], name) for name in SHIFTED_PARTS[what]})
+                taken[k] = in_body(other, right(other))
+        yield f"the {what} {message}", taken - own
 
 
 LINK_REMEDY = "compare the numbers of each link with the file: mass, center of mass, tensor about it, and its axes"
@@ -156,11 +152,11 @@ def _of_tensors() -> Iterator[LinkMistake]:
             order = list(range(6))
             order[i], order[j] = j, i
             message = f"{TENSOR_NAMES[i]} and {TENSOR_NAMES[j]} of {{who}} {axes} are exchanged"
-            yield other(message, partial(change_of, partial(_reordered, order)))
+            yield other(message, partial(change_of, partial(reordered_tensor, order)))
         for names, written in OTHER_TENSOR_ORDERS.items():
             for order, way in ((list(written), "written"), (np.argsort(written).tolist(), "read")):
                 message = f"the tensor of {{who}} {axes} is {way} in the order {names}"
-                yield other(message, partial(change_of, partial(_reordered, order)))
+                yield other(message, partial(change_of, partial(reordered_tensor, order)))
     for factor, said in (
         (0.0, "left out"),
         (2.0, "doubled"),
@@ -201,14 +197,6 @@ def _scaled_entries(places: Sequence[tuple[int, int]], factor: float, tensor: Ar
     found = np.array(tensor)
     for i, j in places:
         found[i, j] = found[j, i] = factor * tensor[i, j]
-    return found
-
-
-def _reordered(order: Sequence[int], tensor: Array) -> Array:
-    """Number i of the upper triangle is number order[i] of this tensor."""
-    found = np.array(tensor)
-    for (i, j), place in zip(UPPER_TRIANGLE, order, strict=True):
-        found[i, j] = found[j, i] = tensor[UPPER_TRIANGLE[place]]
     return found
 
 
