@@ -16,25 +16,22 @@ from crosscheck.judging.slips.operations import Formulation
 from crosscheck.quantities.measures import Chosen
 from graphdyn import RobotModel
 
-OfFrame = Callable[[FrameFormulations], tuple[Formulation, ...]]
-OfBodies = Callable[[BodySums], tuple[Formulation, ...]]
-
-FRAMES: Mapping[str, OfFrame] = {
-    "frame_placement": lambda x: (x.placement,),
-    "frame_jacobian": lambda x: (x.jacobian,),
-    "frame_jacobian_derivative": lambda x: (x.rates,),
-    "frame_velocity": lambda x: (x.velocity,),
-    "frame_acceleration": lambda x: (x.acceleration,),
+FRAMES: Mapping[str, Callable[[FrameFormulations], Formulation]] = {
+    "frame_placement": lambda x: x.placement,
+    "frame_jacobian": lambda x: x.jacobian,
+    "frame_jacobian_derivative": lambda x: x.rates,
+    "frame_velocity": lambda x: x.velocity,
+    "frame_acceleration": lambda x: x.acceleration,
 }
 
-BODIES: Mapping[str, OfBodies] = {
-    "center_of_mass": lambda x: (x.center,),
-    "center_of_mass_velocity": lambda x: (x.velocity,),
-    "center_of_mass_jacobian": lambda x: (x.jacobian,),
-    "momentum": lambda x: (x.momentum,),
-    "centroidal_map": lambda x: (x.centroidal_map,),
-    "kinetic_energy": lambda x: (x.kinetic_energy,),
-    "potential_energy": lambda x: (x.potential_energy,),
+BODIES: Mapping[str, Callable[[BodySums], Formulation]] = {
+    "center_of_mass": lambda x: x.center,
+    "center_of_mass_velocity": lambda x: x.velocity,
+    "center_of_mass_jacobian": lambda x: x.jacobian,
+    "momentum": lambda x: x.momentum,
+    "centroidal_map": lambda x: x.centroidal_map,
+    "kinetic_energy": lambda x: x.kinetic_energy,
+    "potential_energy": lambda x: x.potential_energy,
 }
 
 TORQUES: Mapping[str, Formulation] = {
@@ -46,22 +43,22 @@ TORQUES: Mapping[str, Formulation] = {
 }
 
 
-def formulations_of(name: str, model: RobotModel, frame: str | None, chosen: Chosen) -> tuple[Formulation, ...]:
-    """The ways to write a function, the first without slips; none for functions that are not known here."""
+def formulation_of(name: str, model: RobotModel, frame: str | None, chosen: Chosen) -> Formulation | None:
+    """The way to write a function; None for functions that are not known here."""
     if name in FRAMES and frame is not None and model.frame(frame).body > 0:
         return FRAMES[name](FrameFormulations(model.frame(frame), model.base, chosen))
     if name in BODIES:
         return BODIES[name](BodySums(model.base, chosen))
     wrenches = JointWrenches(model.base, chosen)
     if name == "joint_wrenches":
-        return (wrenches,)
+        return wrenches
     if name == "forward_dynamics":
-        return (articulated_bodies,)
+        return articulated_bodies
     if name == "multipliers":
-        return (partial(multipliers, model.base),)
+        return partial(multipliers, model.base)
     by: Any = name[-1]
     if name.startswith("dwrenches_d"):
-        return (Derivative(wrenches.right, by),)
+        return Derivative(wrenches.right, by)
     if name.startswith("dmultipliers_d"):
-        return (Derivative(partial(right_multipliers, model.base), by),)
-    return (TORQUES[name],) if name in TORQUES else ()
+        return Derivative(partial(right_multipliers, model.base), by)
+    return TORQUES.get(name)

@@ -13,7 +13,7 @@ from itertools import chain, combinations
 import numpy as np
 
 from crosscheck.judging.faults.fault import FaultDescription, factor_said, round_factor
-from crosscheck.judging.functions.table import formulations_of
+from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
@@ -49,14 +49,13 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     if known.name == "mass_matrix_inverse":
         each = "every entry of the mass matrix is inverted by itself"
         yield AnswerFault("other_function", each, "invert the matrix", lambda s, c: _inverted(s.mass))
-    yield from _layouts(known)
     yield from _other_arguments(known)
     if states.loads is not None:
         yield from _other_loads(known)
     yield from _other_functions(known)
     if known.of_frame:
         yield from _other_frames(known, states)
-    if not formulations_of(known.name, states.model, states.frame, next(known.readings({}))):
+    if formulation_of(known.name, states.model, states.frame, next(known.readings({}))) is None:
         yield from _other_models(known, states.model)
 
 
@@ -66,11 +65,16 @@ def _inverted(mass: Array) -> Array:
     return inverted
 
 
-def _layouts(known: Quantity) -> Iterator[AnswerFault]:
+def layouts(known: Quantity) -> Iterator[AnswerFault]:
+    """Right numbers at other places, with another sign of a half, or not all of them."""
     if len(known.shape) == 2 and known.shape[0] == known.shape[1]:
         yield AnswerFault(
             "transposed", "the matrix is transposed", "transpose it",
             lambda s, c: np.swapaxes(known.of_graphdyn(s, c), -1, -2),
+        )  # fmt: skip
+        yield AnswerFault(
+            "triangle", "only the diagonal of the matrix is filled in", "its other entries couple the joints",
+            lambda s, c: (x := known.of_graphdyn(s, c)) * np.eye(x.shape[-1]),
         )  # fmt: skip
         for name, part in (("lower", np.tril), ("upper", np.triu)):
             yield AnswerFault(
@@ -273,6 +277,16 @@ class FoundFault:
     said: FaultDescription
     left: float
     chosen: Chosen = field(default_factory=dict)
+
+
+def layout_fault(
+    known: Quantity, answer: Array, states: JudgedStates, declared: Chosen, bound: float
+) -> FoundFault | None:
+    """The first of the layouts that leaves no more than the bound, by any reading."""
+    for chosen in known.readings(declared):
+        if found := _first(layouts(known), known, answer, states, chosen, bound):
+            return found
+    return None
 
 
 def answer_fault(

@@ -13,7 +13,7 @@ from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes, shifted
 from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
-from crosscheck.judging.functions.table import TORQUES, formulations_of
+from crosscheck.judging.functions.table import TORQUES, formulation_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.parameters import with_parameters
 from crosscheck.judging.searching.search import Catalog
@@ -71,8 +71,9 @@ class FunctionFaults:
     def catalog(self, chosen: Chosen) -> Catalog:
         """Read in one way."""
         known, states = self.known, self.states
-        forms = formulations_of(known.name, states.model, states.frame, chosen)
-        own = dataclasses.replace(DynamicsCode.of(states.model), recursion=RightRecursion(forms[0]))
+        form = formulation_of(known.name, states.model, states.frame, chosen)
+        assert form is not None
+        own = dataclasses.replace(DynamicsCode.of(states.model), recursion=RightRecursion(form))
         shown = _shown(own, state_of(known, states.trial.rows(np.arange(PROBED_STATES))))
         takes_torques = "tau" in known.arguments
 
@@ -86,7 +87,7 @@ class FunctionFaults:
 
         at_one = state_of(known, states.trial.rows(np.arange(1)))
         tried = _differing(own, list(filter(relevant, self.faults)), at_one)
-        slips = () if known.name in TORQUES or known.name.startswith("d") else forms
+        slips = () if known.name in TORQUES or known.name.startswith("d") else (form,)
         fitted = list(filter(relevant, self.families))
         return Catalog(own, tried, fitted, self.links, slips, known.name.startswith(LINEAR_FUNCTIONS))
 

@@ -19,7 +19,7 @@ from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure
 from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
-from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault, factor_fault
+from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault, factor_fault, layout_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.special_states import conditions, only_where
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
@@ -124,6 +124,8 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
     added = added_torques(given)
     if added and not added.plain:
         return one(added.fault or added.seen(given))
+    if fault := layout_fault(function.known, found.answer, found.states, declared, bound):
+        return one(fault)
     own = OWN_FAULTS.get(name)
     if own is not None and (fault := own(found.answer, found.conventions.ours, found.states, bound)):
         return one(fault)

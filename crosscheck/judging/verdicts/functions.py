@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crosscheck.judging.faults.file_reading import FileFaults
-from crosscheck.judging.functions.table import formulations_of
+from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.searching.function_catalog import FunctionFaults, observed
@@ -32,7 +32,7 @@ def diagnose_function(
         found = _times_parameters(found)
     known = found.function.known
     nearest = _nearest(found)
-    if not formulations_of(known.name, states.model, states.frame, nearest[0]):
+    if formulation_of(known.name, states.model, states.frame, nearest[0]) is None:
         return []
     with np.errstate(all="ignore"):  # a fault may divide by nothing
         for search in _searches(found, nearest, FunctionFaults.of(known, states, of_file()), precision, bound):

@@ -9,7 +9,7 @@ import pytest
 from planting import mixed_tree, with_joint
 
 import graphdyn
-from crosscheck.judging.searching.answer_faults import answer_fault, faults
+from crosscheck.judging.searching.answer_faults import answer_fault, faults, layouts
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS
 from graphdyn import Frame, Placement
@@ -150,6 +150,7 @@ CHANGES = {
     ),
     "all answers have the opposite sign": lambda self: -self.answer(),
     "the matrix is transposed": lambda self: self.answer().swapaxes(1, 2),
+    "only the diagonal of the matrix is filled in": lambda self: self.answer() * np.eye(self.answer().shape[-1]),
     "only the lower triangle of the matrix is filled in": lambda self: np.tril(self.answer()),
     "only the upper triangle of the matrix is filled in": lambda self: np.triu(self.answer()),
     "the numbers of the matrix are stored column by column": ByHand.column_by_column,
@@ -174,7 +175,7 @@ def test_words(model, name, loaded):
         right = known.of_graphdyn(states, chosen)
         np.testing.assert_allclose(ByHand(name, states, chosen).answer(), right, atol=ALIKE * np.abs(right).max())
         told = []
-        for fault in faults(known, states):
+        for fault in itertools.chain(layouts(known), faults(known, states)):
             expected = ByHand(name, states, chosen).of(fault.message)
             size = max(np.abs(right).max(), np.abs(expected).max())
             np.testing.assert_allclose(

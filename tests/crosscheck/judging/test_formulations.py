@@ -8,7 +8,7 @@ from planting import mixed_tree
 
 import urdf
 from crosscheck.judging.faults.recursion import DynamicsCode, numbers_of
-from crosscheck.judging.functions.table import formulations_of
+from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.slips.operations import Operations
 from crosscheck.judging.slips.search import all_slips, torques_with
 from crosscheck.judging.states import JudgedStates
@@ -36,7 +36,7 @@ def state_of(known, states):
     return states.q, states.v, third
 
 
-FORMULATED = [name for name in FUNCTIONS if formulations_of(name, urdf.load("ur5"), "tool0", {
+FORMULATED = [name for name in FUNCTIONS if formulation_of(name, urdf.load("ur5"), "tool0", {
     "reference": "local", "order": "linear first", "about": "", "acceleration": "classical"})]  # fmt: skip
 MANY_READINGS = {"joint_wrenches": 5, "frame_acceleration": 3}
 """Of every so many ways to read the answers one is taken."""
@@ -50,10 +50,10 @@ def test_without_a_slip_they_are_right(model, name):
     size = len(states.q)
     for chosen in list(known.readings({}))[:: MANY_READINGS.get(name, 1)]:
         ours = known.of_graphdyn(states, chosen).reshape(size, -1)
-        for formulation in formulations_of(name, model, "tool", chosen):
-            found = formulation(code, numbers_of([code]), columns, Operations([], size))
-            found = np.broadcast_to(found, (len(found), 1, size))[:, 0].T
-            assert np.abs(found - ours).max() <= ROUNDED * np.abs(ours).max(), chosen
+        formulation = formulation_of(name, model, "tool", chosen)
+        found = formulation(code, numbers_of([code]), columns, Operations([], size))
+        found = np.broadcast_to(found, (len(found), 1, size))[:, 0].T
+        assert np.abs(found - ours).max() <= ROUNDED * np.abs(ours).max(), chosen
 
 
 SLIPPED = ("frame_placement", "frame_jacobian", "frame_jacobian_derivative", "frame_velocity", "frame_acceleration",
@@ -65,7 +65,7 @@ SLIPPED = ("frame_placement", "frame_jacobian", "frame_jacobian_derivative", "fr
 def test_each_slip_is_alone_and_has_its_own_words(model, name):
     """Many show nothing in one function, such as velocities in a placement."""
     known, states = FUNCTIONS[name], JudgedStates.draw(model, 2, 6, needs_tau=True, frame="tool")
-    (formulation,) = formulations_of(name, model, "tool", next(known.readings({})))
+    formulation = formulation_of(name, model, "tool", next(known.readings({})))
     code, state = DynamicsCode.of(model), state_of(known, states)
     slips = all_slips(formulation, code)
     words = [slip.message(model.joint_names, model.body_names) for slip in slips]
@@ -89,7 +89,7 @@ def _right(formulation, code, state):
 
 def test_operations_that_are_done_once_name_no_joint(model):
     known = FUNCTIONS["frame_velocity"]
-    (formulation,) = formulations_of("frame_velocity", model, "tool", next(known.readings({})))
+    formulation = formulation_of("frame_velocity", model, "tool", next(known.readings({})))
     words = [
         slip.message(model.joint_names, model.body_names) for slip in all_slips(formulation, DynamicsCode.of(model))
     ]

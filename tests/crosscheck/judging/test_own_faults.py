@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import urdf
+from crosscheck.judging.searching.answer_faults import layout_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS
@@ -40,8 +41,10 @@ def test_parts_of_the_mass_matrix(states):
         "only the lower triangle of the matrix is filled in": np.tril,
         "only the upper triangle of the matrix is filled in": np.triu,
     }
+    known, ours = FUNCTIONS["mass_matrix"], FUNCTIONS["mass_matrix"].of_graphdyn(states, {})
     for message, change in changes.items():
-        assert found("mass_matrix", states, change) == message
+        assert layout_fault(known, change(ours), states, {}, BOUND).said.message == message
+    assert layout_fault(known, 1.1 * ours, states, {}, BOUND) is None
     assert found("mass_matrix", states, lambda x: x + gravity[:, :, None]).startswith("the gravity torque is added to")
     other = found("mass_matrix", states, lambda x: x + 0.3 * gravity[:, :, None])
     assert other.startswith("one vector, such as a bias or a constant load, is added to every column")
