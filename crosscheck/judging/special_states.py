@@ -14,7 +14,7 @@ from graphdyn import Joint, RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import rotation_about
 
-SMALL_ANGLES = (1e-8, 5e-6, 1e-4, 2e-2)
+SMALL_ANGLES = (1e-8, 9e-7, 5e-6, 1e-4, 2e-2)
 """All positions of a state [rad or m]: below and above the thresholds below which codes take series or limits."""
 
 ORDINARY = ""
@@ -28,7 +28,7 @@ WHOLE_TURNS = "every angle is a whole turn"
 PARALLEL = "axes of neighboring joints are as parallel as they can be"
 FULL_SPEED = "every joint is at the limit of its velocity"
 
-N_SPECIAL_STATES = 17
+N_SPECIAL_STATES = 18
 """Number of the states that special_states gives."""
 
 SpecialStates = tuple[NDArray[np.str_], Array, Array, Array]
@@ -79,29 +79,22 @@ def nearest_to_zero(joint: Joint) -> float:
     return 0.0 if joint.kind == "continuous" else max(lower, 0.0) + min(upper, 0.0)
 
 
-def _bounds(joint: Joint) -> tuple[float, float]:
-    lower, upper = joint.limits.lower, joint.limits.upper
-    if joint.kind == "continuous" or lower is None or upper is None:
-        return -np.inf, np.inf
-    return lower, upper
-
-
 def _within(model: RobotModel, q: Array) -> Array:
-    lower, upper = np.transpose([_bounds(joint) for joint in model.joints])
+    lower, upper = np.transpose([position_limits(joint) for joint in model.joints])
     clipped: Array = np.clip(q, lower, upper)
     return clipped
 
 
 def _at_limit(model: RobotModel, upper: bool) -> Array:
     """The limits of all joints; half a turn, or a meter, where there is none."""
-    found = [_bounds(joint)[upper] for joint in model.joints]
+    found = [position_limits(joint)[upper] for joint in model.joints]
     free = [(1.0 if joint.is_prismatic else np.pi) * (1 if upper else -1) for joint in model.joints]
     return np.where(np.isfinite(found), found, free)
 
 
 def _turned(joint: Joint) -> float:
     """One turn from zero, as far as the limits allow it."""
-    lower, upper = _bounds(joint)
+    lower, upper = position_limits(joint)
     turns = [x for x in (2 * np.pi, -2 * np.pi, 0.0) if lower <= x <= upper and not joint.is_prismatic]
     return turns[0] if turns else nearest_to_zero(joint)
 
@@ -122,7 +115,7 @@ def _parallel(model: RobotModel, start: Array) -> Array:
         u = joint.placement.rotation.T @ model.joints[joint.inside - 1].axis
         w = behind[0].placement.rotation @ behind[0].axis
         angle = np.arctan2(u @ np.cross(p, w), u @ (w - p * (p @ w)))
-        lower, upper = _bounds(joint)
+        lower, upper = position_limits(joint)
         turned = [x for x in (angle, angle - np.pi, angle + np.pi) if lower <= x <= upper]
         q[k] = max(turned, key=lambda x: abs(u @ rotation_about(p, x) @ w), default=q[k])
     return q

@@ -60,7 +60,12 @@ class BodySums:
                 column = (z if slides else crossed(z, body.center - o)) + 0 * body.center
                 moved.append(column if outside else 0 * column)
             column = self._mean(moved, bodies, do)
-            columns.append(do.result("the column of the center of mass", j, column))
+            whole = self._mean(
+                [(z if slides else crossed(z, body.center - o)) + 0 * body.center for body in bodies], bodies, do
+            )
+            columns.append(do.result("the column of the center of mass", j, column, {
+                "taken of all bodies, of those inside the joint too": lambda: whole,
+            }))  # fmt: skip
         return stacked([column[i] for i in range(3) for column in columns])
 
     def momentum(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:

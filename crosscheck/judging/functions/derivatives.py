@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torque_recursion
+from crosscheck.judging.slips.link_axes import LinkAxes
 from crosscheck.judging.slips.operations import Operations
 from graphdyn.layout import Array
 
@@ -30,6 +31,24 @@ Answering = Callable[[DynamicsCode, Numbers, State], Array]
 """(code, numbers (…, K, 1), q, v, a (n, K or 1, R)) → (D, K, R)."""
 
 
+class Written(Protocol):
+    """A function as people write it, open to slips, and faster without them."""
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations, /) -> Array: ...
+
+    def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array: ...
+
+
+class Torques:
+    """Joint torques in link axes."""
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        return LinkAxes()(code, x, state, do)
+
+    def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
+        return torque_recursion(code, x, state)
+
+
 def power(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
     return torque_recursion(code, x, state) * state[1]
 
@@ -41,10 +60,20 @@ class Derivative:
     of: the function; by: the argument
     """
 
-    of: Answering
+    of: Written
     by: Literal["q", "v", "a"]
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        def slipped(code: DynamicsCode, x: Numbers, moved: State) -> Array:
+            do.see(moved[0].shape[-1], float)
+            return self.of(code, x, moved, do)
+
+        return self._slopes(slipped, code, x, state)
+
+    def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
+        return self._slopes(self.of.right, code, x, state)
+
+    def _slopes(self, of: Answering, code: DynamicsCode, x: Numbers, state: State) -> Array:
         n, rows = state[0].shape[0], state[0].shape[-1]
         steps, weights = np.tile(RATE_OFFSETS, (n, 1)), np.tile(RATE_WEIGHTS, (n, 1))
         if self.by == "q":
@@ -55,7 +84,7 @@ class Derivative:
         place = "qva".index(self.by)
         moved[place] = moved[place] + (np.eye(n)[..., None] * steps).reshape(n, 1, n * count, 1)
         q, v, a = (y.reshape(*y.shape[:-2], -1) for y in moved)
-        found = self.of(code, x, (q, v, a))
+        found = of(code, x, (q, v, a))
         found = np.broadcast_to(found, (*found.shape[:2], n * count * rows))
         slopes = np.einsum("dkjcr,jc->djkr", found.reshape(*found.shape[:2], n, count, rows), weights)
         return np.asarray(slopes.reshape(-1, *slopes.shape[2:]))
@@ -78,7 +107,7 @@ class AccelerationDerivative:
         singular = np.linalg.slogdet(mass)[0] == 0
         mass = np.where(singular[..., None, None], np.nan, mass)
         a = np.moveaxis(np.linalg.solve(mass, rest[..., None])[..., 0], -1, 0)
-        slopes = Derivative(torque_recursion, self.by)(code, x, (q, v, a), do)
+        slopes = Derivative(Torques(), self.by).right(code, x, (q, v, a))
         slopes = np.moveaxis(slopes.reshape(n, n, *slopes.shape[1:]), (0, 1), (-2, -1))
         found = np.moveaxis(-np.linalg.solve(mass, slopes), (-2, -1), (0, 1))
         return np.asarray(found.reshape(n * n, *found.shape[2:]))

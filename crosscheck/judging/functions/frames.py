@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, times, turned, turned_back
-from crosscheck.judging.functions.motions import Motions, flat, motions, stacked
+from crosscheck.judging.functions.motions import Motions, flat, motions, places, stacked
 from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Frame, Placement
@@ -33,7 +33,7 @@ class FrameFormulations:
 
     def placement(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """[[R, p], [0, 1]], row by row (16, K, R)."""
-        m = motions(code, x, state, do, self.base)
+        m = places(code, x, state[0], do, self.base)
         R, p, _ = self._placed(m, do)
         zero = 0 * p[0]
         rows = [number for i in range(3) for number in (*R[i], p[i])]
@@ -41,7 +41,7 @@ class FrameFormulations:
 
     def jacobian(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """Column by column z × (p − o), z (6 n, K, R), row by row."""
-        m = motions(code, x, state, do, self.base)
+        m = places(code, x, state[0], do, self.base)
         placed = self._placed(m, do)
         p, offset = placed[1], placed[2]
         columns: list[Twist] = []
@@ -58,6 +58,11 @@ class FrameFormulations:
                 })  # fmt: skip
                 angular = do.result("the angular column of a sliding joint, zero,", j, nothing, {
                     "taken as z, as of a hinge": lambda: z + nothing,
+                })  # fmt: skip
+                linear, angular = do.result("the column of a sliding joint", j, np.stack([linear, angular]), {
+                    "taken as that of a hinge, z × (p − o) and z": lambda: np.stack([
+                        crossed(z, p - o) + nothing, z + nothing
+                    ]),
                 })  # fmt: skip
             else:
                 linear = do.result("the linear column z × (p − o)", j, crossed(z, p - o) + nothing, {

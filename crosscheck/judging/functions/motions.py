@@ -34,8 +34,8 @@ WITH_THE_INSIDE = "turned with the inside link"
 class Motions:
     """Motions of the ground, number 0, and of the links (3, …).
 
-    They are rotations (3, 3, …), origins, their velocities and accelerations, ω and ω̇; axes of the joints by their own
-    numbers from 0.
+    They are rotations (3, 3, …), origins, their velocities and accelerations, ω and ω̇; axes of the joints and arms from
+    the inside link's origin by their own numbers from 0.
 
     inside: number of the inside body of each joint
     """
@@ -49,6 +49,7 @@ class Motions:
     omegas: list[Array] = field(default_factory=list)
     alphas: list[Array] = field(default_factory=list)
     axes: list[Array] = field(default_factory=list)
+    arms: list[Array] = field(default_factory=list)
 
     def chain(self, body: int) -> list[int]:
         """The joints from the ground to a body, by number from 0."""
@@ -59,15 +60,11 @@ class Motions:
         return found[::-1]
 
 
-def motions(code: DynamicsCode, x: Numbers, state: State, do: Operations, base: Placement) -> Motions:
-    """base: of the ground in the world."""
-    q, v, a = state
-    zero = np.zeros((3, 1, 1))
+def places(code: DynamicsCode, x: Numbers, q: Array, do: Operations, base: Placement) -> Motions:
+    """Rotations, origins and axes alone. base: of the ground in the world"""
     m = Motions(code.inside, code.prismatic)
     m.rotations.append(base.rotation[:, :, None, None])
     m.origins.append(base.translation[:, None, None])
-    for known in (m.velocities, m.accelerations, m.omegas, m.alphas):
-        known.append(zero)
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p, before = x.axes[j], m.rotations[inside]
         turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
@@ -85,21 +82,36 @@ def motions(code: DynamicsCode, x: Numbers, state: State, do: Operations, base: 
             WITH_THE_INSIDE: lambda: turned(before, p),
             "taken as z, whatever the file says": lambda: R[:, 2] + 0 * p,
         })  # fmt: skip
-        w, dw = m.omegas[inside], m.alphas[inside]
+        m.rotations.append(R)
+        m.origins.append(m.origins[inside] + r)
+        m.arms.append(r)
+        m.axes.append(z)
+    return m
+
+
+def motions(code: DynamicsCode, x: Numbers, state: State, do: Operations, base: Placement) -> Motions:
+    """base: of the ground in the world."""
+    q, v, a = state
+    zero = np.zeros((3, 1, 1))
+    m = places(code, x, q, do, base)
+    for known in (m.velocities, m.accelerations, m.omegas, m.alphas):
+        known.append(zero)
+    for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
+        r, z, w, dw = m.arms[j], m.axes[j], m.omegas[inside], m.alphas[inside]
         spin, slide = (0.0 * z, z * v[j]) if slides else (z * v[j], 0.0 * z)
         carried = do.result("ω × r in the velocity of the link origin", j, crossed(w, r), {
             "taken with ω of the link, not of the inside one": lambda: crossed(w + spin, r),
         })  # fmt: skip
+        kept = do.result("ω of the inside link in that of the link", j, w)
+        kept_up = do.result("ω̇ of the inside link in that of the link", j, dw)
+        moved = do.result("the velocity of the inside link in that of the link origin", j, m.velocities[inside])
         cross = do.result("the term ω × q̇ p in ω̇", j, x.cross[j] * crossed(w, spin))
         tangential = do.result("the term ω̇ × r in the acceleration of the link origin", j, crossed(dw, r))
         around = do.result("the term ω × (ω × r) in the acceleration of the link origin", j, crossed(w, crossed(w, r)))
         sliding = do.result("the term 2 ω × ṡ of sliding joints", j, 2 * crossed(w, slide))
-        m.rotations.append(R)
-        m.origins.append(m.origins[inside] + r)
-        m.axes.append(z)
-        m.omegas.append(w + spin)
-        m.alphas.append(dw + cross + (0.0 * z if slides else z * a[j]))
-        m.velocities.append(m.velocities[inside] + carried + slide)
+        m.omegas.append(kept + spin)
+        m.alphas.append(kept_up + cross + (0.0 * z if slides else z * a[j]))
+        m.velocities.append(moved + carried + slide)
         m.accelerations.append(
             m.accelerations[inside] + tangential + around + sliding + (z * a[j] if slides else 0.0 * z)
         )

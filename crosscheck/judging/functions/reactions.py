@@ -18,8 +18,8 @@ from crosscheck.judging.faults.recursion import (
     turned_back,
     wrenches,
 )
-from crosscheck.judging.functions.motions import flat, motions, stacked
-from crosscheck.judging.slips.newton_euler import wrenches_in_link_axes
+from crosscheck.judging.functions.motions import flat, places, stacked
+from crosscheck.judging.slips.link_axes import LinkAxes
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement
@@ -37,7 +37,7 @@ class JointWrenches:
     chosen: Chosen
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        return self._read(code, x, state, do, wrenches_in_link_axes(code, x, state, do))
+        return self._read(code, x, state, do, LinkAxes().joint_wrenches(code, x, state, do))
 
     def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
         """Without slips."""
@@ -47,7 +47,7 @@ class JointWrenches:
         self, code: DynamicsCode, x: Numbers, state: State, do: Operations, parts: tuple[list[Array], list[Array]]
     ) -> Array:
         forces, moments = parts
-        turns = motions(code, x, state, Operations([], 1), self.base).rotations[1:]
+        turns = places(code, x, state[0], Operations([], 1), self.base).rotations[1:]
         is_world, numbers = self.chosen.get("axes") == "world", list[Array]()
         for j, (f, n, R, slides) in enumerate(zip(forces, moments, turns, code.prismatic, strict=True)):
             p, c = x.axes[j], x.centers[j]
@@ -66,14 +66,21 @@ class JointWrenches:
         return sign * stacked(flat(numbers))
 
 
-def multipliers(base: Placement, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-    """The five of each joint of docs/notation.md (5 n, K, R). base: of the ground in the world"""
-    return _multipliers(base, code, x, state, do, wrenches_in_link_axes(code, x, state, do))
+@dataclass(frozen=True, eq=False)
+class Multipliers:
+    """The five of each joint of docs/notation.md (5 n, K, R).
 
+    base: of the ground in the world
+    """
 
-def right_multipliers(base: Placement, code: DynamicsCode, x: Numbers, state: State) -> Array:
-    """Without slips."""
-    return _multipliers(base, code, x, state, Operations([], state[0].shape[-1]), wrenches(code, x, state))
+    base: Placement
+
+    def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        return _multipliers(self.base, code, x, state, do, LinkAxes().joint_wrenches(code, x, state, do))
+
+    def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
+        """Without slips."""
+        return _multipliers(self.base, code, x, state, Operations([], state[0].shape[-1]), wrenches(code, x, state))
 
 
 def _multipliers(
@@ -84,7 +91,7 @@ def _multipliers(
     do: Operations,
     parts: tuple[list[Array], list[Array]],
 ) -> Array:
-    m = motions(code, x, state, Operations([], 1), base)
+    m = places(code, x, state[0], Operations([], 1), base)
     numbers: list[Array] = []
     for j, (f, n, slides) in enumerate(zip(*parts, code.prismatic, strict=True)):
         p, R, before = x.axes[j], m.rotations[j + 1], m.rotations[code.inside[j]]

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from typing import Any
 
-from crosscheck.judging.faults.recursion import torque_recursion
 from crosscheck.judging.functions.articulated import articulated_bodies
 from crosscheck.judging.functions.bodies import BodySums
-from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, power
+from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, Torques, power
 from crosscheck.judging.functions.frames import FrameFormulations
-from crosscheck.judging.functions.reactions import JointWrenches, multipliers, right_multipliers
+from crosscheck.judging.functions.reactions import JointWrenches, Multipliers
+from crosscheck.judging.functions.regressed import BodyWrenches, Momenta
 from crosscheck.judging.slips.operations import Formulation
 from crosscheck.quantities.measures import Chosen
 from graphdyn import RobotModel
@@ -36,8 +35,8 @@ BODIES: Mapping[str, Callable[[BodySums], Formulation]] = {
 
 TORQUES: Mapping[str, Formulation] = {
     "power": power,
-    "dtau_dq": Derivative(torque_recursion, "q"),
-    "dtau_dv": Derivative(torque_recursion, "v"),
+    "dtau_dq": Derivative(Torques(), "q"),
+    "dtau_dv": Derivative(Torques(), "v"),
     "da_dq": AccelerationDerivative("q"),
     "da_dv": AccelerationDerivative("v"),
 }
@@ -52,13 +51,17 @@ def formulation_of(name: str, model: RobotModel, frame: str | None, chosen: Chos
     wrenches = JointWrenches(model.base, chosen)
     if name == "joint_wrenches":
         return wrenches
+    if name == "body_wrenches":
+        return BodyWrenches(model.base)
+    if name == "momenta":
+        return Momenta()
     if name == "forward_dynamics":
         return articulated_bodies
     if name == "multipliers":
-        return partial(multipliers, model.base)
+        return Multipliers(model.base)
     by: Any = name[-1]
     if name.startswith("dwrenches_d"):
-        return Derivative(wrenches.right, by)
+        return Derivative(wrenches, by)
     if name.startswith("dmultipliers_d"):
-        return Derivative(partial(right_multipliers, model.base), by)
+        return Derivative(Multipliers(model.base), by)
     return TORQUES.get(name)

@@ -38,9 +38,17 @@ class Observation:
     scale: Array
     part: NDArray[np.str_]
 
+    @property
+    def state_key(self) -> tuple[bytes, ...]:
+        """What tells its states from others."""
+        return tuple(x.tobytes() for x in self.state)
+
     def residuals(self, codes: Sequence[DynamicsCode]) -> Array:
         """How far the torques of K codes are from the answers, relative to the scale (K, T, n)."""
-        tau = torques_of(codes, self.state)
+        return self.left_by(torques_of(codes, self.state))
+
+    def left_by(self, tau: Array) -> Array:
+        """How far torques (K, R, n) of K codes are from the answers, relative to the scale (K, T, n)."""
         subtracted = np.where((self.less >= 0)[:, None], tau[:, self.less], 0.0)
         found: Array = (tau[:, self.of] - subtracted) / self.scale - self.answers
         return found

@@ -6,18 +6,19 @@ For functions that are not taken apart by experiments into the terms of the equa
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import chain, combinations
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import FaultDescription, factor_said, round_factor
+from crosscheck.judging.faults.fault import AXES, FaultDescription, factor_said, round_factor
 from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.observing.references import relative_errors
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
-from crosscheck.quantities.measures import Chosen
+from crosscheck.quantities.measures import Chosen, linear_first
 from graphdyn import Placement, RobotModel
 from graphdyn.layout import ANGULAR, BODY_DOF, LINEAR, Array
 
@@ -46,27 +47,18 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     yield AnswerFault("sign", absolute, "keep their signs", lambda s, c: np.abs(ours(s, c)))
     positive = "negative numbers are replaced by zero"
     yield AnswerFault("clipped", positive, "keep them", lambda s, c: np.maximum(ours(s, c), 0.0))
-    if known.name == "mass_matrix_inverse":
-        each = "every entry of the mass matrix is inverted by itself"
-        yield AnswerFault("other_function", each, "invert the matrix", lambda s, c: _inverted(s.mass))
     yield from _other_arguments(known)
     if states.loads is not None:
-        yield from _other_loads(known)
-    yield from _other_functions(known)
+        yield from _other_loads(known, states)
     if known.of_frame:
         yield from _other_frames(known, states)
     if formulation_of(known.name, states.model, states.frame, next(known.readings({}))) is None:
         yield from _other_models(known, states.model)
 
 
-def _inverted(mass: Array) -> Array:
-    with np.errstate(divide="ignore"):
-        inverted: Array = 1 / mass
-    return inverted
-
-
 def layouts(known: Quantity) -> Iterator[AnswerFault]:
-    """Right numbers at other places, with another sign of a half, or not all of them."""
+    """Right numbers at other places, with another sign of a half, or not all of them; those of another function."""
+    yield from _other_functions(known)
     if len(known.shape) == 2 and known.shape[0] == known.shape[1]:
         yield AnswerFault(
             "transposed", "the matrix is transposed", "transpose it",
@@ -88,6 +80,11 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
         )  # fmt: skip
     if BODY_DOF in known.shape:
         axis = known.shape.index(BODY_DOF) - len(known.shape)
+        if "order" not in known.conventions:
+            yield AnswerFault(
+                "transposed", "the angular part comes first, then the linear part", "exchange the halves",
+                lambda s, c: np.roll(known.of_graphdyn(s, c), 3, axis=axis),
+            )  # fmt: skip
         for name, signs in (("linear", (-1.0, 1.0)), ("angular", (1.0, -1.0))):
             yield AnswerFault(
                 "sign", f"the {name} part has the opposite sign", "negate it",
@@ -129,19 +126,45 @@ def _other_arguments(known: Quantity) -> Iterator[AnswerFault]:
         )  # fmt: skip
 
 
-def _other_loads(known: Quantity) -> Iterator[AnswerFault]:
+FORCES = np.repeat([1.0, 0.0], 3)
+"""Factors on a wrench that leave its force."""
+
+
+def _other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     for message, change in (
         ("are left out", lambda s: 0 * s.all_loads),
         ("have the opposite sign", lambda s: -s.all_loads),
         ("are taken as moment, then force", lambda s: np.roll(s.all_loads, 3, axis=-1)),
+        ("are taken without their moments: they are left out", lambda s: s.all_loads * FORCES),
+        ("are taken without their forces: they are left out", lambda s: s.all_loads * (1 - FORCES)),
+        ("have moments of the opposite sign", lambda s: s.all_loads * (2 * FORCES - 1)),
+        ("are taken in axes of the inside links", _in_inside_axes),
         ("are taken in world axes", lambda s: _in_link_axes(s, s.all_loads)),
         ("are taken as acting at the centers of mass", lambda s: _at_origins(s, s.all_loads)),
+        *(_of_bodies(states.model)),
     ):
         yield AnswerFault(
             "external_wrenches", f"the external wrenches {message}",
             "they are force, then moment, on each body, at its link origin, in link axes",
             lambda s, c, change=change: known.of_graphdyn(s.but(loads=change(s)), c),  # type: ignore[misc]
         )  # fmt: skip
+
+
+def _of_bodies(model: RobotModel) -> Iterator[tuple[str, Callable[[JudgedStates], Array]]]:
+    """One body's wrench left out, or all others."""
+    if model.n_bodies > 1:
+        for name, kept in zip(model.body_names, np.eye(model.n_bodies)[..., None], strict=True):
+            yield f"of all bodies but '{name}' are left out", lambda s, kept=kept: s.all_loads * kept  # type: ignore[misc]
+            yield f"on body '{name}' are left out", lambda s, kept=kept: s.all_loads * (1 - kept)  # type: ignore[misc]
+
+
+def _in_inside_axes(states: JudgedStates) -> Array:
+    """The wrenches in link axes, if their numbers are those in axes of the inside links."""
+    world = states.model.base.rotation + 0 * states.rotations[:, :1]
+    before = np.concatenate([world, states.rotations], axis=1)[:, [joint.inside for joint in states.model.joints]]
+    halves = states.all_loads.reshape(*states.all_loads.shape[:-1], 2, 3)
+    turned = np.einsum("...iba,...ibc,...ihc->...iha", states.rotations, before, halves)
+    return np.asarray(turned.reshape(states.all_loads.shape))
 
 
 def _in_link_axes(states: JudgedStates, loads: Array) -> Array:
@@ -180,6 +203,8 @@ def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault
             "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
             lambda s, c: _rotation_transposed(known.of_graphdyn(s, c)),
         )  # fmt: skip
+    if known.name in ("frame_jacobian", "frame_velocity"):
+        yield from _rates_of_angles(known)
     assert states.frame is not None
     own = states.model.frame(states.frame)
     for other in (*states.model.body_names, *(frame.name for frame in states.model.frames)):
@@ -188,6 +213,44 @@ def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault
                 "frame", f"the answers are those of frame '{other}'", f"frame '{own.name}' is asked for",
                 lambda s, c, name=other: known.of_graphdyn(dataclasses.replace(s, frame=name), c),  # type: ignore[misc]
             )  # fmt: skip
+
+
+ANGLES = {"roll, pitch and yaw": "xyz", "yaw, pitch and roll": "ZYX", "the Euler angles of z, y, z": "ZYZ"}
+"""Angles of an attitude, in the notation of scipy: about fixed axes in small letters, about those that turn in capital
+ones."""
+
+
+def _rates_of_angles(known: Quantity) -> Iterator[AnswerFault]:
+    """Rates of angles in place of an angular velocity, the analytic Jacobian."""
+    for what, sequence in ANGLES.items():
+        yield AnswerFault(
+            "frame", f"the angular part is of the rates of {what}, not of the angular velocity",
+            "the geometric Jacobian is asked for: ω, not the rates of angles",
+            lambda s, c, sequence=sequence: _with_rates(known, sequence, s, c),  # type: ignore[misc]
+        )  # fmt: skip
+
+
+def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Chosen) -> Array:
+    from scipy.spatial.transform import Rotation  # imported where first used
+
+    R = FUNCTIONS["frame_placement"].of_graphdyn(states, {})[:, :3, :3]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # gimbal lock at special states
+        angles = Rotation.from_matrix(R).as_euler(sequence)
+    fixed = sequence.islower()
+    axes = [AXES[letter.lower()] + 0 * R[:, 0] for letter in sequence]
+    turn = np.eye(3) + 0 * R
+    for k in (2, 1, 0) if fixed else (0, 1, 2):  # the axis of each angle, after the turns that come later or before
+        axes[k] = np.einsum("nij,nj->ni", turn, axes[k])
+        turn = turn @ Rotation.from_rotvec(angles[:, k, None] * AXES[sequence[k].lower()]).as_matrix()
+    answer = known.of_graphdyn(states, chosen)
+    angular = known.of_graphdyn(states, {**chosen, "reference": "local_world_aligned", "order": "linear first"})
+    angular = np.moveaxis(angular, known.six, -1)[..., 3:]
+    solved = np.linalg.pinv(np.stack(axes, axis=-1)) @ np.moveaxis(angular.reshape(len(R), -1, 3), -1, -2)
+    rates = np.moveaxis(solved, -1, -2).reshape(angular.shape)
+    linear = np.moveaxis(linear_first(answer, chosen, known.six), known.six, -1)[..., :3]
+    found = np.moveaxis(np.concatenate([linear, rates], axis=-1), -1, known.six)
+    return linear_first(found, chosen, known.six)
 
 
 def _rotation_transposed(placed: Array) -> Array:

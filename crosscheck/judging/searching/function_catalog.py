@@ -13,21 +13,27 @@ from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes, shifted
 from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
-from crosscheck.judging.functions.table import TORQUES, formulation_of
+from crosscheck.judging.functions.derivatives import Derivative
+from crosscheck.judging.functions.reactions import JointWrenches, Multipliers
+from crosscheck.judging.functions.regressed import Momenta
+from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.parameters import with_parameters
 from crosscheck.judging.searching.search import Catalog
 from crosscheck.judging.slips.operations import Formulation, Operations
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import Quantity
-from crosscheck.quantities.measures import Chosen
+from crosscheck.quantities.measures import Chosen, linear_first
 from graphdyn.layout import BODY_DOF, Array
 
 LINEAR_FUNCTIONS = (
-    *("kinetic_energy", "potential_energy", "joint_wrenches", "multipliers", "power"),
+    *("kinetic_energy", "potential_energy", "joint_wrenches", "multipliers", "power", "body_wrenches", "momenta"),
     *("dtau_", "dwrenches_", "dmultipliers_"),
 )
 """Beginnings of the names of functions that are linear in the inertial parameters."""
+
+UNSLIPPED = ("power", "da_dq", "da_dv")
+"""Functions made of others, without operations of their own."""
 
 PROBED_STATES = 2
 """Number of states at which it is found out which numbers a function depends on."""
@@ -47,7 +53,10 @@ class RightRecursion:
 
     def __call__(self, code: DynamicsCode, numbers: Numbers, state: State) -> Array:
         """The answers (D, K, R)."""
-        return self.formulation(code, numbers, state, Operations([], state[0].shape[-1]))
+        form = self.formulation
+        if isinstance(form, Derivative | JointWrenches | Momenta | Multipliers):
+            return form.right(code, numbers, state)
+        return form(code, numbers, state, Operations([], state[0].shape[-1]))
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -59,6 +68,7 @@ class FunctionFaults:
     faults: Sequence[CodeFault]
     families: Sequence[CodeFault]
     links: Sequence[PlacedInertial]
+    catalogs: dict[tuple[str, ...], Catalog] = dataclasses.field(default_factory=dict)
 
     @classmethod
     def of(cls, known: Quantity, states: JudgedStates, of_file: FileFaults) -> FunctionFaults:
@@ -69,7 +79,13 @@ class FunctionFaults:
         return cls(known, states, tried, list(families(model)), of_file.links)
 
     def catalog(self, chosen: Chosen) -> Catalog:
-        """Read in one way."""
+        """Read in one way, made once."""
+        key = tuple(chosen.values())
+        if key not in self.catalogs:
+            self.catalogs[key] = self._made(chosen)
+        return self.catalogs[key]
+
+    def _made(self, chosen: Chosen) -> Catalog:
         known, states = self.known, self.states
         form = formulation_of(known.name, states.model, states.frame, chosen)
         assert form is not None
@@ -87,7 +103,7 @@ class FunctionFaults:
 
         at_one = state_of(known, states.trial.rows(np.arange(1)))
         tried = _differing(own, list(filter(relevant, self.faults)), at_one)
-        slips = () if known.name in TORQUES or known.name.startswith("d") else (form,)
+        slips = () if known.name in UNSLIPPED else (form,)
         fitted = list(filter(relevant, self.families))
         return Catalog(own, tried, fitted, self.links, slips, known.name.startswith(LINEAR_FUNCTIONS))
 
@@ -144,6 +160,13 @@ def _of_links(own: DynamicsCode, of_file: FileFaults) -> Iterator[CodeFault]:
         change = with_parameters(own, of_bodies)
         if change is not None:
             yield CodeFault.of("inertial_parameters", message, "assign them by name", change)
+
+
+def as_usual(known: Quantity, answer: Array, chosen: Chosen) -> tuple[Array, Chosen]:
+    """Answers with their halves and signs as usual, and how these are read: conventions of writing numbers down."""
+    sign = -1.0 if chosen.get("acts on") == "the inside body" else 1.0
+    usual = {name: ways[0] for name, ways in known.conventions.items() if name in ("order", "acts on")}
+    return sign * linear_first(answer, chosen, known.six), {**chosen, **usual}
 
 
 def state_of(known: Quantity, states: JudgedStates) -> State:

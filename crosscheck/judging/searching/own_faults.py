@@ -8,10 +8,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from crosscheck.judging.faults.fault import ROUND_NUMBER_TOLERANCE, FaultDescription
+from crosscheck.judging.faults.fault import ROUND_NUMBER_TOLERANCE, FaultDescription, factor_said, round_factor
 from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY
 from crosscheck.judging.searching.answer_faults import FoundFault
 from crosscheck.judging.states import JudgedStates
+from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.measures import column_space, outside_of
 from crosscheck.quantities.scales import largest
 from graphdyn import RobotModel
@@ -181,18 +182,23 @@ def _of_center(answer: Array, ours: Array, states: JudgedStates, bound: float) -
 
 
 def _of_mass_matrix(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
-    """One vector is added to every column: a torque that belongs to no acceleration."""
-    size = float(np.abs(ours).max())
+    added = _of_every_column("gravity_torque", answer, ours, states, bound)
+    return added or _of_rows(answer, ours, states, bound)
+
+
+def _of_every_column(at_rest: str, answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """One vector is added to every column: what belongs to no acceleration. at_rest: the function that gives it"""
     added = answer - ours
-    vector = added[:, :, 0]
-    if np.abs(added - vector[:, :, None]).max() <= bound * size:
-        gravity = states.answer("gravity_torque")
-        is_gravity = np.abs(vector - gravity).max() <= bound * np.abs(gravity).max()
-        what = "the gravity torque" if is_gravity else "one vector, such as a bias or a constant load,"
-        message = f"{what} is added to every column: it is not subtracted from the torques of unit accelerations"
-        remedy = "subtract the torques at no acceleration from those of unit accelerations"
-        return FoundFault(FaultDescription("offset", message, remedy), float(np.abs(added - vector[:, :, None]).max()))
-    return _of_rows(answer, ours, states, bound)
+    vector = added[..., :1]
+    left = float(np.abs(added - vector).max() / (np.abs(ours).max() or 1.0))
+    if not left <= bound:
+        return None
+    gravity = FUNCTIONS[at_rest].of_graphdyn(states.but(v=0 * states.v, a=0 * states.a), {})[..., None]
+    is_gravity = np.abs(vector - gravity).max() <= bound * np.abs(gravity).max()
+    what = "that of gravity" if is_gravity else "one vector, such as a bias or a constant load,"
+    message = f"{what} is added to every column: it is not subtracted from the answers to unit accelerations"
+    remedy = "subtract the answers at no acceleration from those at unit accelerations"
+    return FoundFault(FaultDescription("offset", message, remedy), left)
 
 
 def _of_rows(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
@@ -229,11 +235,84 @@ def _of_torque_rates(name: str, answer: Array, ours: Array, states: JudgedStates
     diagonal = np.diagonal(added[0])
     left = float(np.abs(added - np.diag(diagonal)).max() / (np.abs(ours).max() or 1.0))
     if not left <= bound or not diagonal.any():
-        return None
+        return _of_symbols(answer, ours, states, bound) if name == "dtau_dv" else None
     kind, what, unit = ADDED_DERIVATIVES[name]
     shown = ", ".join(f"{x:.4g}" for x in np.where(np.abs(diagonal) > bound * np.abs(diagonal).max(), diagonal, 0.0))
     message = f"{what} ({shown}) {unit} per joint is included"
     return FoundFault(FaultDescription(kind, message, RIGID_BODY_REMEDY), left)
+
+
+def _of_symbols(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """Factors on the terms of the Christoffel symbols, in ∂τ/∂v = 2 C."""
+    rest = states.but(v=0 * states.v, a=0 * states.a)
+    weight = rest.answer("inverse_dynamics_derivatives").dtau_dq
+    units = np.eye(states.model.n_bodies)
+    slopes = [
+        states.but(v=0 * states.v, a=unit + 0 * states.a).answer("inverse_dynamics_derivatives").dtau_dq - weight
+        for unit in units
+    ]
+    D = np.stack(slopes, axis=2)  # ∂M_ij/∂q_k (N, n, n, n)
+    terms = {
+        "Σ_k ∂M_ij/∂q_k v_k, the first term of the Christoffel symbols,": np.einsum("nijk,nk->nij", D, states.v),
+        "Σ_k ∂M_ik/∂q_j v_k, the second term of the Christoffel symbols,": np.einsum("nikj,nk->nij", D, states.v),
+        "-Σ_k ∂M_jk/∂q_i v_k, the last term of the Christoffel symbols,": -np.einsum("njki,nk->nij", D, states.v),
+    }
+    columns = np.stack([term.ravel() for term in terms.values()], axis=1)
+    factors = np.linalg.lstsq(columns, answer.ravel(), rcond=None)[0]
+    left = float(np.abs(columns @ factors - answer.ravel()).max() / (np.abs(ours).max() or 1.0))
+    found = {name: round_factor(float(x)) for name, x in zip(terms, factors, strict=True)}
+    wrong = [factor_said(name, x) for name, x in found.items() if x != 1]
+    if not left <= bound or not 0 < len(wrong) < len(terms):
+        return None
+    remedy = "c_ijk = ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j - ∂M_jk/∂q_i)"
+    return FoundFault(FaultDescription("coriolis", "; ".join(wrong), remedy, len(wrong)), left)
+
+
+def _of_power(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """Each torque is multiplied by the velocity of another joint."""
+    tau = states.answer("inverse_dynamics", loaded=True).tau
+    products = tau[:, :, None] * states.v[:, None, :]
+    of_joint = np.abs(answer[:, :, None] - products).max(axis=0).argmin(axis=1)
+    chosen = np.take_along_axis(products, of_joint[None, :, None], axis=2)[..., 0]
+    left = float(np.abs(answer - chosen).max() / (np.abs(ours).max() or 1.0))
+    if not left <= bound:
+        return None
+    names = states.model.joint_names
+    moved = [f"'{names[i]}' by that of '{names[k]}'" for i, k in enumerate(of_joint) if i != k]
+    message = f"torques are multiplied by the velocity of another joint: {first_of(moved, MAX_LISTED_COLUMNS)}"
+    return FoundFault(FaultDescription("joint_order", message, "multiply each by its own velocity"), left)
+
+
+def _of_placement(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """The position is in another unit of length."""
+    theirs, here = answer[:, :3, 3], ours[:, :3, 3]
+    factor = round_factor(float((theirs * here).sum() / ((here * here).sum() or 1.0)))
+    changed = ours.copy()
+    changed[:, :3, 3] *= factor
+    scaled = changed.copy()
+    scaled[:, 3, 3] = factor
+    for made, what in ((changed, "the position"), (scaled, "the whole last column, the 1 below the position too,")):
+        left = float(np.abs(answer - made).max() / (np.abs(answer).max() or 1.0))
+        if factor != 1 and left <= bound:
+            unit = {1000.0: ", as of millimeters", 100.0: ", as of centimeters"}.get(factor, "")
+            message = f"{factor_said(what, factor)}{unit}"
+            return FoundFault(FaultDescription("unit", message, "give positions in meters"), left)
+    return None
+
+
+def _of_inverse(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """Every entry is inverted by itself, a small number added before or not."""
+    if rows := _of_rows(answer, ours, states, bound):
+        return rows
+    with np.errstate(divide="ignore", invalid="ignore"):
+        added = 1 / answer - states.mass
+    left = float(np.ptp(added) / np.abs(states.mass).max()) if np.isfinite(added).all() else np.inf
+    if not left <= bound:
+        return None
+    number = float(added.mean())
+    shown = f", {number:.4g} added to it" if abs(number) > bound * np.abs(states.mass).max() else ""
+    message = f"every entry of the mass matrix is inverted by itself{shown}"
+    return FoundFault(FaultDescription("other_function", message, "invert the matrix"), left)
 
 
 def _of_acceleration_rates(
@@ -255,6 +334,10 @@ OWN_FAULTS: Mapping[str, OwnFault] = {
     "da_dq": partial(_of_acceleration_rates, "dtau_dq"),
     "da_dv": partial(_of_acceleration_rates, "dtau_dv"),
     "mass_matrix": _of_mass_matrix,
-    "mass_matrix_inverse": _of_rows,
+    "mass_matrix_inverse": _of_inverse,
+    "dwrenches_da": partial(_of_every_column, "joint_wrenches"),
+    "dmultipliers_da": partial(_of_every_column, "multipliers"),
+    "power": _of_power,
+    "frame_placement": _of_placement,
 }
 """Own faults by the name of the function."""

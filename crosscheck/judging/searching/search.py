@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -16,7 +16,7 @@ from crosscheck.judging.faults.fault import COMPLEX_STEP, FAULT_KINDS, NO_NUMBER
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.inertials import PARAMETER_SETS, of_body
 from crosscheck.judging.faults.link_parameters import PlacedInertial
-from crosscheck.judging.faults.recursion import DynamicsCode
+from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
 from crosscheck.judging.searching.parameters import OtherParameters
@@ -109,6 +109,7 @@ class Catalog:
     own: the code without fault; faults, families: that are tried; links: as the file has them
     formulations: whose operations are open to slips
     is_linear: whether the answers are linear in the inertial parameters
+    known: torques of all its faults or slips at the states of a search, for the next one
     """
 
     own: DynamicsCode
@@ -117,6 +118,7 @@ class Catalog:
     links: Sequence[PlacedInertial]
     formulations: Sequence[Formulation]
     is_linear: bool
+    known: dict[object, Array] = field(default_factory=dict)
 
     @classmethod
     def of_torques(cls, model: RobotModel, of_file: FileFaults) -> Catalog:
@@ -153,7 +155,11 @@ class Search:
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
         known = [*self._catalog.faults, *(self._from_answers(base) if self.is_of_torques else ())]
-        left = root_mean_square(self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known]))
+        if base.elements or len(known) > len(self._catalog.faults):
+            residuals = self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known])
+        else:
+            residuals = self._of_faults()
+        left = root_mean_square(residuals)
         kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
         fits = fitted(self._catalog.families, base.code, self._fitted, self.noise)
         best = sorted(fits, key=lambda fit: fit.left)[:MAX_KEPT_FAULTS]
@@ -201,12 +207,19 @@ class Search:
 
     def looks_explained(self) -> bool:
         """Whether one fault without numbers, another gravity or one slip gives the first answers: a quick look."""
-        known = [fault.change(self.own, NO_NUMBERS) for fault in self._catalog.faults]
-        left = root_mean_square(self._tried.residuals(known)) if known else np.array([np.inf])
-        if left.min() <= self.bound or self._slips(self.experiments):
+        left = root_mean_square(self._of_faults())
+        if left.min(initial=np.inf) <= self.bound or self._slips(self.experiments):
             return True
         gravity = fitted(self._catalog.families[:1], self.own, self._fitted, self.noise)
         return any(fit.left <= self.bound for fit in gravity)
+
+    def _of_faults(self) -> Array:
+        """What each fault without numbers leaves of the first answers (K, T, n)."""
+        known, key = self._catalog.known, self._tried.state_key
+        if key not in known:
+            codes = [fault.change(self.own, NO_NUMBERS) for fault in self._catalog.faults]
+            known[key] = torques_of(codes, self._tried.state)
+        return self._tried.left_by(known[key])
 
     @property
     def is_of_torques(self) -> bool:
@@ -220,7 +233,7 @@ class Search:
 
     def _slips(self, rows: Observation) -> list[CodeFault]:
         names = self.model.joint_names, self.model.body_names
-        return list(fitting_slips(self._catalog.formulations, self.own, names, rows, self.bound))
+        return list(fitting_slips(self._catalog.formulations, self.own, names, rows, self.bound, self._catalog.known))
 
     def together(self, started: Sequence[Explanation]) -> list[Explanation]:
         """Explanations with a second fault added to each of these, the numbers of both fitted together.

@@ -11,13 +11,22 @@ from numpy.typing import NDArray
 from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, numbers_of
 from crosscheck.judging.observing.observation import Observation
+from crosscheck.judging.slips.body_wrenches import add_body_with_first_moments
 from crosscheck.judging.slips.lagrange import christoffel
-from crosscheck.judging.slips.newton_euler import link_axes, link_axes_weights, world_axes
+from crosscheck.judging.slips.link_axes import LinkAxes
 from crosscheck.judging.slips.operations import Formulation, Operations, Slip
 from crosscheck.judging.slips.spatial import spatial
+from crosscheck.judging.slips.world_axes import world_axes
 from graphdyn.layout import Array
 
-TORQUE_FORMULATIONS: tuple[Formulation, ...] = (link_axes, world_axes, link_axes_weights, spatial, christoffel)
+TORQUE_FORMULATIONS: tuple[Formulation, ...] = (
+    LinkAxes(),
+    world_axes,
+    LinkAxes(gravity="apart"),
+    spatial,
+    LinkAxes(bodies=add_body_with_first_moments),
+    christoffel,
+)
 """The formulations whose operations are tried, in turn."""
 
 MAX_CHRISTOFFEL_JOINTS = 12
@@ -46,17 +55,22 @@ def fitting_slips(
     names: tuple[Sequence[str], Sequence[str]],
     rows: Observation,
     bound: float,
+    known: dict[object, Array],
 ) -> Iterator[CodeFault]:
-    """Slips that give the numbers of a few rows, as faults of a code. names: of the joints, and of the bodies"""
+    """Slips that give the numbers of a few rows, as faults of a code.
+
+    names: of the joints, and of the bodies; known: the torques of all slips, from one search to the next
+    """
     tried = rows.only(_most_general(rows))
     seen: set[str] = set()
     for formulation in formulations:
         if formulation is christoffel and len(code.inside) > MAX_CHRISTOFFEL_JOINTS:
             continue
         slips = all_slips(formulation, code)
-        torque = torques_with(formulation, slips, code, tried.state)
-        subtracted = np.where((tried.less >= 0)[:, None], torque[:, tried.less], 0.0)
-        left = np.abs((torque[:, tried.of] - subtracted) / tried.scale - tried.answers).max(axis=(1, 2))
+        key = formulation, tried.state_key
+        if key not in known:
+            known[key] = torques_with(formulation, slips, code, tried.state)
+        left = np.abs(tried.left_by(known[key])).max(axis=(1, 2))
         for k in np.flatnonzero(left <= bound):
             message = slips[k].message(*names)
             if message not in seen:

@@ -21,6 +21,7 @@ from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
 from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault, factor_fault, layout_fault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
+from crosscheck.judging.searching.parts import part_fault
 from crosscheck.judging.special_states import conditions, only_where
 from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
 from crosscheck.judging.verdicts.functions import diagnose_function
@@ -119,13 +120,13 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
         bound,
         precision,
     )
+    if fault := layout_fault(function.known, found.answer, found.states, declared, bound):
+        return one(fault)
     if fault := found_in_calls(given, verdict.bound):
         return one(fault)
     added = added_torques(given)
     if added and not added.plain:
         return one(added.fault or added.seen(given))
-    if fault := layout_fault(function.known, found.answer, found.states, declared, bound):
-        return one(fault)
     own = OWN_FAULTS.get(name)
     if own is not None and (fault := own(found.answer, found.conventions.ours, found.states, bound)):
         return one(fault)
@@ -135,6 +136,8 @@ def _of_numbers(found: Judged, of_file: OfFile, say: Progress) -> list[Diagnosis
     if fault := ((added.fault or added.seen(given)) if added else None) or clipped_arguments(given):
         return one(fault)
     if fault := answer_fault(function.known, found.answer, found.states, declared, bound):
+        return one(fault)
+    if fault := part_fault(function.known, found.answer, found.states, declared, bound):
         return one(fault)
     if by_function := diagnose_function(found, of_file, precision, bound, count):
         return by_function

@@ -12,11 +12,11 @@ from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.references import relative_errors
-from crosscheck.judging.searching.function_catalog import FunctionFaults, observed
+from crosscheck.judging.searching.function_catalog import FunctionFaults, as_usual, observed
 from crosscheck.judging.searching.search import MANY_ANSWERS, MIN_FITTED_ANSWERS, Search
 from crosscheck.judging.verdicts.diagnosis import explained, holding_alone
+from crosscheck.judging.verdicts.per_parameter import GIVEN_BY, read_with_parameters
 from crosscheck.judging.verdicts.verdicts import Judged
-from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.measures import Chosen
 
 MAX_READINGS = 3
@@ -27,33 +27,18 @@ def diagnose_function(
     found: Judged, of_file: Callable[[], FileFaults], precision: float, bound: float, evidence: str
 ) -> list[Diagnosis]:
     """What is wrong, where one fault gives the answers at all states; else nothing."""
-    name, states = found.function.name, found.states
-    if name in ENERGIES_PER_PARAMETER:
-        found = _times_parameters(found)
-    known = found.function.known
+    name, links = found.function.name, of_file
+    if name in GIVEN_BY:
+        found, links = read_with_parameters(found), lambda: replace(of_file(), links=())
+    known, states = found.function.known, found.states
     nearest = _nearest(found)
     if formulation_of(known.name, states.model, states.frame, nearest[0]) is None:
         return []
     with np.errstate(all="ignore"):  # a fault may divide by nothing
-        for search in _searches(found, nearest, FunctionFaults.of(known, states, of_file()), precision, bound):
+        for search in _searches(found, nearest, FunctionFaults.of(known, states, links()), precision, bound):
             if holding := holding_alone(search, search.alone(search.nothing())):
                 return explained(name, search, holding, evidence)
     return []
-
-
-ENERGIES_PER_PARAMETER = {
-    "kinetic_energy_regressor": "kinetic_energy",
-    "potential_energy_regressor": "potential_energy",
-}
-"""What these are with the inertial parameters of the robot."""
-
-
-def _times_parameters(found: Judged) -> Judged:
-    """The energies that a regressor gives with the parameters of the robot, from the usual zero."""
-    known = FUNCTIONS[ENERGIES_PER_PARAMETER[found.function.name]]
-    usual = {name: ways[0] for name, ways in known.conventions.items()}
-    answer = found.answer @ found.states.model.inertial_parameters
-    return replace(found, function=replace(found.function, known=known), answer=answer, declared=usual)
 
 
 def _searches(
@@ -61,10 +46,12 @@ def _searches(
 ) -> Iterator[Search]:
     """Searches of the nearest way to read the answers, of those that explain something at first sight, of the next."""
 
-    def read(chosen: Chosen) -> Search:
-        rows = _experiments(found)
-        experiments = observed(given.known, found.answer[rows], found.states.rows(rows), chosen, "answers")
-        judged = observed(given.known, found.answer, found.states, chosen, "judged")
+    rows = _experiments(found)
+
+    def read(way: Chosen) -> Search:
+        answer, chosen = as_usual(given.known, found.answer, way)
+        experiments = observed(given.known, answer[rows], found.states.rows(rows), chosen, "answers")
+        judged = observed(given.known, answer, found.states, chosen, "judged")
         return Search(found.states.model, given.catalog(chosen), experiments, judged, precision, bound)
 
     yield read(nearest[0])

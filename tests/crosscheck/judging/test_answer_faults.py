@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from planting import mixed_tree, with_joint
+from scipy.spatial.transform import Rotation
 
 import graphdyn
 from crosscheck.judging.searching.answer_faults import answer_fault, faults, layouts
@@ -17,6 +18,9 @@ from graphdyn.model.spatial import rotation_about
 
 ALIKE = 1e-9
 """Relative to the largest entry."""
+
+STEP, DIFFERENCED = 1e-6, 1e-5
+"""Rates of angles by central differences, and how near these are where no angle is at its singularity."""
 
 JUDGED = (
     "inverse_dynamics", "forward_dynamics", "mass_matrix", "kinetic_energy", "potential_energy", "gravity_torque",
@@ -95,6 +99,24 @@ class ByHand:
             self.loads = -self.loads
         elif how == "are taken as moment, then force":
             self.loads = np.concatenate([moment, force], axis=-1)
+        elif how == "are taken without their moments: they are left out":
+            self.loads = np.concatenate([force, 0 * moment], axis=-1)
+        elif how == "are taken without their forces: they are left out":
+            self.loads = np.concatenate([0 * force, moment], axis=-1)
+        elif how == "have moments of the opposite sign":
+            self.loads = np.concatenate([force, -moment], axis=-1)
+        elif body := re.fullmatch(r"(on body|of all bodies but) '(.*)' are left out", how):
+            of_it = np.array([name == body[2] for name in self.model.body_names])
+            self.loads = self.loads * (of_it != (body[1] == "on body"))[:, None]
+        elif how == "are taken in axes of the inside links":
+            state = graphdyn.maximal_state(self.model, self.states.q)
+            self.loads = self.loads.copy()
+            for k, joint in enumerate(self.model.joints):
+                base = np.tile(self.model.base.rotation, (len(force), 1, 1))
+                inside = state.rotation[:, joint.inside - 1] if joint.inside else base
+                turn = np.einsum("nba,nbc->nac", state.rotation[:, k], inside)
+                for half in (slice(0, 3), slice(3, 6)):
+                    self.loads[:, k, half] = np.einsum("nab,nb->na", turn, self.loads[:, k, half])
         elif how == "are taken in world axes":
             turn = graphdyn.maximal_state(self.model, self.states.q).rotation
             self.loads = np.concatenate([np.einsum("...ba,...b->...a", turn, x) for x in (force, moment)], axis=-1)
@@ -102,6 +124,26 @@ class ByHand:
             centers = np.array([body.center_of_mass for body in self.model.bodies])
             self.loads = np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
         return self.answer()
+
+    def rates(self, angles):
+        """By differences of the angles along each column."""
+        sequence = {"roll, pitch and yaw": "xyz", "yaw, pitch and roll": "ZYX", "the Euler angles of z, y, z": "ZYZ"}
+        found, q = self.answer().copy(), self.given["q"]
+        second = 0 if self.chosen.get("order") == "angular first" else 3
+        ways = np.eye(q.shape[1]) if found.ndim == 3 else self.given["v"][None]
+        for k, way in enumerate(ways):
+            there, back = (
+                Rotation.from_matrix(
+                    graphdyn.frame_placement(self.model, q + sign * STEP * way, self.frame)[0]
+                ).as_euler(sequence[angles])
+                for sign in (1, -1)
+            )
+            rate = (np.mod(there - back + np.pi, 2 * np.pi) - np.pi) / (2 * STEP)
+            if found.ndim == 3:
+                found[:, second : second + 3, k] = rate
+            else:
+                found[:, second : second + 3] = rate
+        return found
 
     def placed(self, how):
         found = self.answer()
@@ -144,7 +186,7 @@ class ByHand:
 CHANGES = {
     "the absolute values of the numbers are given": lambda self: np.abs(self.answer()),
     "negative numbers are replaced by zero": lambda self: np.where(self.answer() < 0, 0.0, self.answer()),
-    "every entry of the mass matrix is inverted by itself": lambda self: 1 / np.linalg.inv(self.answer()),
+    "the angular part is of the rates of (.*), not of the angular velocity": ByHand.rates,
     "the last row is \\(0, 0, 0, 0\\), not \\(0, 0, 0, 1\\)": lambda self: (
         self.answer() * np.array([[1], [1], [1], [0]])
     ),
@@ -179,7 +221,10 @@ def test_words(model, name, loaded):
             expected = ByHand(name, states, chosen).of(fault.message)
             size = max(np.abs(right).max(), np.abs(expected).max())
             np.testing.assert_allclose(
-                fault.answers(states, chosen), expected, atol=ALIKE * size, err_msg=f"{fault.message} {chosen}"
+                fault.answers(states, chosen),
+                expected,
+                atol=(DIFFERENCED if "rates" in fault.message else ALIKE) * size,
+                err_msg=f"{fault.message} {chosen}",
             )
             told.append(fault.message)
         assert len(set(told)) == len(told)

@@ -45,7 +45,9 @@ def test_parts_of_the_mass_matrix(states):
     for message, change in changes.items():
         assert layout_fault(known, change(ours), states, {}, BOUND).said.message == message
     assert layout_fault(known, 1.1 * ours, states, {}, BOUND) is None
-    assert found("mass_matrix", states, lambda x: x + gravity[:, :, None]).startswith("the gravity torque is added to")
+    assert found("mass_matrix", states, lambda x: x + gravity[:, :, None]).startswith(
+        "that of gravity is added to every column"
+    )
     other = found("mass_matrix", states, lambda x: x + 0.3 * gravity[:, :, None])
     assert other.startswith("one vector, such as a bias or a constant load, is added to every column")
     assert found("mass_matrix", states, lambda x: 1.1 * x) is None

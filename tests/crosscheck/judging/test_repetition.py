@@ -14,6 +14,8 @@ import graphdyn
 import urdf
 from crosscheck.commands.judge.record import record
 from crosscheck.commands.judge.report import judge_report
+from crosscheck.judging.special_states import N_SPECIAL_STATES
+from crosscheck.judging.states import N_TURNED_STATES
 from crosscheck.judging.verdicts.regions import region, roundest
 from crosscheck.quantities import FUNCTIONS
 from crosscheck.quantities.tested_function import Refusal
@@ -23,6 +25,8 @@ from crosscheck.report.text import as_text
 from graphdyn import InvalidInput
 
 SAMPLES = 60
+ALL_STATES = SAMPLES + N_TURNED_STATES + 1 + N_SPECIAL_STATES
+FAR = "only where q of joint 'elbow_joint' > 2.5 rad"
 REACTIONS = {f"d{of}_d{x}" for of in ("multipliers", "wrenches") for x in "qva"}
 """Their programs take seconds to record; dtau_dq stands for them."""
 
@@ -69,7 +73,7 @@ class TestStateBetweenCalls:
 
         diagnosis = only(judged(delayed))
         assert (diagnosis.kind, diagnosis.message) == ("kept_state", message)
-        asked_again = r"asked again in the reverse order, 8[4-8] of 88 answers differ, by a relative"
+        asked_again = rf"asked again in the reverse order, 8[4-9] of {ALL_STATES} answers differ, by a relative"
         assert re.match(asked_again, diagnosis.evidence)  # the next call may have the same positions
         assert diagnosis.explains <= FUNCTION_UNDER_TEST.bound
 
@@ -100,7 +104,7 @@ class TestStateBetweenCalls:
 
         def worn(q, v, a):
             calls.append(1)
-            return tau_of(ur5)(q, v, a) + 1e-3 * (len(calls) > SAMPLES + 28)
+            return tau_of(ur5)(q, v, a) + 1e-3 * (len(calls) > ALL_STATES)
 
         judgment = judged(worn)
         (function,) = judgment.functions.values()
@@ -120,13 +124,13 @@ class TestStateBetweenCalls:
 
         def tired(q, v, a):
             calls.append(1)
-            if len(calls) > SAMPLES + 28:
+            if len(calls) > ALL_STATES:
                 raise RuntimeError("tired")
             return tau_of(ur5)(q, v, a)
 
         diagnosis = only(judged(tired))
         assert diagnosis.kind == "kept_state"
-        assert diagnosis.evidence.endswith("88 of 88 answers differ, or fail")
+        assert diagnosis.evidence.endswith(f"{ALL_STATES} of {ALL_STATES} answers differ, or fail")
 
     def test_a_memory_that_does_no_harm(self, ur5):
         memory = np.empty(6)
@@ -170,14 +174,14 @@ class TestSingleStates:
         q = crosscheck.judging.states.JudgedStates.draw(failing.model, SAMPLES, 0, needs_tau=False).q
         expected = np.flatnonzero(q[:, ELBOW] > 2.5)
         assert [failure.number for failure in function.failures] == expected.tolist()
-        assert all(len(errors) == SAMPLES + 28 - len(expected) for errors in function.errors.values())
+        assert all(len(errors) == ALL_STATES - len(expected) for errors in function.errors.values())
         assert function.within(function.errors)
         assert not function.agrees
 
     def test_they_are_named(self, failing):
         diagnosis = only(failing)
         assert diagnosis.kind == "no_answer"
-        assert diagnosis.message == "no answer at 13 of 88 states, only where q of joint 'elbow_joint' > 2.5 rad"
+        assert diagnosis.message == f"no answer at 14 of {ALL_STATES} states, {FAR}"
         assert diagnosis.evidence.startswith("inverse_dynamics raised ValueError: elbow too far (")
 
     def test_they_are_shown(self, failing):
@@ -185,7 +189,7 @@ class TestSingleStates:
         assert "Your functions on ur5: DISAGREES inverse_dynamics: no answer at single states. " in text
         assert "States without an answer inverse_dynamics states " in text
         written = plain(record(failing, []))["functions"]["inverse_dynamics"]["failures"]
-        assert len(written) == 13
+        assert len(written) == 14
         assert set(written[0]) == {"number", "message"}
         json.dumps(written, allow_nan=False)
 
@@ -196,13 +200,13 @@ class TestSingleStates:
                 return [Refusal("too far") if state["q"][ELBOW] > 2.5 else tau_of(ur5)(**state) for state in states]
 
         diagnosis = only(judged(Batch()))
-        assert diagnosis.message == "no answer at 13 of 88 states, only where q of joint 'elbow_joint' > 2.5 rad"
+        assert diagnosis.message == f"no answer at 14 of {ALL_STATES} states, {FAR}"
         assert diagnosis.evidence.startswith("inverse_dynamics has no answer: too far; at q = [")
 
     def test_numbers_that_are_not_finite(self, ur5):
         diagnosis = only(judged(lambda q, v, a: tau_of(ur5)(q, v, a) + (np.nan if q[ELBOW] > 2.5 else 0.0)))
         assert diagnosis.message == "the answers are not finite, only where q of joint 'elbow_joint' > 2.5 rad"
-        assert diagnosis.evidence == "13 of 88 answers, only where q of joint 'elbow_joint' > 2.5 rad"
+        assert diagnosis.evidence == f"14 of {ALL_STATES} answers, {FAR}"
 
     @pytest.mark.parametrize("name", ["bias_torque", "inverse_dynamics"])
     def test_absurd_numbers(self, name):
@@ -251,10 +255,10 @@ class TestRegions:
         assert diagnosis.evidence.endswith(f"states deviate, only where {where}")
 
     def test_chance_is_no_region(self, ur5):
-        """Two of 88 states, at random; eight of them at rest or nearly: some quantity always separates them."""
+        """Two of 89 states, at random; eight of them at rest or nearly: some quantity always separates them."""
         states = crosscheck.judging.states.JudgedStates.draw(ur5, SAMPLES, 0, needs_tau=False)
         for seed in range(200):
-            chosen = np.zeros(SAMPLES + 28, dtype=bool)
+            chosen = np.zeros(ALL_STATES, dtype=bool)
             chosen[np.random.default_rng(seed).choice(len(chosen), 2, replace=False)] = True
             assert region(chosen, states, ("q", "v", "a")) is None
 
@@ -269,7 +273,7 @@ class TestRegions:
 
     def test_no_state_and_all_states_are_no_region(self, ur5):
         states = crosscheck.judging.states.JudgedStates.draw(ur5, 3, 0, needs_tau=False)
-        for all_or_none in (np.ones(31, dtype=bool), np.zeros(31, dtype=bool)):
+        for all_or_none in (np.ones(len(states.q), dtype=bool), np.zeros(len(states.q), dtype=bool)):
             assert region(all_or_none, states, "q") is None
 
     @pytest.mark.parametrize(
@@ -292,7 +296,7 @@ class TestRegions:
         assert not judgment.agrees
         assert judgment.beyond_limits
         (function,) = judgment.functions.values()
-        assert all(len(errors) == SAMPLES + 28 + SAMPLES // 5 for errors in function.errors.values())
+        assert all(len(errors) == ALL_STATES + SAMPLES // 5 for errors in function.errors.values())
         assert (function.largest_errors[:SAMPLES] <= function.bound).all()
 
     def test_a_fault_beyond_the_limits_of_velocity(self, arm):

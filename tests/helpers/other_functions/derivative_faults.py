@@ -86,7 +86,7 @@ REACTIONS = (
     plant("dwrenches_dv", "coarse forward difference", forward("joint_wrenches", 1, 1e-3), QUOTIENT),
     plant("dwrenches_da", "columns with gravity", with_gravity("joint_wrenches"), "gravity"),
     numbers("dwrenches_da", "point masses", lambda arm: arm.but(tensors=0 * arm.tensors), f"(tensor|inertia|J).*{OUT}|point mass"),
-    answers("dwrenches_da", "moments first", lambda D, *_: np.roll(D, 3, axis=1), "(moment|angular) first|order|exchang", options=(("conventions", {}),)),
+    answers("dwrenches_da", "moments first", lambda D, *_: np.roll(D, 3, axis=1), "(moment|angular).*first|order|exchang", options=(("conventions", {}),)),
     text("dmultipliers_dq", "no gravity", "dmultipliers_dq", *WEIGHTLESS, GRAVITY),
     text("dmultipliers_dq", "moment in link axes", "multipliers", "turn(p, q[j]) @ m[j]", "m[j]", "(moment|λ_4|λ_5|t_1).*(link axes|turn|axes)"),
     text("dmultipliers_dq", "axes held still", "multipliers", "R, _, _ = poses(arm, q)", "R, _, _ = poses(arm, np.real(q))", "(axes|rotation|R|force|turn).*(constant|held|not differentiated|left out|still|of the reaction)|(∂R|derivative of (the )?(R|rotation))"),

@@ -39,7 +39,7 @@ def rates_of_angles(arm, right, code):
     def f(q):
         J = np.array(right(q))
         _, pitch, yaw = angles(q)
-        z, y, x = np.eye(3)[2], [-np.sin(yaw), np.cos(yaw), 0], Rotation.from_euler("zy", [yaw, pitch]).apply([1, 0, 0])
+        z, y, x = np.eye(3)[2], [-np.sin(yaw), np.cos(yaw), 0], Rotation.from_euler("ZY", [yaw, pitch]).apply([1, 0, 0])
         J[3:] = np.linalg.solve(np.column_stack([x, y, z]), J[3:])
         return J
 
@@ -90,7 +90,7 @@ JACOBIAN = (
     text("frame_jacobian", "z × p in place of z × (p - o)", "point_jacobian", "cross(z[k], point - o[k + 1])", "cross(z[k], point)", "(z × p|ż × p|world's origin|(\\bo\\b|origin).*(left out|missing|subtract)|lever|world)"),
     text("frame_jacobian", "(p - o) × z", "point_jacobian", "cross(z[k], point - o[k + 1])", "cross(point - o[k + 1], z[k])", f"(linear|z ×|cross|lever).*{OPPOSITE}|{OPPOSITE}.*linear|linear part is multiplied by -1"),
     numbers("frame_jacobian", "of the link origin", lambda arm: arm.but(frame_point=0 * arm.frame_point), POINT, robots=OFFSET),
-    text("frame_jacobian", "a sliding joint taken as turning", "point_jacobian", "if arm.prismatic[k]", "if False", "(<joint 8>|sliding|prismatic).*(turn|revolute|slid)|(revolute|turn).*<joint 8>", **finger("panda")),
+    text("frame_jacobian", "a sliding joint taken as turning", "point_jacobian", "if arm.prismatic[k]", "if False", "(<joint 8>|sliding|prismatic).*(turn|revolute|slid|hinge)|(revolute|turn).*<joint 8>", **finger("panda")),
     text("frame_jacobian", "z × added for a sliding joint", "point_jacobian", "J[:3, k] = z[k]\n", "J[:3, k] = z[k]\n            J[3:, k] = z[k]\n", "(<joint [89]>|sliding|prismatic).*(turn|revolute|angular|slid)|angular.*(<joint [89]>|sliding|prismatic)", **finger("vx300s")),
     answers("frame_jacobian", "column missing", column_out(3), f"(column|joint).*<joint 4>.*{OUT}|<joint 4>.*{OUT}|{OUT}.*<joint 4>"),
     text("frame_jacobian", "axes in the inside link", "poses", "axis = joint @ arm.axes[j]", "axis = R[i] @ arm.axes[j]", "(axis|axes).*(inside|not turned|joint frame|parent|rotation|other axes)"),

@@ -13,7 +13,7 @@ OUT = r"(left out|missing|not counted|omitted|ignored|zero|multiplied by -?0\b|b
 AT_ORIGIN = "(center|inertial frame).*(link origin|xyz|ignored)"
 """Centers on the line of gravity that are not turned make the same torques as centers at the link origins (ur5)."""
 
-OPPOSITE = r"(opposite|reversed|negative|sign|multiplied by -1|× -1)"
+OPPOSITE = r"(opposite|other way|reversed|negative|sign|multiplied by -1|× -1)"
 """How it may say that a sign is wrong."""
 
 
@@ -98,7 +98,7 @@ STATICS = (
     text("static_torque", "loads in world axes", "static_torque", "R[j + 1] @ external_wrenches[j, :3]\n        moment = R[j + 1] @ ", "external_wrenches[j, :3]\n        moment = ", "external.*world"),
     text("static_torque", "loads at the centers", "static_torque", "j + 1, o[j + 1])", "j + 1, body_centers(arm, q)[j])", "external.*center"),
     text("static_torque", "no gravity", "static_torque", "gravity_torque(arm, q)", "np.zeros(arm.n)", f"gravity.*{OUT}"),
-    arguments("static_torque", "moment first", lambda q, w: (q, np.roll(w, 3, axis=1)), "moment.*first|moments? and forces?.*exchang|order"),
+    arguments("static_torque", "moment first", lambda q, w: (q, np.roll(w, 3, axis=1)), "moment.*(first|then)|moments? and forces?.*exchang|order"),
     text("static_torque", "load on the last body only", "static_torque", "for j in range(arm.n)", "for j in range(arm.n - 1, arm.n)", f"external.*{OUT}|external.*(only|last|<body n>)"),
     answers("power", "sign", lambda p, *_: -p, f"(power|torque|velocit|result|answer).*{OPPOSITE}"),
     text("power", "no gravity", "power", "inverse_dynamics(arm, q", "inverse_dynamics(arm.but(gravity=0 * arm.gravity), q", f"gravity.*{OUT}"),

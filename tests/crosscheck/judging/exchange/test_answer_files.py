@@ -99,7 +99,7 @@ class TestRounds:
         done = program("questions", "small.urdf", "--for", NAMES, "--samples", 3, "--out", f"q.{ending}")
         assert done.code == AGREED
         assert " ".join(done.out.split()) == (
-            f"83 questions in q.{ending}, joints in the order {', '.join(arm.joint_names)}"
+            f"86 questions in q.{ending}, joints in the order {', '.join(arm.joint_names)}"
         )
         answer(f"q.{ending}", f"a.{ending}", arm)
         done = program("judge", "small.urdf", "--answers", f"a.{ending}", "--samples", 3)
@@ -208,7 +208,7 @@ class TestRounds:
     def test_standard_output(self, program, arm):
         done = program("questions", "small.urdf", "--for", "mass_matrix", "--samples", 1, "--out", "-")
         assert done.out.startswith("id,function,q1,q2,q3\n")
-        assert len(done.out.splitlines()) == 23
+        assert len(done.out.splitlines()) == 24
 
 
 class TestEveryFunction:
