@@ -180,6 +180,9 @@ class FrameFormulations:
         reference = self.chosen["reference"]
         in_axes = "local" if reference == "local" else "local_world_aligned or world"
         mixed = {f"that of '{way}', the angular part that of '{in_axes}'": ways[way] for way in ways}
+        mixed["in every row the sum of its three rows, as by a matrix of ones"] = lambda: (
+            ways[reference]().sum(axis=0) + 0 * p
+        )
         mixed["moved to the world's origin the wrong way"] = lambda: linear + crossed(angular, p)
         turned_mixed = {f"that of '{way}', the linear part that of '{reference}'": turns[way] for way in turns}
         turned_mixed["turned from local to world axes once more"] = lambda: turned(R, angular + 0 * p)

@@ -12,6 +12,7 @@ from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, numbers_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.slips.body_wrenches import add_body_with_first_moments
+from crosscheck.judging.slips.composite import composite_bodies
 from crosscheck.judging.slips.lagrange import christoffel
 from crosscheck.judging.slips.link_axes import LinkAxes
 from crosscheck.judging.slips.operations import Formulation, Operations, Slip
@@ -25,6 +26,7 @@ TORQUE_FORMULATIONS: tuple[Formulation, ...] = (
     LinkAxes(gravity="apart"),
     spatial,
     LinkAxes(bodies=add_body_with_first_moments),
+    composite_bodies,
     christoffel,
 )
 """The formulations whose operations are tried, in turn."""

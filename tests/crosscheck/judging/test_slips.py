@@ -32,7 +32,7 @@ def states(model, count=3):
     return tuple(np.random.default_rng(0).normal(size=(3, count, model.n_bodies)))
 
 
-FORMULATION_NAMES = ("link axes", "world axes", "weights apart", "spatial", "first moments", "christoffel")
+FORMULATION_NAMES = ("link axes", "world axes", "weights apart", "spatial", "first moments", "composite", "christoffel")
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
