@@ -382,7 +382,9 @@ class TestExternalWrenches:
     def test_wrong(self, three_joints, change, message):
         arm = three_joints
         faulty = lambda q, v, a, f: graphdyn.inverse_dynamics(arm, q, v, a, change(arm, q, f)).tau  # noqa: E731
-        assert named("inverse_dynamics", faulty, external_wrenches=True, lock=WRIST_LOCKED, batched=True, samples=5) == (
+        assert named(
+            "inverse_dynamics", faulty, external_wrenches=True, lock=WRIST_LOCKED, batched=True, samples=5
+        ) == (
             "external_wrenches",
             message,
         )

@@ -54,7 +54,12 @@ def few_equations():
 
 @pytest.mark.parametrize(
     "method",
-    [OrdinaryLeastSquares(), WeightedLeastSquares(), GeneralizedLeastSquares(), ReweightedLeastSquares("huber")],
+    [
+        OrdinaryLeastSquares(),
+        pytest.param(WeightedLeastSquares(), marks=LONG),
+        pytest.param(GeneralizedLeastSquares(), marks=LONG),
+        ReweightedLeastSquares("huber"),
+    ],
     ids=lambda method: method.name,
 )
 def test_noise_of_few_equations(method):
@@ -197,7 +202,7 @@ class TestJackknife:
     [
         (Case(10, 0.0), (1000, 1e99)),
         pytest.param(Case(10, 0.1), (70, 140), marks=LONG),
-        (Case(20, 0.15, cutoff=4.0), (80, 170)),
+        pytest.param(Case(20, 0.15, cutoff=4.0), (80, 170), marks=LONG),
         (Case(20, 0.2, white=1.5), (60, 140)),
         pytest.param(Case(40, 0.5), (45, 110), marks=LONG),
     ],
