@@ -6,7 +6,7 @@ Differences of the torques of any function show which term is wrong.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -196,6 +196,14 @@ class JudgedStates(ScaledStates):
         drawn = np.flatnonzero(self.ordinary | (self.labels == NEAREST_TO_ZERO))
         rows = [row if row < 0 else row % len(drawn) for row in rows]
         return drawn[rows]
+
+
+def joined(parts: Sequence[JudgedStates]) -> JudgedStates:
+    """States of one robot, one part after the other."""
+    first = parts[0]
+    names = ("q", "v", "a", "tau", *([] if first.loads is None else ["loads"]))
+    labels = np.concatenate([np.broadcast_to(part.labels, len(part.q)) for part in parts])
+    return first.but(labels=labels, **{name: np.concatenate([getattr(part, name) for part in parts]) for name in names})
 
 
 def _beyond(model: RobotModel, rng: np.random.Generator, count: int) -> tuple[Array, Array]:

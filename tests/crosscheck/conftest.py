@@ -34,13 +34,14 @@ MY_CODE = """
 import graphdyn, urdf
 
 ur5 = urdf.load("ur5")
+hanging = ur5.with_gravity(-ur5.gravity)
 number = 3
 
 def rnea(q, v, a):
     return graphdyn.inverse_dynamics(ur5, q, v, a).tau
 
 def upside_down(q, v, a):
-    return graphdyn.inverse_dynamics(ur5.with_gravity(-ur5.gravity), q, v, a).tau
+    return graphdyn.inverse_dynamics(hanging, q, v, a).tau
 
 def loaded(q, v, a, external_wrenches):
     return graphdyn.inverse_dynamics(ur5, q, v, a, external_wrenches).tau

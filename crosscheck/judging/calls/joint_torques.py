@@ -27,6 +27,9 @@ N_SWEPT = 96
 N_VERIFIED_PAIRS = 24
 """Number of pairs of them at which it must be the sum of both."""
 
+N_FIRST_PAIRS = 3
+"""Number of pairs of position and velocity at which it must be the same twice, before all are asked."""
+
 TORQUE_FUNCTIONS = ("inverse_dynamics", "forward_dynamics", "bias_torque", "gravity_torque", "static_torque")
 """Functions whose answers tell added torques."""
 
@@ -90,13 +93,16 @@ def added_torques(given: Answered) -> JointTorques | None:
         return None
     if all(_on_lines(given.states, judged[:, k], int(k), room) for k in joints):
         return None
+    found: list[Swept] = []
     try:
-        swept = [_swept(given, int(k), room) for k in joints]
+        if not all(_alone_at_few(given, int(k), room) for k in joints):
+            return None
+        for k in joints:
+            if (swept := _swept(given, int(k), room)) is None:
+                return None
+            found.append(swept)
     except FunctionFailure:
         return None
-    if any(x is None for x in swept):
-        return None
-    found = [x for x in swept if x is not None]
     laws = [_laws(x, room) for x in found]
     regions = "; ".join(said for x in found if (said := x.said(model.joint_names[x.joint])))
     if any(law is None for pair in laws for law in pair):
@@ -179,6 +185,26 @@ class Swept:
         return "; ".join(parts)
 
 
+def _alone_at_few(given: Answered, k: int, room: float) -> bool:
+    """Whether the torque of joint k is the same at the same position and velocity: a quick look at a few of them."""
+    few = np.arange(N_FIRST_PAIRS) % len(given.states.q)
+    pairs = [(given.states.q[row, k], given.states.v[row, k]) for row in (*few, *few)]
+    first, again = np.split(_torque_at(given, k, pairs, np.random.default_rng(k)), 2)
+    return bool(np.abs(first - again).max() <= room)
+
+
+def _torque_at(given: Answered, k: int, pairs: Sequence[tuple[float, float]], rng: np.random.Generator) -> Array:
+    """The torques of joint k at these positions and velocities, everything else drawn from the judged states."""
+    states = given.states
+    rows = rng.integers(len(states.q), size=(4, len(pairs)))
+    asked = states.but(labels=np.array(""), **{
+        name: getattr(states, name)[which] for name, which in zip(("q", "v", "a", "tau"), rows, strict=True)
+    }, **({} if states.loads is None else {"loads": 0 * states.loads[rows[0]]}))  # fmt: skip
+    asked.q[:, k], asked.v[:, k] = np.transpose(pairs)
+    answer = given.function(*(getattr(asked, x) for x in given.known.arguments if x in ("q", "v", "a", "tau")))
+    return _deviation(given, asked, answer)[:, k]
+
+
 def _swept(given: Answered, k: int, room: float) -> Swept | None:
     """The torques of joint k; None where they are no sum of those of its position and its velocity."""
     states, rng = given.states, np.random.default_rng(k)
@@ -195,14 +221,7 @@ def _swept(given: Answered, k: int, room: float) -> Swept | None:
     middle = q[N_SWEPT // 2]
     pairs = [(x, 0.0) for x in q] + [(middle, x) for x in v]
     pairs += [(q[a], v[b] if moving else 0.0) for a, b in zip(i, j, strict=True)]
-    rows = rng.integers(len(states.q), size=(4, len(pairs)))
-    asked = states.but(labels=np.array(""), **{
-        name: getattr(states, name)[which] for name, which in zip(("q", "v", "a", "tau"), rows, strict=True)
-    }, **({} if states.loads is None else {"loads": 0 * states.loads[rows[0]]}))  # fmt: skip
-    asked.q[:, k], asked.v[:, k] = np.transpose(pairs)
-    torque = _deviation(
-        given, asked, given.function(*(getattr(asked, x) for x in given.known.arguments if x in ("q", "v", "a", "tau")))
-    )[:, k]
+    torque = _torque_at(given, k, pairs, rng)
     at_q, at_v, checked = np.split(torque, [len(q), len(q) + len(v)])
     at_v = at_v - at_q[N_SWEPT // 2] if moving else at_v
     expected = at_q[i] + (at_v[j] if moving else 0.0)

@@ -88,7 +88,7 @@ class DynamicsCode:
 
     def but(self, **numbers: Array) -> DynamicsCode:
         """The code with other numbers."""
-        return dataclasses.replace(self, numbers=dataclasses.replace(self.numbers, **numbers))
+        return dataclasses.replace(self, numbers=Numbers(**{**vars(self.numbers), **numbers}))
 
     def taking(self, arguments: Callable[[Array, Array, Array], State]) -> DynamicsCode:
         """The code with its arguments changed before anything else."""

@@ -77,7 +77,9 @@ def signs(model: RobotModel) -> Iterator[CodeFault]:
 
 
 def _reversed(model: RobotModel, pattern: Signs, joints: Sequence[int], size: int) -> CodeFault:
-    s_q, s_v, s_a, s_tau = (np.where(np.isin(np.arange(model.n_bodies), joints), s, 1.0) for s in pattern)
+    signs = np.ones((len(pattern), model.n_bodies))
+    signs[:, joints] = np.array(pattern)[:, None]
+    s_q, s_v, s_a, s_tau = signs
 
     def change(code: DynamicsCode) -> DynamicsCode:
         if pattern == AXIS:

@@ -24,7 +24,7 @@ from crosscheck.judging.observing.references import (
 )
 from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.special_states import earlier_calls, in_a_row
-from crosscheck.judging.states import JudgedStates
+from crosscheck.judging.states import JudgedStates, joined
 from crosscheck.quantities import LOADS, argument_at
 from crosscheck.quantities.measures import Chosen
 from graphdyn.layout import Array
@@ -130,14 +130,18 @@ def earlier_arguments(found: Judged, bound: float) -> FoundFault | None:
     if not rest.any():
         return None
     few = rest & (np.arange(len(rest)) <= FIRST_TRIAL_STATES)
-    for message, stale in _stale(function, states):
 
-        def left(rows: NDArray[np.bool_], stale: JudgedStates = stale) -> float:
-            answer, expected = first.values[rows[first.answered]], function.known.of_graphdyn(stale.rows(rows), chosen)
-            errors = relative_errors(function.known, answer, expected, states.rows(rows), chosen)
-            return float(errors.max(initial=0.0))
+    def errors(rows: NDArray[np.bool_], some: JudgedStates, expected: Array) -> float:
+        answer = first.values[rows[first.answered]]
+        return float(relative_errors(function.known, answer, expected, some, chosen).max(initial=0.0))
 
-        if left(few) <= bound and (whole := left(rest)) <= bound:
+    all_stale, some = list(_stale(function, states)), states.rows(few)
+    at_few = function.known.of_graphdyn(joined([stale.rows(few) for _, stale in all_stale]), chosen)
+    for (message, stale), expected in zip(all_stale, np.split(at_few, len(all_stale)), strict=True):
+        if errors(few, some, expected) > bound:
+            continue
+        whole = errors(rest, states.rows(rest), function.known.of_graphdyn(stale.rows(rest), chosen))
+        if whole <= bound:
             return FoundFault(FaultDescription("kept_state", message, PURE_FUNCTION_REMEDY), whole, chosen)
     return None
 

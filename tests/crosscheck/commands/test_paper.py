@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from faults.planted_records import planted
 from jsonschema import Draft202012Validator
+from long_check import LONG
 from matplotlib.figure import Figure
 from reproduced_paper import SAMPLES, reproduced
 from rich.cells import cell_len
@@ -284,6 +285,7 @@ class TestPage:
         assert all(one.find("caption") is not None for one in root.iter("table"))
         assert all(cell.get("scope") in ("row", "col", "rowgroup") for cell in root.iter("th"))
 
+    @LONG
     def test_same_arguments_same_page(self, found, page):
         assert html_page(paper_report(found), COMMAND, versions()) == page
 

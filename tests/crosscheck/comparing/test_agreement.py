@@ -28,7 +28,7 @@ TREE_SAMPLES = 5
 VENDOR_SAMPLES = 10
 
 MAX_BODIES = 6
-EXAMPLES = examples(3)
+EXAMPLES = examples(2)
 """Few: each example is compared at six kinds of states and two for every body."""
 
 VENDOR_ARMS = {"gp8l", "kr16_r1610_2"}

@@ -52,6 +52,7 @@ def test_far_from_the_origin(meters):
     assert flagged(crosscheck.compare(far, SAMPLES)) == set()
 
 
+@LONG
 def test_first_joint_far_from_the_base():
     far = with_joint(ARM, 1, placement=Placement(ARM.joints[0].placement.rotation, [300.0, 0.0, 0.0]))
     assert flagged(crosscheck.compare(far, SAMPLES)) == set()

@@ -488,7 +488,7 @@ class TestRealRecordings:
         (chosen,) = [known for known in spoilt_recordings.variants(name) if known.name == variant]
         return spoilt_recordings.judged(name, chosen, fitted=False)
 
-    @pytest.mark.parametrize("name", few(RECORDINGS, "tx40"))
+    @pytest.mark.parametrize("name", few(RECORDINGS))
     def test_clean(self, name):
         row = self.judged(name, "clean")
         assert row.data_quality.findings == ()

@@ -113,6 +113,7 @@ def as_printed(row, numbers):
     np.testing.assert_allclose(numbers, row, rtol=PRINTED, atol=digit)
 
 
+@LONG
 def test_ur10(run):
     """The rows kept aside, without the folds, which take a minute; the fit does not depend on them."""
     (command,) = commands("ur10")

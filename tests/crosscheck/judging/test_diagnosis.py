@@ -34,8 +34,10 @@ from graphdyn import inverse_dynamics
 SPREAD = CASES[::16]
 """Some of each group; all of them are the long check of docs/contributing.md."""
 
-QUICK = SPREAD[::2]
-"""Half of them, which the tests of every change have."""
+QUICK = SPREAD[::4]
+"""A quarter of them, which the tests of every change have."""
+
+SCALED = [case for case in CASES if case.name in ("all torques", "mass of body 2")]
 
 ALIKE = 1e-12
 """Two recursions: some hundred roundings each."""
@@ -160,9 +162,7 @@ class TestStandings:
 
 
 class TestPrecision:
-    @pytest.mark.parametrize(
-        "case", [case for case in CASES if case.name in ("all torques", "mass of body 2")], ids=str
-    )
+    @pytest.mark.parametrize("case", few(SCALED, *SCALED[::2]), ids=str)
     def test_faults_above_single_precision(self, case):
         if case.robot == "kr210":
             existing(Path(ROBOTS[case.robot]))

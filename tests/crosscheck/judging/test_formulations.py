@@ -26,7 +26,7 @@ SHOWN = 1e-9
 def model():
     """A tree with a turned base, sliding and turning joints, and a frame off its link's origin."""
     tree = mixed_tree()
-    turned = Placement(urdf.load("ur5").joints[1].placement.rotation, np.array([0.1, -0.2, 0.3]))
+    turned = Placement(UR5.joints[1].placement.rotation, np.array([0.1, -0.2, 0.3]))
     tool = Frame("tool", tree.n_bodies, Placement(turned.rotation, np.array([0.2, 0.1, -0.1])))
     return dataclasses.replace(tree.with_base(turned), frames=(tool,))
 
@@ -36,7 +36,8 @@ def state_of(known, states):
     return states.q, states.v, third
 
 
-FORMULATED = [name for name in FUNCTIONS if formulation_of(name, urdf.load("ur5"), "tool0", {
+UR5 = urdf.load("ur5")
+FORMULATED = [name for name in FUNCTIONS if formulation_of(name, UR5, "tool0", {
     "reference": "local", "order": "linear first", "about": "", "acceleration": "classical"})]  # fmt: skip
 MANY_READINGS = {"joint_wrenches": 5, "frame_acceleration": 3}
 """Of every so many ways to read the answers one is taken."""

@@ -191,7 +191,7 @@ FAULTS = {
     ),
     "coriolis_matrix, not skew": (
         "coriolis_matrix",
-        lambda m: lambda q, v: np.outer(graphdyn.coriolis_matrix(m, q, v) @ v, v) / (v @ v or 1.0),
+        lambda m: lambda q, v: outer_along(graphdyn.coriolis_matrix(m, q, v), v),
         "not_skew", "C v is right, but C + Cᵀ is not Ṁ: Ṁ - 2C is not skew",
     ),
     "mass_matrix_inverse, M": (
@@ -204,7 +204,7 @@ FAULTS = {
     ),
     "frame_placement, rotation": (
         "frame_placement",
-        lambda m: lambda q: homogeneous(graphdyn.frame_placement(m, q, FRAME), np.transpose),
+        lambda m: lambda q: homogeneous(graphdyn.frame_placement(m, q, FRAME), np.linalg.matrix_transpose),
         "frame", "the rotation is transposed",
     ),
     "frame_placement, inverse": (
@@ -217,7 +217,7 @@ FAULTS = {
     ),
     "frame_jacobian, column by column": (
         "frame_jacobian",
-        lambda m: lambda q: graphdyn.frame_jacobian(m, q, FRAME, reference="local").T.reshape(6, -1),
+        lambda m: lambda q: column_by_column(graphdyn.frame_jacobian(m, q, FRAME, reference="local")),
         "transposed", "the numbers of the matrix are stored column by column",
     ),
     "frame_jacobian, one axis": (
@@ -281,23 +281,37 @@ FAULTS = {
     ),
     "base_regressor, friction": (
         "base_regressor",
-        lambda m: lambda q, v, a: np.c_[graphdyn.joint_torque_regressor(m, q, v, a), np.diag(v)],
+        lambda m: lambda q, v, a: np.concatenate(
+            [graphdyn.joint_torque_regressor(m, q, v, a), v[..., None] * np.eye(3)], axis=-1
+        ),
         "column_space",
         "no combination of the columns of inertial parameters gives columns 31, 32, 33 (rank 18, not 15)",
     ),
 }  # fmt: skip
-"""Function, the faulty one, kind and message of the diagnosis."""
+"""Function, the faulty one of all states at once, kind and message of the diagnosis."""
 
 
 def homogeneous(placement, change=np.asarray):
     rotation, position = placement
-    return np.block([[change(rotation), position[:, None]], [np.zeros((1, 3)), 1.0]])
+    found = np.zeros((*position.shape[:-1], 4, 4))
+    found[..., :3, :3], found[..., :3, 3], found[..., 3, 3] = change(rotation), position, 1.0
+    return found
+
+
+def outer_along(matrix, v):
+    """(matrix v) vᵀ / v²: what is applied to v is the same."""
+    size = (v * v).sum(axis=-1)[..., None, None]
+    return (matrix @ v[..., None]) * v[..., None, :] / np.where(size > 0, size, 1.0)
+
+
+def column_by_column(matrix):
+    return np.linalg.matrix_transpose(matrix).reshape(matrix.shape)
 
 
 @pytest.mark.parametrize("fault", few(FAULTS, *(set(FAULTS) - {"mass_matrix_inverse, M"})))
 def test_faults_are_named(three_joints, fault):
     name, faulty, kind, message = FAULTS[fault]
-    judgment = judged(**{name: faulty(three_joints)}, lock=WRIST_LOCKED, batched=name.startswith("d"))
+    judgment = judged(**{name: faulty(three_joints)}, lock=WRIST_LOCKED, batched=True)
     (diagnosis,) = judgment.diagnoses
     assert (diagnosis.kind, diagnosis.message) == (kind, message)
     assert judgment.decided
@@ -359,8 +373,8 @@ class TestExternalWrenches:
             (lambda m, q, f: np.roll(f, 3, axis=-1), "the external wrenches are taken as moment, then force"),
             (
                 lambda m, q, f: np.einsum(
-                    "iba,ihb->iha", graphdyn.maximal_state(m, q).rotation, f.reshape(-1, 2, 3)
-                ).reshape(-1, 6),
+                    "...iba,...ihb->...iha", graphdyn.maximal_state(m, q).rotation, f.reshape(*f.shape[:-1], 2, 3)
+                ).reshape(f.shape),
                 "the external wrenches are taken in world axes",
             ),
         ],
@@ -368,7 +382,9 @@ class TestExternalWrenches:
     def test_wrong(self, three_joints, change, message):
         arm = three_joints
         faulty = lambda q, v, a, f: graphdyn.inverse_dynamics(arm, q, v, a, change(arm, q, f)).tau  # noqa: E731
-        assert named("inverse_dynamics", faulty, external_wrenches=True, lock=WRIST_LOCKED) == (
+        assert named(
+            "inverse_dynamics", faulty, external_wrenches=True, lock=WRIST_LOCKED, batched=True, samples=5
+        ) == (
             "external_wrenches",
             message,
         )
@@ -445,12 +461,18 @@ class TestReport:
     @classmethod
     def judgment(cls, code):
         """All functions, each off by a part in a thousand of its own answer; those of frames by the reference local."""
-        right = {**code.functions(), **code.of_frame("local"), **own_functions(code.model)}
-        wrong = {name: lambda *state, f=f: 1.001 * np.asarray(f(*state)) for name, f in right.items()}
-        del wrong["base_regressor"]  # every multiple of it is right
+        right = {**code.functions(), **code.of_frame("local")}, own_functions(code.model)
+        one_by_one, at_once = (
+            {name: lambda *state, f=f: 1.001 * np.asarray(f(*state)) for name, f in functions.items()}
+            for functions in right
+        )
+        one_by_one.pop("base_regressor", None)  # every multiple of it is right
+        at_once.pop("base_regressor", None)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(judging, "diagnoses_of", lambda *_: [])  # not what this is about
-            return judged(**wrong, joint_names=code.names, samples=1)
+            found = judged(**one_by_one, joint_names=code.names, samples=1)
+            others = judged(**at_once, joint_names=code.names, samples=1, batched=True)
+            return dataclasses.replace(found, functions={**found.functions, **others.functions})
 
     def test_code_reproduces_what_was_expected(self, judgment, capsys):
         """The Python that the page shows, run as it stands."""

@@ -25,12 +25,13 @@ def wrong(wrong_judgment):
 
 class TestTexts:
     def test_assert_correct_shows_the_diagnosis(self, textbook):
+        upside_down = textbook.but(gravity=-textbook.gravity)
         with pytest.raises(crosscheck.WrongDynamics) as caught:
-            crosscheck.assert_correct("ur5", inverse_dynamics=textbook.but(cross=-1.0).inverse_dynamics, samples=1)
+            crosscheck.assert_correct("ur5", inverse_dynamics=upside_down.inverse_dynamics, samples=1)
         message = str(caught.value)
         assert isinstance(caught.value, AssertionError)
         assert "ur5: DISAGREES" in message
-        assert "the terms ω × q̇ p in the angular accelerations have the opposite sign [coriolis]" in message
+        assert "gravity has the opposite sign [gravity]" in message
         assert "remedy " in message
         assert caught.value.judgment.diagnoses
 
@@ -75,8 +76,10 @@ class TestPlugin:
     SUITE = """
         import graphdyn
 
+        arm = graphdyn.kr500()
+
         def rnea(q, v, a):
-            return graphdyn.inverse_dynamics(graphdyn.kr500(), q, v, a).tau
+            return graphdyn.inverse_dynamics(arm, q, v, a).tau
 
         def test_right(judge_dynamics):
             judge_dynamics("kr500", inverse_dynamics=rnea, samples=2)

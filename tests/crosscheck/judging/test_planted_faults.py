@@ -125,10 +125,10 @@ def test_a_dropped_link_has_its_name(dropped_tool):
 
 
 def test_growth_with_the_velocity_is_evidence():
-    (coriolis,) = judged(inverse_dynamics=arm().but(cross=-1.0).inverse_dynamics, samples=1).diagnoses
+    (coriolis,) = planted("coriolis", FIRST["coriolis"]).diagnoses
     assert "at rest (v = 0, a = 0): agrees" in coriolis.evidence
     assert "at twice the velocity the error is 4 times as large" in coriolis.evidence
-    (viscous,) = judged(inverse_dynamics=PLANTS["friction"]["viscous"](arm(), None), samples=1).diagnoses
+    (viscous,) = planted("friction", FIRST["friction"]).diagnoses
     assert "at twice the velocity the error is 2 times as large" in viscous.evidence
 
 

@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 from faults.single_precision import single_precision
+from faults.textbook import TextbookArm
 from faults.textbook_faults import WRIST_LOCKED
 from long_check import few
 
@@ -40,7 +41,7 @@ def arm():
 
 
 def tau_of(model):
-    return lambda q, v, a: graphdyn.inverse_dynamics(model, q, v, a).tau
+    return TextbookArm.of(model).inverse_dynamics
 
 
 def judged(f, samples=SAMPLES, **options):

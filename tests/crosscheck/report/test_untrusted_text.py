@@ -170,7 +170,10 @@ def clean(program, tmp_path):
 class TestCommands:
     """Every command that reads files of others."""
 
-    @pytest.mark.parametrize(("command", "options"), [("show", ()), ("inspect", ()), ("crosscheck", ("--samples", 1))])
+    @pytest.mark.parametrize(
+        ("command", "options"),
+        [("show", ()), ("inspect", ()), pytest.param("crosscheck", ("--samples", 1), marks=LONG)],
+    )
     def test_names(self, clean, arm, tmp_path, command, options):
         done = clean(command, arm, *options)
         assert r"arm\x1b[31m\n\u202e.urdf" in done.out.replace("\n", "") or command == "inspect"
@@ -266,7 +269,7 @@ class TestEncodings:
     @pytest.mark.parametrize(
         ("encoding", "command"),
         [
-            ("ascii", ("show", "kr500")),
+            pytest.param("ascii", ("show", "kr500"), marks=LONG),
             ("ascii", ("show", "τ")),
             ("latin-1", ("judge", "--help")),
             pytest.param("cp1252", ("judge", "--help"), marks=LONG),

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from long_check import few
 from robots.loop_motions import four_bars, space_linkage, squeezed
 from robots.mechanisms import four_bar, n_four_bar, palletizer
 from scipy.integrate import DOP853, solve_ivp
@@ -111,7 +112,7 @@ def test_how_far_a_regular_pose_is_from_a_singular_one():
     assert LoopSteps(equations, tableau("rk8")).wary == pytest.approx(0.1 * usual)
 
 
-LOOP_SETTINGS = pytest.mark.parametrize("settings", [ADAPTIVE, {"method": "rk8", "step": 0.02}], ids=["dop853", "rk8"])
+LOOP_SETTINGS = {"dop853": ADAPTIVE, "rk8": {"method": "rk8", "step": 0.02}}
 
 PARALLELOGRAM = four_bar(1.0, 2.0, 1.0, 2.0).with_gravity(np.zeros(3))
 """The crank turns, the rocker with it, and the coupler keeps its direction: a double integrator."""
@@ -134,10 +135,12 @@ def on_course(motion, start, rate):
     assert np.abs((motion.v @ [[1, 0], [1, 1], [0, 1]])[regular]).max() < 1e-12
 
 
-@LOOP_SETTINGS
+@pytest.mark.parametrize("settings", few(LOOP_SETTINGS, "rk8"))
 def test_torques_of_time_in_loops(settings):
     """Through the flat pose."""
-    motion = simulate(PARALLELOGRAM, *drawn(-0.03, 1.0), 0.06, torque=lambda t, q, v: [60 * t, 0, 0], **settings)
+    motion = simulate(
+        PARALLELOGRAM, *drawn(-0.03, 1.0), 0.06, torque=lambda t, q, v: [60 * t, 0, 0], **LOOP_SETTINGS[settings]
+    )
     on_course(motion, -0.03, 1.0)
 
 
@@ -150,7 +153,7 @@ def test_wrenches_of_time_in_loops():
     on_course(motion, 0.5, 0.0)
 
 
-@LOOP_SETTINGS
+@pytest.mark.parametrize("settings", LOOP_SETTINGS.values(), ids=LOOP_SETTINGS)
 def test_held_torques_and_rotors_in_loops(settings):
     """A torque for half of the time, then its opposite; friction, rotors and reactions from the balance of momentum."""
     viscous, rotor, torque, duration = 3.0, 0.4, 2.0, 0.08
@@ -184,7 +187,7 @@ def test_steps_of_loops_are_as_many_as_of_the_pendulum_they_are():
         assert np.abs(motion.q[-1, 0] - plain.y[0, -1]) < 100 * tolerance
 
 
-@LOOP_SETTINGS
+@pytest.mark.parametrize("settings", LOOP_SETTINGS.values(), ids=LOOP_SETTINGS)
 def test_events_may_call_verbs(settings, monkeypatch):
     """They are asked at closed states alone."""
     monkeypatch.setattr(events, "PIECES_OF_DURATION", 2)
@@ -198,7 +201,7 @@ def test_events_may_call_verbs(settings, monkeypatch):
     assert lighter(0.0, motion.q[-1], motion.v[-1]) == pytest.approx(0.0, abs=1e-12)
 
 
-@LOOP_SETTINGS
+@pytest.mark.parametrize("settings", LOOP_SETTINGS.values(), ids=LOOP_SETTINGS)
 def test_controllers_events_and_rows(settings):
     hold = PDControl([50.0, 0, 0], [10.0, 0, 0], START[0], period=0.04)
     passing = Event(lambda t, q, v: q[0] - START[0][0] - 0.02, "passing", stop=False, direction=1)

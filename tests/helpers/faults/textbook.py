@@ -5,16 +5,29 @@ as in Siciliano et al., "Robotics: Modeling, Planning and Control", 2009, sectio
 """
 
 import dataclasses
+import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 
 def cross(a, b):
     """a × b of two vectors (3,), of double precision in Python's own numbers, which are quicker."""
     (a1, a2, a3), (b1, b2, b3) = (a.tolist(), b.tolist()) if a.dtype == b.dtype == float else (a, b)
     return np.array([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+
+
+def turned(p, angle):
+    """The rotation about the unit axis p (3,) by an angle, of Rodrigues' formula."""
+    (x, y, z), c, s = p.tolist(), math.cos(angle), math.sin(angle)
+    k = 1 - c
+    return np.array(
+        [
+            [c + k * x * x, k * x * y - s * z, k * x * z + s * y],
+            [k * x * y + s * z, c + k * y * y, k * y * z - s * x],
+            [k * x * z - s * y, k * y * z + s * x, c + k * z * z],
+        ]
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +88,7 @@ class TextbookArm:
         for j in range(n):
             i, p = self.inside[j], self.axes[j]
             sliding = self.prismatic[j]
-            about = Rotation.from_rotvec(q[j] * p).as_matrix().astype(kind)
+            about = turned(p, q[j]).astype(kind)
             turn.append(self.rotations[j] if sliding else self.rotations[j] @ about)
             arm.append(self.translations[j] + (self.rotations[j] @ p * q[j] if sliding else 0))
             back = turn[j].T

@@ -65,6 +65,7 @@ def test_a_known_load(run, folder, gains):
     assert torque["mean_error"] < 0.1
 
 
+@pytest.mark.usefixtures("unexamined")
 def test_gravity_fixes_five_of_six_gains(run, folder):
     """The sixth is refused with a remedy, which works."""
     refused = run("empty.csv", "--currents", "cad")

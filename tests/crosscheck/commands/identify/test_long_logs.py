@@ -6,6 +6,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 from identified import identified_arm
+from long_check import few
 from pyarrow import csv, parquet
 
 from crosscheck.commands.program.exits import BAD_INPUT
@@ -34,7 +35,7 @@ def folder(tmp_path, monkeypatch, small_arm, columns):
 
 
 @pytest.mark.usefixtures("unexamined")
-@pytest.mark.parametrize("name", ["log.csv", "log.parquet"])
+@pytest.mark.parametrize("name", few(["log.csv", "log.parquet"], "log.csv"))
 def test_read_part_by_part(program, folder, small_arm, name):
     done = program("identify", name, "--robot", str(small_arm), *QUICK, "--json", "found.json")
     assert IN_PARTS in " ".join(done.err.split())

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from long_check import few
 
 import urdf
 from crosscheck.commands.judge.command import JudgeOptions
@@ -197,7 +198,7 @@ def catches(q):
 """
 
 
-@pytest.mark.parametrize("name", ["sleeps", "catches"])
+@pytest.mark.parametrize("name", few(["sleeps", "catches"], "catches"))
 def test_a_function_that_does_not_return_ends_with_an_error(small_arm, tmp_path, name):
     (tmp_path / "slow.py").write_text(SLOW)
     named = f"gravity_torque={tmp_path / 'slow.py'}:{name}"

@@ -236,6 +236,7 @@ class TestFaults:
         (fault,) = assess_recording(torque_model(), [piece], columns=columns).faults
         assert (fault.change.kind, fault.change.joints) == ("reversed torque", (3,))
 
+    @LONG
     def test_a_reversed_column_with_an_offset(self):
         columns = RecordedColumns(np.eye(N), np.eye(N), np.array([0, -1.5, 1.5, 0]))
         piece = changed_in(columns, position=signs(2), velocity=signs(2))

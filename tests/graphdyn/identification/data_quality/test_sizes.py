@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from long_check import LONG
 
 import graphdyn
 from graphdyn import Body
@@ -91,6 +92,7 @@ class TestFaults:
         assert found.gravity == pytest.approx(fault.change.gravity, rel=0.01, abs=0.1)
         assert np.all(found.after < found.before)
 
+    @LONG
     def test_gravity_in_another_unit(self):
         model = replace(torque_model(), model=robot().with_gravity([0, 0, -1.0]))
         (fault,) = assessed(clean(), model).faults
