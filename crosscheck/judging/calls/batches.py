@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.observing.function_under_test import Answers, FunctionFailure, FunctionUnderTest
 from crosscheck.judging.observing.references import relative_errors
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import LOADS, argument_at
 from crosscheck.quantities.measures import Chosen

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import FittedNumber
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 from crosscheck.judging.special_states import position_limits
 from crosscheck.judging.states import JudgedStates
 from graphdyn.errors import first_of

@@ -15,7 +15,7 @@ from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.calls.clipped_motions import clipped_motion
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import FittedNumber
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.errors import first_of
 from graphdyn.layout import Array

@@ -15,7 +15,7 @@ from crosscheck.judging.calls.joint_laws import AddedLaw, of_position, of_veloci
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.judgment import Diagnosis
 from crosscheck.judging.observing.function_under_test import FunctionFailure
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 from crosscheck.judging.special_states import position_limits
 from crosscheck.judging.states import JudgedStates
 from graphdyn import inverse_dynamics

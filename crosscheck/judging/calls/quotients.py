@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.calls.difference_forms import Differences, Form, forms
 from crosscheck.judging.faults.fault import FaultDescription
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 from graphdyn.layout import Array
 
 N_TRIED_STATES = 8

@@ -7,7 +7,7 @@ from crosscheck.judging.calls.clipping import clipped
 from crosscheck.judging.calls.quotients import difference_quotients, scattered_differences
 from crosscheck.judging.calls.solvers import residual_said, stopped_early
 from crosscheck.judging.calls.velocity_units import velocity_unit
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 
 
 def found_in_calls(given: Answered, tolerance: float) -> FoundFault | None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.faults.fault import FaultDescription
-from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
+from crosscheck.judging.searching.found_fault import FIRST_TRIAL_STATES, FoundFault
 from graphdyn.layout import Array
 
 SOLVING_FUNCTIONS = ("forward_dynamics", "mass_matrix_inverse")

@@ -8,7 +8,7 @@ import numpy as np
 
 from crosscheck.judging.calls.answered import Answered
 from crosscheck.judging.faults.fault import FaultDescription, joints_said
-from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
+from crosscheck.judging.searching.found_fault import FIRST_TRIAL_STATES, FoundFault
 from graphdyn.layout import Array
 
 VELOCITY_UNIT_REMEDY = "convert to rad/s when they are read"

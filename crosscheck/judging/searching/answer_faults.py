@@ -6,37 +6,25 @@ For functions that are not taken apart by experiments into the terms of the equa
 from __future__ import annotations
 
 import dataclasses
-import warnings
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
 from itertools import chain, combinations
 
 import numpy as np
 
-from crosscheck.judging.faults.fault import AXES, FaultDescription, factor_said, round_factor
+from crosscheck.judging.faults.fault import FaultDescription, factor_said, round_factor
 from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.observing.references import relative_errors
+from crosscheck.judging.searching.found_fault import FIRST_TRIAL_STATES, AnswerFault, Answering, FoundFault
+from crosscheck.judging.searching.frame_faults import other_frames
+from crosscheck.judging.searching.load_faults import other_loads
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
-from crosscheck.quantities.measures import Chosen, linear_first
+from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement, RobotModel
-from graphdyn.layout import ANGULAR, BODY_DOF, LINEAR, Array
+from graphdyn.layout import BODY_DOF, Array
 
 SIGN_FACTOR_TOLERANCE = 1e-4
 """Distance of a fitted factor from 1 or -1 within which it is that number."""
-
-Answering = Callable[[JudgedStates, Chosen], Array]
-"""Answers of a function with a fault (N, …)."""
-
-
-@dataclass(frozen=True, eq=False)
-class AnswerFault:
-    """One fault: its kind, message and remedy, and the answers of a function that has it."""
-
-    kind: str
-    message: str
-    remedy: str
-    answers: Answering
 
 
 def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
@@ -49,9 +37,9 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
     yield AnswerFault("clipped", positive, "keep them", lambda s, c: np.maximum(ours(s, c), 0.0))
     yield from _other_arguments(known)
     if states.loads is not None:
-        yield from _other_loads(known, states)
+        yield from other_loads(known, states)
     if known.of_frame:
-        yield from _other_frames(known, states)
+        yield from other_frames(known, states)
     if formulation_of(known.name, states.model, states.frame, next(known.readings({}))) is None:
         yield from _other_models(known, states.model)
 
@@ -126,59 +114,6 @@ def _other_arguments(known: Quantity) -> Iterator[AnswerFault]:
         )  # fmt: skip
 
 
-FORCES = np.repeat([1.0, 0.0], 3)
-"""Factors on a wrench that leave its force."""
-
-
-def _other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
-    for message, change in (
-        ("are left out", lambda s: 0 * s.all_loads),
-        ("have the opposite sign", lambda s: -s.all_loads),
-        ("are taken as moment, then force", lambda s: np.roll(s.all_loads, 3, axis=-1)),
-        ("are taken without their moments: they are left out", lambda s: s.all_loads * FORCES),
-        ("are taken without their forces: they are left out", lambda s: s.all_loads * (1 - FORCES)),
-        ("have moments of the opposite sign", lambda s: s.all_loads * (2 * FORCES - 1)),
-        ("are taken in axes of the inside links", _in_inside_axes),
-        ("are taken in world axes", lambda s: _in_link_axes(s, s.all_loads)),
-        ("are taken as acting at the centers of mass", lambda s: _at_origins(s, s.all_loads)),
-        *(_of_bodies(states.model)),
-    ):
-        yield AnswerFault(
-            "external_wrenches", f"the external wrenches {message}",
-            "they are force, then moment, on each body, at its link origin, in link axes",
-            lambda s, c, change=change: known.of_graphdyn(s.but(loads=change(s)), c),  # type: ignore[misc]
-        )  # fmt: skip
-
-
-def _of_bodies(model: RobotModel) -> Iterator[tuple[str, Callable[[JudgedStates], Array]]]:
-    """One body's wrench left out, or all others."""
-    if model.n_bodies > 1:
-        for name, kept in zip(model.body_names, np.eye(model.n_bodies)[..., None], strict=True):
-            yield f"of all bodies but '{name}' are left out", lambda s, kept=kept: s.all_loads * kept  # type: ignore[misc]
-            yield f"on body '{name}' are left out", lambda s, kept=kept: s.all_loads * (1 - kept)  # type: ignore[misc]
-
-
-def _in_inside_axes(states: JudgedStates) -> Array:
-    """The wrenches in link axes, if their numbers are those in axes of the inside links."""
-    world = states.model.base.rotation + 0 * states.rotations[:, :1]
-    before = np.concatenate([world, states.rotations], axis=1)[:, [joint.inside for joint in states.model.joints]]
-    halves = states.all_loads.reshape(*states.all_loads.shape[:-1], 2, 3)
-    turned = np.einsum("...iba,...ibc,...ihc->...iha", states.rotations, before, halves)
-    return np.asarray(turned.reshape(states.all_loads.shape))
-
-
-def _in_link_axes(states: JudgedStates, loads: Array) -> Array:
-    halves = loads.reshape(*loads.shape[:-1], 2, 3)
-    turned: Array = np.einsum("...iba,...ihb->...iha", states.rotations, halves).reshape(loads.shape)
-    return turned
-
-
-def _at_origins(states: JudgedStates, loads: Array) -> Array:
-    centers = np.array([body.center_of_mass for body in states.model.bodies])
-    force, moment = loads[..., LINEAR], loads[..., ANGULAR]
-    return np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
-
-
 def _other_functions(known: Quantity) -> Iterator[AnswerFault]:
     for other in FUNCTIONS.values():
         alike = other.shape == known.shape and set(other.arguments) <= set(known.arguments)
@@ -187,76 +122,6 @@ def _other_functions(known: Quantity) -> Iterator[AnswerFault]:
                 "other_function", f"the answers are those of {other.name}", f"{known.name} is asked for",
                 lambda s, c, other=other: other.of_graphdyn(s, {}),  # type: ignore[misc]
             )  # fmt: skip
-
-
-def _other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
-    if known.name == "frame_placement":
-        yield AnswerFault(
-            "frame", "the placement is inverted: the world seen from the frame", "invert it",
-            lambda s, c: np.asarray(np.linalg.inv(known.of_graphdyn(s, c)), dtype=float),
-        )  # fmt: skip
-        yield AnswerFault(
-            "frame", "the last row is (0, 0, 0, 0), not (0, 0, 0, 1)", "a placement ends with (0, 0, 0, 1)",
-            lambda s, c: np.concatenate([(x := known.of_graphdyn(s, c))[:, :3], 0 * x[:, 3:]], axis=1),
-        )  # fmt: skip
-        yield AnswerFault(
-            "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
-            lambda s, c: _rotation_transposed(known.of_graphdyn(s, c)),
-        )  # fmt: skip
-    if known.name in ("frame_jacobian", "frame_velocity"):
-        yield from _rates_of_angles(known)
-    assert states.frame is not None
-    own = states.model.frame(states.frame)
-    for other in (*states.model.body_names, *(frame.name for frame in states.model.frames)):
-        if other != own.name:
-            yield AnswerFault(
-                "frame", f"the answers are those of frame '{other}'", f"frame '{own.name}' is asked for",
-                lambda s, c, name=other: known.of_graphdyn(dataclasses.replace(s, frame=name), c),  # type: ignore[misc]
-            )  # fmt: skip
-
-
-ANGLES = {"roll, pitch and yaw": "xyz", "yaw, pitch and roll": "ZYX", "the Euler angles of z, y, z": "ZYZ"}
-"""Angles of an attitude, in the notation of scipy: about fixed axes in small letters, about those that turn in capital
-ones."""
-
-
-def _rates_of_angles(known: Quantity) -> Iterator[AnswerFault]:
-    """Rates of angles in place of an angular velocity, the analytic Jacobian."""
-    for what, sequence in ANGLES.items():
-        yield AnswerFault(
-            "frame", f"the angular part is of the rates of {what}, not of the angular velocity",
-            "the geometric Jacobian is asked for: ω, not the rates of angles",
-            lambda s, c, sequence=sequence: _with_rates(known, sequence, s, c),  # type: ignore[misc]
-        )  # fmt: skip
-
-
-def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Chosen) -> Array:
-    from scipy.spatial.transform import Rotation  # imported where first used
-
-    R = FUNCTIONS["frame_placement"].of_graphdyn(states, {})[:, :3, :3]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # gimbal lock at special states
-        angles = Rotation.from_matrix(R).as_euler(sequence)
-    fixed = sequence.islower()
-    axes = [AXES[letter.lower()] + 0 * R[:, 0] for letter in sequence]
-    turn = np.eye(3) + 0 * R
-    for k in (2, 1, 0) if fixed else (0, 1, 2):  # the axis of each angle, after the turns that come later or before
-        axes[k] = np.einsum("nij,nj->ni", turn, axes[k])
-        turn = turn @ Rotation.from_rotvec(angles[:, k, None] * AXES[sequence[k].lower()]).as_matrix()
-    answer = known.of_graphdyn(states, chosen)
-    angular = known.of_graphdyn(states, {**chosen, "reference": "local_world_aligned", "order": "linear first"})
-    angular = np.moveaxis(angular, known.six, -1)[..., 3:]
-    solved = np.linalg.pinv(np.stack(axes, axis=-1)) @ np.moveaxis(angular.reshape(len(R), -1, 3), -1, -2)
-    rates = np.moveaxis(solved, -1, -2).reshape(angular.shape)
-    linear = np.moveaxis(linear_first(answer, chosen, known.six), known.six, -1)[..., :3]
-    found = np.moveaxis(np.concatenate([linear, rates], axis=-1), -1, known.six)
-    return linear_first(found, chosen, known.six)
-
-
-def _rotation_transposed(placed: Array) -> Array:
-    found = placed.copy()
-    found[:, :3, :3] = np.swapaxes(placed[:, :3, :3], -1, -2)
-    return found
 
 
 def _other_models(known: Quantity, model: RobotModel) -> Iterator[AnswerFault]:
@@ -327,19 +192,6 @@ def _factor(answer: Array, ours: Array) -> float:
     """Least squares."""
     size = float((ours**2).sum())
     return float((answer * ours).sum()) / size if size > 0 else 1.0
-
-
-FIRST_TRIAL_STATES = 5
-"""Number of states at which a fault is tried before it is tried at all of them."""
-
-
-@dataclass(frozen=True)
-class FoundFault:
-    """A fault that gives the answers of a function, the relative error that it leaves, and how the answers are read."""
-
-    said: FaultDescription
-    left: float
-    chosen: Chosen = field(default_factory=dict)
 
 
 def layout_fault(

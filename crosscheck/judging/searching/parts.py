@@ -12,7 +12,7 @@ import numpy as np
 
 from crosscheck.judging.faults.fault import FaultDescription, factor_said, round_factor
 from crosscheck.judging.observing.references import relative_errors
-from crosscheck.judging.searching.answer_faults import FoundFault
+from crosscheck.judging.searching.found_fault import FoundFault
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
 from crosscheck.quantities.measures import Chosen

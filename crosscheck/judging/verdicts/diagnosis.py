@@ -1,29 +1,22 @@
 """Diagnoses from observations: which faults, put into graphdyn, give the numbers of a function under test.
 
 Where several do, it says what would tell them apart; where none does, which parts are explained, and where the rest is.
-
-How precise the function is comes from differences of high order along short lines. A smooth function has vanishing
-differences of high order; what is left is the noise, multiplied by the root of a binomial coefficient. Hamming,
-"Introduction to Applied Numerical Analysis", 1971, chapter 6; Moré and Wild, "Estimating computational noise", SIAM
-Journal on Scientific Computing 33(3), 2011.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import comb
 
 import numpy as np
 
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.faults.file_reading import FileFaults
-from crosscheck.judging.faults.recursion import DynamicsCode, State, torques_of
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
-from crosscheck.judging.observing.function_under_test import FunctionFailure, FunctionUnderTest
+from crosscheck.judging.observing.noise import MAX_NOISE_FACTOR, precision_said
 from crosscheck.judging.observing.observation import Observation, of_experiments
-from crosscheck.judging.searching.search import Catalog, Explanation, Search, firsts, preference
+from crosscheck.judging.searching.explanation import Explanation, firsts, preference
+from crosscheck.judging.searching.search import Catalog, Search
 from crosscheck.judging.slips.search import SLIP_SIZE
 from crosscheck.judging.states import (
     EXPERIMENT_PARTS,
@@ -34,62 +27,7 @@ from crosscheck.judging.states import (
     split,
     torques,
 )
-from graphdyn import inverse_dynamics
-from graphdyn.layout import Array
-
-DIFFERENCE_ORDER = 8
-POINT_SPACING = 1e-5
-"""Distance between neighboring points, relative to the arguments: 80 units in the last place of single precision; terms
-that turn a thousand times as fast as the joints still vanish."""
-
-N_LINES = 5
-
-MAX_DOUBLE_NOISE = 1e-14
-"""Relative noise below which a function computes in double precision."""
-
-SINGLE_NOISE_RANGE = (1e-8, 2e-6)
-"""Relative noise of functions that compute in single precision."""
-
-
-def noise(function: FunctionUnderTest, states: JudgedStates) -> float:
-    """Relative noise of the answers: the median over lines of the largest standard deviation of an entry.
-
-    Zero where the function refuses a point of the lines.
-    """
-    rng = np.random.default_rng(0)
-    rows = np.arange(N_LINES) % len(states.q)
-    start = [x[rows] for x in function.known.arguments_at(states)]
-    ways = [POINT_SPACING * (0.5 + rng.random(x.shape)) * np.maximum(np.abs(x), 1e-2 * np.abs(x).max()) for x in start]
-    points = [
-        np.concatenate([x[:, None] + k * way[:, None] for k in range(DIFFERENCE_ORDER + 1)], axis=1).reshape(
-            -1, *x.shape[1:]
-        )
-        for x, way in zip(start, ways, strict=True)
-    ]
-    try:
-        answers = function(*points)
-    except FunctionFailure:
-        return 0.0
-    if function.name == "forward_dynamics":  # the torques that the accelerations need: without cond(M)
-        answers = inverse_dynamics(states.model, points[0], points[1], answers).tau
-    answers = answers.reshape(N_LINES, DIFFERENCE_ORDER + 1, -1)
-    left = np.diff(answers, DIFFERENCE_ORDER, axis=1)[:, 0] / np.sqrt(comb(2 * DIFFERENCE_ORDER, DIFFERENCE_ORDER))
-    size = np.abs(answers).max(axis=(1, 2))
-    relative = np.abs(left).max(axis=1) / np.where(size > 0, size, 1.0)
-    return float(np.median(relative))
-
-
-def precision_said(relative: float) -> str:
-    """What noise of this size means."""
-    if relative <= MAX_DOUBLE_NOISE:
-        return "double precision"
-    if SINGLE_NOISE_RANGE[0] <= relative <= SINGLE_NOISE_RANGE[1]:
-        return f"the answers have a noise of {relative:.1e}, as in single precision"
-    return f"the answers scatter by {relative:.1e} from one state to the next"
-
-
-MAX_NOISE_FACTOR = 10.0
-"""A fault explains a deviation if it leaves at most this many times the noise of the function, at every state."""
+from crosscheck.judging.verdicts.distinguishing import same_code, same_everywhere, what_distinguishes
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,65 +65,6 @@ def evidence_of(deviation: Deviation, before: Mapping[str, float], observed: Equ
     if deviation.noise > deviation.tolerance / MAX_NOISE_FACTOR:
         said.append(precision_said(deviation.noise))
     return "; ".join(said)
-
-
-COMPARED_STATES = 20
-
-TILTED_GRAVITIES = np.array([[9.81, 0.0, 0.0], [0.0, 9.81, 0.0], [3.0, 4.0, -5.0]])
-"""Further gravity vectors [m/s²]."""
-
-
-EQUAL_NUMBER_TOLERANCE = 1e-9
-"""Relative difference of two numbers that are the same."""
-
-
-def same_code(first: DynamicsCode, second: DynamicsCode) -> bool:
-    """Whether both have the same numbers and treat arguments and answers alike: one fault in two ways to say it."""
-    pairs = zip(dataclasses.astuple(first.numbers), dataclasses.astuple(second.numbers), strict=True)
-    alike = all(
-        np.allclose(x, y, rtol=EQUAL_NUMBER_TOLERANCE, atol=EQUAL_NUMBER_TOLERANCE * float(np.abs(x).max()))
-        for x, y in pairs
-    )
-    return alike and all(getattr(first, x) == getattr(second, x) for x in ("arguments", "answers", "recursion"))
-
-
-def same_everywhere(first: Explanation, second: Explanation, search: Search) -> bool:
-    """Whether both are one code for this robot: the same torques at any state and with any gravity."""
-    return not _differ(first.code, second.code, _far(search), search) and not _tilt(first, second, search)
-
-
-def what_distinguishes(first: Explanation, others: Sequence[Explanation], search: Search) -> str:
-    """An experiment in which the first differs from the others."""
-    if all(same_code(first.code, x.code) for x in others):
-        return "nothing: they are the same change of the numbers"
-    state = _far(search)
-    if all(_differ(first.code, x.code, state, search) for x in others):
-        return "states beyond the limits of the joints"
-    if all(_tilt(first, x, search) or _differ(first.code, x.code, state, search) for x in others):
-        return "states beyond the limits of the joints, or gravity in another direction (a tilted base)"
-    return "nothing: these faults give identical torques; check each place in the code"
-
-
-def _far(search: Search) -> State:
-    rng = np.random.default_rng(1)
-    shape = COMPARED_STATES, search.model.n_bodies
-    return tuple(width * rng.uniform(-1, 1, shape) for width in (3 * np.pi, 10.0, 30.0))  # type: ignore[return-value]
-
-
-def _tilt(first: Explanation, second: Explanation, search: Search) -> bool:
-    """Whether another gravity makes them differ; not where one of them is a fault of gravity."""
-    own = search.own.numbers.gravity
-    if not all(np.array_equal(x.code.numbers.gravity, own) for x in (first, second)):
-        return False
-    state = _far(search)
-    return any(_differ(first.code.but(gravity=g), second.code.but(gravity=g), state, search) for g in TILTED_GRAVITIES)
-
-
-def _differ(first: DynamicsCode, second: DynamicsCode, state: State, search: Search) -> bool:
-    one: Array
-    one, other = torques_of([first], state)[0], torques_of([second], state)[0]
-    size = np.abs(one).max(axis=1, keepdims=True)
-    return bool((np.abs(one - other) > 10 * search.bound * np.where(size > 0, size, 1.0)).any())
 
 
 MAX_ALTERNATIVES = 4

@@ -17,13 +17,15 @@ from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.function_under_test import FunctionFailure
+from crosscheck.judging.observing.noise import MAX_NOISE_FACTOR, noise
 from crosscheck.judging.observing.observation import observe, of_judged
 from crosscheck.judging.observing.references import found_conventions, relative_errors
-from crosscheck.judging.searching.answer_faults import FoundFault, answer_fault, factor_fault, layout_fault
+from crosscheck.judging.searching.answer_faults import answer_fault, factor_fault, layout_fault
+from crosscheck.judging.searching.found_fault import FoundFault
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.searching.parts import part_fault
 from crosscheck.judging.special_states import conditions, only_where
-from crosscheck.judging.verdicts.diagnosis import MAX_NOISE_FACTOR, Deviation, diagnose, diagnosis_of, noise
+from crosscheck.judging.verdicts.diagnosis import Deviation, diagnose, diagnosis_of
 from crosscheck.judging.verdicts.functions import diagnose_function
 from crosscheck.judging.verdicts.regions import region
 from crosscheck.judging.verdicts.verdicts import Judged, earlier_arguments, kept_between_calls

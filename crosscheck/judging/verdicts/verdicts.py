@@ -22,7 +22,7 @@ from crosscheck.judging.observing.references import (
     found_conventions,
     relative_errors,
 )
-from crosscheck.judging.searching.answer_faults import FIRST_TRIAL_STATES, FoundFault
+from crosscheck.judging.searching.found_fault import FIRST_TRIAL_STATES, FoundFault
 from crosscheck.judging.special_states import earlier_calls, in_a_row
 from crosscheck.judging.states import JudgedStates, joined
 from crosscheck.quantities import LOADS, argument_at

@@ -24,9 +24,9 @@ from crosscheck.judging.faults.inertials import inertials, parameters
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
 from crosscheck.judging.faults.signs import signs
 from crosscheck.judging.faults.terms import gravity, joint_terms, terms
+from crosscheck.judging.observing.noise import noise
 from crosscheck.judging.searching.own_faults import OWN_FAULTS
 from crosscheck.judging.states import JudgedStates
-from crosscheck.judging.verdicts.diagnosis import noise
 from graphdyn import JointLimits, inverse_dynamics
 from graphdyn.model import PARAMETER_NAMES
 from urdf.reading import Misreadings

@@ -9,20 +9,13 @@ import urdf
 from crosscheck.judging.faults.fault import CodeFault
 from crosscheck.judging.faults.recursion import DynamicsCode
 from crosscheck.judging.judgment import Diagnosis
+from crosscheck.judging.observing.noise import precision_said
 from crosscheck.judging.searching import search as search_room
+from crosscheck.judging.searching.explanation import Explanation, _differing, firsts, preference
 from crosscheck.judging.searching.fitting import _least_squares
-from crosscheck.judging.searching.search import Explanation, Search, _differing, _of_states, firsts, preference
-from crosscheck.judging.verdicts.diagnosis import (
-    _distinct,
-    _no_worse,
-    _tilt,
-    evidence_of,
-    explained,
-    merged,
-    precision_said,
-    same_code,
-    what_distinguishes,
-)
+from crosscheck.judging.searching.search import Search, _of_states
+from crosscheck.judging.verdicts.diagnosis import _distinct, _no_worse, evidence_of, explained, merged
+from crosscheck.judging.verdicts.distinguishing import _tilt, same_code, what_distinguishes
 
 BOUND = 1e-9
 PARTS = np.array(["gravity", "gravity", "inertia", "velocity"])
