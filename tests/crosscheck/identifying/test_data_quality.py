@@ -196,7 +196,7 @@ class TestRemedies:
         assert recorded_columns(own).zero == pytest.approx(zeros)
         assert not recorded_columns(bare).zero.any()
 
-    @pytest.mark.parametrize("code", few(MISTAKES, "late-torque"))
+    @pytest.mark.parametrize("code", few(MISTAKES))
     def test_pasted_lines_undo_the_mistake(self, file, right, code):
         found = found_of(file, code)
         finding = found.findings[0]

@@ -35,7 +35,7 @@ WRENCH = 50 * EPS
 SUM = 1e-13
 """The same sum in another order, relative to its largest term: measured 3.7e-15."""
 
-many = examples(25)
+many = examples(15)
 few = examples(2)
 """Compiling a robot's programs takes a second."""
 

@@ -397,6 +397,7 @@ class TestHalves:
         tau[len(tau) // 2 :, 1] *= -1
         return replace(piece, samples=replace(piece.samples, tau=tau))
 
+    @LONG
     def test_a_fault_of_one_half(self):
         found = assess_recording(torque_model(), [self.half_reversed(recording())])
         assert found.faults == ()

@@ -58,7 +58,7 @@ def few_equations():
         OrdinaryLeastSquares(),
         pytest.param(WeightedLeastSquares(), marks=LONG),
         pytest.param(GeneralizedLeastSquares(), marks=LONG),
-        ReweightedLeastSquares("huber"),
+        pytest.param(ReweightedLeastSquares("huber"), marks=LONG),
     ],
     ids=lambda method: method.name,
 )
