@@ -17,7 +17,7 @@ from crosscheck.judging.searching.parameters import OtherParameters, with_parame
 from crosscheck.reference.subject import subject
 from graphdyn import RobotModel
 
-MUSEUM_ARM = Path(__file__).parents[3] / "docs" / "museum" / "arm.urdf"
+MUSEUM_ARM = Path(__file__).parents[4] / "docs" / "museum" / "arm.urdf"
 """Its inertial frames are turned, and one of its links is fixed to another one."""
 
 BOUND = 1e-9
