@@ -39,7 +39,7 @@ class Written(Protocol):
     def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array: ...
 
 
-class Torques:
+class TorqueRecursion:
     """Joint torques in link axes."""
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
@@ -107,7 +107,7 @@ class AccelerationDerivative:
         singular = np.linalg.slogdet(mass)[0] == 0
         mass = np.where(singular[..., None, None], np.nan, mass)
         a = np.moveaxis(np.linalg.solve(mass, rest[..., None])[..., 0], -1, 0)
-        slopes = Derivative(Torques(), self.by).right(code, x, (q, v, a))
+        slopes = Derivative(TorqueRecursion(), self.by).right(code, x, (q, v, a))
         slopes = np.moveaxis(slopes.reshape(n, n, *slopes.shape[1:]), (0, 1), (-2, -1))
         found = np.moveaxis(-np.linalg.solve(mass, slopes), (-2, -1), (0, 1))
         return np.asarray(found.reshape(n * n, *found.shape[2:]))

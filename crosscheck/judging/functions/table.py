@@ -7,7 +7,7 @@ from typing import Any
 
 from crosscheck.judging.functions.articulated import articulated_bodies
 from crosscheck.judging.functions.bodies import BodySums
-from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, Torques, power
+from crosscheck.judging.functions.derivatives import AccelerationDerivative, Derivative, TorqueRecursion, power
 from crosscheck.judging.functions.frames import FrameFormulations
 from crosscheck.judging.functions.reactions import JointWrenches, Multipliers
 from crosscheck.judging.functions.regressed import BodyWrenches, Momenta
@@ -35,8 +35,8 @@ BODIES: Mapping[str, Callable[[BodySums], Formulation]] = {
 
 TORQUES: Mapping[str, Formulation] = {
     "power": power,
-    "dtau_dq": Derivative(Torques(), "q"),
-    "dtau_dv": Derivative(Torques(), "v"),
+    "dtau_dq": Derivative(TorqueRecursion(), "q"),
+    "dtau_dv": Derivative(TorqueRecursion(), "v"),
     "da_dq": AccelerationDerivative("q"),
     "da_dv": AccelerationDerivative("v"),
 }

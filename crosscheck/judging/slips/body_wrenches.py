@@ -87,7 +87,7 @@ FIRST_FORCE, FIRST_ALPHA = "m a in the force of the body", "ω̇ × m c in the f
 FIRST_OMEGA = "ω × (ω × m c) in the force of the body"
 EULER_AT_ORIGIN = "I ω̇, I about the link origin,"
 GYROSCOPIC_AT_ORIGIN = "ω × I ω, I about the link origin,"
-FIRST_MOMENT = "m c × a in the moment of the body"
+MOMENT_OF_WEIGHT = "m c × a in the moment of the body"
 
 
 def add_body_with_first_moments(
@@ -119,6 +119,6 @@ def add_body_with_first_moments(
     moment = moment + do.result(GYROSCOPIC_AT_ORIGIN, j, crossed(w, spun(w)), {
         "taken with J about the center of mass": lambda: crossed(w, turned(tensor, w)),
     })  # fmt: skip
-    moment = moment + do.result(FIRST_MOMENT, j, crossed(first, pulled))
+    moment = moment + do.result(MOMENT_OF_WEIGHT, j, crossed(first, pulled))
     wrenches[0].append(force)
     wrenches[1].append(moment)

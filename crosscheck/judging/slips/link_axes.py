@@ -49,7 +49,7 @@ from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Ope
 from graphdyn.layout import Array
 
 Parts = tuple[list[Array], list[Array]]
-"""Forces and moments, joint by joint or body by body, about the link origins, in link axes (3, K, R)."""
+"""Forces and moments of the joints, or of the bodies, about the link origins, in link axes (3, K, R)."""
 
 
 @dataclass(frozen=True)

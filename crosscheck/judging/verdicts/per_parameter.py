@@ -20,7 +20,7 @@ from graphdyn.layout import BODY_DOF, BODY_PARAMETERS, Array
 
 
 def _times(regressor: Array, parameters: Array) -> Array:
-    """Of all bodies together (N, …, 10 n), or body by body (N, n, 6, 10)."""
+    """What a regressor gives with parameters: one of all bodies (N, …, 10 n), or one of each (N, n, 6, 10)."""
     if regressor.shape[-1] == len(parameters):
         return regressor @ parameters
     found: Array = np.einsum("...bij,bj->...bi", regressor, parameters.reshape(-1, BODY_PARAMETERS))
