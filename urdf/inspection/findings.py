@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from lxml import etree
 
-from urdf.document.elements import describe, line_of
+from urdf.document.elements import describe, file_of, line_of
 from urdf.errors import URDFError, one_line
 
 Severity = Literal["error", "warning", "note"]
@@ -29,6 +29,7 @@ class Finding:
     severity: error: urdf.load refuses the file; warning: it loads, its dynamics are doubtful; note: good to know
     element: "link 'wrist'", "<mass> of link 'wrist'"; None for the file as a whole
     line: in the file, from 1; None where it is not known
+    file: where the line is, if not in the inspected file: one that it includes, or one beside it
     message: what is there, and what Pinocchio and yourdfpy do with it; remedy: what to do about it
     """
 
@@ -38,6 +39,7 @@ class Finding:
     line: int | None
     message: str
     remedy: str
+    file: str | None = None
 
     @property
     def text(self) -> str:
@@ -87,7 +89,8 @@ class Inspection:
 
 def report(robot: str, path: str | None, findings: list[Finding]) -> Inspection:
     """The report of these findings: by severity, then by line, those of the whole file first."""
-    in_order = sorted(findings, key=lambda finding: (SEVERITIES.index(finding.severity), finding.line or 0))
+    here = [replace(finding, file=None) if finding.file in (path, robot) else finding for finding in findings]
+    in_order = sorted(here, key=lambda each: (SEVERITIES.index(each.severity), each.file or "", each.line or 0))
     return Inspection(robot, path, tuple(in_order))
 
 
@@ -272,26 +275,42 @@ REMEDIES: Mapping[Severity, Mapping[str, str]] = {
 """Remedy of a finding by severity and code, of all that urdf.load does not refuse."""
 
 
-def found(code: str, problem: str, element: str | None, line: int | None, severity: Severity | None = None) -> Finding:
+def found(
+    code: str,
+    problem: str,
+    element: str | None,
+    line: int | None,
+    file: str | None,
+    severity: Severity | None = None,
+) -> Finding:
     """A finding of REMEDIES. severity: for codes that have several; by default the highest of the code."""
     possible = [one for one in SEVERITIES if code in REMEDIES[one]]
     severity = severity or possible[0]
-    return Finding(code, severity, element, line, told(code, problem), REMEDIES[severity][code])
+    return Finding(code, severity, element, line, told(code, problem), REMEDIES[severity][code], file)
 
 
 def about(code: str, element: etree._Element, problem: str, severity: Severity | None = None) -> Finding:
     """A finding about an element."""
-    return found(code, problem, describe(element), line_of(element), severity)
+    return found(code, problem, describe(element), line_of(element), file_of(element), severity)
 
 
-def of_file(code: str, problem: str, line: int | None = None, severity: Severity | None = None) -> Finding:
-    """A finding about the file as a whole; line: the first place."""
-    return found(code, problem, None, line, severity)
+def of_file(
+    code: str,
+    problem: str,
+    line: int | None = None,
+    severity: Severity | None = None,
+    at: etree._Element | None = None,
+) -> Finding:
+    """A finding about the file as a whole; line, or at: the first place."""
+    if at is None:
+        return found(code, problem, None, line, None, severity)
+    return found(code, problem, None, line_of(at), file_of(at), severity)
 
 
 def refusal(error: URDFError) -> Finding:
     """What urdf.load raises, as a finding."""
-    return Finding(error.code, "error", error.element, error.line, told(error.code, error.problem), error.remedy)
+    file = None if error.path is None else str(error.path)
+    return Finding(error.code, "error", error.element, error.line, told(error.code, error.problem), error.remedy, file)
 
 
 def told(code: str, problem: str) -> str:
