@@ -163,6 +163,7 @@ them are not listed."""
 
 
 NOTHING = "no action needed"
+"""Begins the remedy of what is fine as it is."""
 
 REMEDIES: Mapping[Severity, Mapping[str, str]] = {
     "error": {
