@@ -21,8 +21,8 @@ from crosscheck.commands.crosscheck import folder_report as report_of_folder
 from crosscheck.commands.crosscheck import folder_report as summary
 from crosscheck.commands.crosscheck.folder_file import NAMES_BEFORE, SweepFile
 from crosscheck.commands.program import console
-from crosscheck.commands.program.failures import failure
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
+from crosscheck.commands.program.failures import failure
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import part_of_bound
