@@ -9,24 +9,24 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from crosscheck.commands.program.failures import failed_check
-from crosscheck.report.findings.checks import Check, CommandFinding
+from crosscheck.report.findings.checks import CommandFinding, RobotCheck
 
-REMEDY = "reproduce it by the code on the page of --html, and inspect the file: graphdyn inspect"
+DISAGREEMENT_REMEDY = "reproduce it by the code on the page of --html, and inspect the file: graphdyn inspect"
 
 
-def crosscheck_checks(records: Sequence[Mapping[str, Any]], failures: Sequence[Mapping[str, Any]]) -> list[Check]:
+def crosscheck_checks(records: Sequence[Mapping[str, Any]], failures: Sequence[Mapping[str, Any]]) -> list[RobotCheck]:
     """records: of the robots that were compared; failures: of the others"""
     checks = [check for record in records for check in _of_robot(record)]
     return [*checks, *(failed_check(failed, "compared") for failed in failures)]
 
 
-def _of_robot(record: Mapping[str, Any]) -> Iterator[Check]:
+def _of_robot(record: Mapping[str, Any]) -> Iterator[RobotCheck]:
     robot = record["robot"]
     for name, quantity in record["quantities"].items():
         found = () if quantity["agrees"] else (_finding(record, name, quantity),)
-        yield Check(robot, name, found)
+        yield RobotCheck(robot, name, found)
     for name, reason in record["not_compared"].items():
-        yield Check(robot, name, skipped=f"not compared: {reason}")
+        yield RobotCheck(robot, name, skipped=f"not compared: {reason}")
 
 
 def _finding(record: Mapping[str, Any], name: str, quantity: Mapping[str, Any]) -> CommandFinding:
@@ -35,4 +35,6 @@ def _finding(record: Mapping[str, Any], name: str, quantity: Mapping[str, Any]) 
     where = f", worst at {worst['case']} (route {worst['route']})" if worst else ""
     message = f"graphdyn and Pinocchio disagree: relative error {said}, bound {quantity['bound']:.1e}{where}"
     file = record["file"] or record["robot"]
-    return CommandFinding("disagreement", "error", record["robot"], name, file, 1, message, REMEDY, fails=True)
+    return CommandFinding(
+        "disagreement", "error", record["robot"], name, file, 1, message, DISAGREEMENT_REMEDY, fails=True
+    )

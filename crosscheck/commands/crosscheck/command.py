@@ -87,7 +87,7 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
     from crosscheck.comparing.compare import compare, count_states
     from crosscheck.report.records.record import plain
 
-    accepted = options.accepted
+    accepted = options.accepted("crosscheck")
     comparisons, failures = [], []
     for number, (robot, how) in enumerate(choice, start=1):
         title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"

@@ -74,7 +74,7 @@ def examine(task: ComparisonTask) -> ComparisonOutcome:
 def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
     """Compare all robots and files below folders, report, and return the exit code."""
     samples, seed, json_file = options.samples, options.seed, options.json_file
-    accepted = options.accepted
+    accepted = options.accepted("crosscheck")
     robots, failures = [], []
     for argument in options.robots or []:
         try:

@@ -6,28 +6,28 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 from crosscheck.commands.program.failures import failed_check
-from crosscheck.report.findings.checks import Check, CommandFinding
+from crosscheck.report.findings.checks import CommandFinding, RobotCheck
 from urdf import Finding, Inspection
 from urdf.inspection import NOTHING
 
 
 def inspect_checks(
     inspected: Sequence[Inspection], failures: Sequence[Mapping[str, Any]], fail_on: Literal["error", "warning"]
-) -> list[Check]:
+) -> list[RobotCheck]:
     """failures: arguments that stand for no file; fail_on: the least severity that fails the command"""
     checks = [check for file in inspected for check in _of_file(file, fail_on)]
     return [*checks, *(failed_check(failed, "found") for failed in failures)]
 
 
-def _of_file(file: Inspection, fail_on: str) -> Iterator[Check]:
+def _of_file(file: Inspection, fail_on: str) -> Iterator[RobotCheck]:
     reasons = set(file.reasons)
     for code in file.codes:
         found = (finding for finding in file.findings if finding.code == code)
-        yield Check(
+        yield RobotCheck(
             file.robot, code, tuple(_finding(file, finding, finding.text in reasons, fail_on) for finding in found)
         )
     if not file.codes:
-        yield Check(file.robot, "inspected")
+        yield RobotCheck(file.robot, "inspected")
 
 
 def _finding(file: Inspection, finding: Finding, decides: bool, fail_on: str) -> CommandFinding:

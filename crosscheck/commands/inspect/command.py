@@ -60,7 +60,7 @@ def run(context: typer.Context, options: InspectOptions) -> None:
     from crosscheck.commands.inspect.report import inspect_report
     from urdf import inspect
 
-    accepted = options.accepted
+    accepted = options.accepted("inspect")
     robots, failures = [], []
     for given in options.files:
         try:

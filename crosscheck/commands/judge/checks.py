@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from crosscheck.judging.judgment import Diagnosis, JudgedFunction, Judgment
-from crosscheck.report.findings.checks import Check, CommandFinding
+from crosscheck.report.findings.checks import CommandFinding, RobotCheck
 
 
-def judge_checks(judgment: Judgment, places: Mapping[str, tuple[str, int]]) -> list[Check]:
+def judge_checks(judgment: Judgment, places: Mapping[str, tuple[str, int]]) -> list[RobotCheck]:
     """places: file and line of functions, by name; faults of others are told at the robot's file"""
     robot = judgment.file or judgment.robot
     return [
-        Check(judgment.robot, name, _findings(judgment, function, places.get(name, (robot, 1))))
+        RobotCheck(judgment.robot, name, _findings(judgment, function, places.get(name, (robot, 1))))
         for name, function in judgment.functions.items()
     ]
 

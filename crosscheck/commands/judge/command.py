@@ -150,7 +150,7 @@ def run(options: JudgeOptions) -> None:
     part where it is installed.
     """
     robot, answers, setting = options.robot, options.answers or [], options.setting
-    accepted = options.accepted
+    accepted = options.accepted("judge")
     with user_programs(options) as programs:
         functions, places = options.functions(programs)
         from crosscheck.commands.judge.checks import judge_checks

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from crosscheck.report.findings.checks import Check, CommandFinding
+from crosscheck.report.findings.checks import CommandFinding, RobotCheck
 
 Failure = dict[str, Any]
 """robot, message, code, file, line; the last two may be None."""
@@ -25,10 +25,10 @@ def failure(robot: str, error: Exception | str, code: str = "not-compared") -> F
     }
 
 
-def failed_check(failed: Mapping[str, Any], name: str) -> Check:
+def failed_check(failed: Mapping[str, Any], name: str) -> RobotCheck:
     """The check that could not be made. name: of the check"""
     robot, file, line = failed["robot"], failed["file"] or failed["robot"], failed["line"] or 1
     finding = CommandFinding(
         failed["code"], "error", robot, "", file, line, failed["message"], fails=True, bad_input=True
     )
-    return Check(robot, name, (finding,))
+    return RobotCheck(robot, name, (finding,))

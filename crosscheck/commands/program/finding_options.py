@@ -23,7 +23,7 @@ from crosscheck.report.report import Note, Notes, Report, Section, Verdict
 from graphdyn.errors import counted as numbered
 
 if TYPE_CHECKING:
-    from crosscheck.report.findings.checks import Check
+    from crosscheck.report.findings.checks import RobotCheck
     from crosscheck.report.findings.counted import CountedFindings
     from crosscheck.report.findings.waivers import Waiver
     from crosscheck.viewing.figures import Figure
@@ -73,19 +73,20 @@ class FindingOptions:
         typer.Option(metavar="FILE", help="TOML file of findings that are accepted, with reasons (docs/ci.md)."),
     ] = None
 
-    @property
-    def accepted(self) -> AcceptedFindings:
-        """What --baseline and --waivers say. Raises InvalidInput, OSError."""
+    def accepted(self, command: str) -> AcceptedFindings:
+        """What --baseline and --waivers say to this command. Raises InvalidInput, OSError."""
         from crosscheck.report.findings.sarif import fingerprints_in
         from crosscheck.report.findings.waivers import read_waivers
 
-        baseline = None if self.baseline is None else fingerprints_in(self.baseline.read_bytes(), str(self.baseline))
-        return AcceptedFindings(baseline, () if self.waivers is None else read_waivers(self.waivers))
+        known = None
+        if self.baseline is not None:
+            known = fingerprints_in(self.baseline.read_bytes(), str(self.baseline), command)
+        return AcceptedFindings(known, () if self.waivers is None else read_waivers(self.waivers, command))
 
 
 def deliver_findings(
     command: str,
-    checks: Sequence[Check],
+    checks: Sequence[RobotCheck],
     report: Report,
     options: FindingOptions,
     accepted: AcceptedFindings,

@@ -59,7 +59,7 @@ class CommandFinding:
 
 
 @dataclass(frozen=True)
-class Check:
+class RobotCheck:
     """One question about one robot. skipped: why it was not asked, "" if it was"""
 
     robot: str
@@ -68,7 +68,7 @@ class Check:
     skipped: str = ""
 
 
-def all_findings(checks: Iterable[Check]) -> list[CommandFinding]:
+def all_findings(checks: Iterable[RobotCheck]) -> list[CommandFinding]:
     """The findings of all checks, in their order."""
     return [finding for check in checks for finding in check.findings]
 

@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from datetime import date
 
-from crosscheck.report.findings.checks import NEVER_FORGIVEN, Check, CommandFinding, all_findings, fingerprints
+from crosscheck.report.findings.checks import NEVER_FORGIVEN, CommandFinding, RobotCheck, all_findings, fingerprints
 from crosscheck.report.findings.waivers import Waiver
 
 
@@ -19,7 +19,7 @@ class CountedFindings:
     unused, expired: waivers without effect: no finding, or too late
     """
 
-    checks: tuple[Check, ...]
+    checks: tuple[RobotCheck, ...]
     findings: tuple[CommandFinding, ...]
     new: tuple[int, ...]
     known: tuple[int, ...]
@@ -30,7 +30,7 @@ class CountedFindings:
 
     @property
     def failing(self) -> list[CommandFinding]:
-        """Those that make the command fail."""
+        """The findings that make the command fail."""
         return [self.findings[k] for k in self.new if self.findings[k].fails]
 
     @property
@@ -43,7 +43,7 @@ class CountedFindings:
 
 
 def count(
-    checks: Sequence[Check], baseline: Collection[str], waivers: Sequence[Waiver], today: date
+    checks: Sequence[RobotCheck], baseline: Collection[str], waivers: Sequence[Waiver], today: date
 ) -> CountedFindings:
     """baseline: fingerprints; today: by which waivers expire"""
     findings = all_findings(checks)

@@ -10,11 +10,11 @@ from itertools import groupby
 
 from lxml import etree
 
-from crosscheck.report.findings.checks import Check, CommandFinding, path_here
+from crosscheck.report.findings.checks import CommandFinding, RobotCheck, path_here
 from crosscheck.report.plain_text import bounded, printable
 
 
-def junit(command: str, checks: Sequence[Check], forgiven: Mapping[int, str]) -> bytes:
+def junit(command: str, checks: Sequence[RobotCheck], forgiven: Mapping[int, str]) -> bytes:
     """The content of a JUnit file.
 
     forgiven: why a finding does not count, by its number among those of all checks
@@ -33,7 +33,7 @@ def junit(command: str, checks: Sequence[Check], forgiven: Mapping[int, str]) ->
     return content
 
 
-def _case(suite: etree._Element, command: str, check: Check, reasons: Sequence[str]) -> None:
+def _case(suite: etree._Element, command: str, check: RobotCheck, reasons: Sequence[str]) -> None:
     name = _said(path_here(check.robot))
     case = etree.SubElement(suite, "testcase", classname=f"{command}.{name}", name=_said(check.name))
     failing: list[CommandFinding] = []

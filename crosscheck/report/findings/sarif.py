@@ -46,7 +46,7 @@ def sarif(command: str, findings: Sequence[CommandFinding], known: Collection[st
     }
     run = {
         "tool": {"driver": driver},
-        "automationDetails": {"id": f"graphdyn-{command}/"},
+        "automationDetails": {"id": _category(command)},
         "columnKind": "unicodeCodePoints",
         "results": results,
     }
@@ -92,13 +92,23 @@ def _said(text: str) -> str:
     return printable(bounded(text))
 
 
-def fingerprints_in(content: bytes, name: str) -> frozenset[str]:
-    """The fingerprints of a SARIF file that was written earlier. Raises InvalidInput, with its name, for another."""
+def _category(command: str) -> str:
+    """Under which code scanning keeps the findings of a command apart from others; the slash ends it."""
+    return f"graphdyn-{command}/"
+
+
+def fingerprints_in(content: bytes, name: str, command: str) -> frozenset[str]:
+    """The fingerprints of a SARIF file that the command wrote earlier.
+
+    name: of the file
+
+    Raises InvalidInput, with the name, for any other file.
+    """
     try:
-        results = [result for run in json.loads(content)["runs"] for result in run["results"]]
-        found = [result["partialFingerprints"][FINGERPRINT] for result in results]
+        runs = [run for run in json.loads(content)["runs"] if run["automationDetails"]["id"] == _category(command)]
+        found = [result["partialFingerprints"][FINGERPRINT] for run in runs for result in run["results"]]
     except (ValueError, LookupError, TypeError, RecursionError):
-        found = [None]
-    if not all(isinstance(one, str) for one in found):
-        raise InvalidInput(f"{name}: is no SARIF file of graphdyn; write one with --sarif FILE, and give that")
+        runs, found = [], []
+    if not runs or not all(isinstance(one, str) for one in found):
+        raise InvalidInput(f"{name}: is no SARIF file of graphdyn {command}; write one with --sarif, and give that")
     return frozenset(found)

@@ -1,10 +1,12 @@
 """Waivers: findings that the maintainers of a robot accept, with the reason, in a TOML file.
 
-[[waiver]]
-code = "heavy-link"
-element = "link 'base'"
-reason = "cast iron, 41 kg by the data sheet"
-until = 2027-06-30
+    [[waiver]]
+    code = "heavy-link"
+    element = "link 'base'"
+    reason = "cast iron, 41 kg by the data sheet"
+    until = 2027-06-30
+
+A waiver is for one command, `inspect` unless it says `command = "crosscheck"`.
 """
 
 from __future__ import annotations
@@ -18,12 +20,12 @@ from crosscheck.report.findings.checks import NEVER_FORGIVEN, CommandFinding, pa
 from crosscheck.toml_text import toml_document
 from graphdyn import InvalidInput
 
-ENTRIES = ("code", "element", "file", "reason", "until")
+ENTRIES = ("code", "element", "file", "command", "reason", "until")
 
 
 @dataclass(frozen=True)
 class Waiver:
-    """code, reason: as written; element, file: "" for any; file may be a pattern such as "robots/*.urdf"
+    """code, reason, command: as written; element, file: "" for any; file may be a pattern such as "robots/*.urdf"
 
     until: the last day on which it counts, None for always; number: in its file, from 1
     """
@@ -32,6 +34,7 @@ class Waiver:
     reason: str
     element: str
     file: str
+    command: str
     until: date | None
     number: int
 
@@ -53,8 +56,8 @@ class Waiver:
         return f"waiver {self.number} ({', '.join(part for part in (self.code, self.element, self.file) if part)})"
 
 
-def read_waivers(path: Path) -> tuple[Waiver, ...]:
-    """Raises InvalidInput, which names file, entry and remedy; OSError."""
+def read_waivers(path: Path, command: str) -> tuple[Waiver, ...]:
+    """The waivers for a command. Raises InvalidInput, which names file, entry and remedy; OSError."""
     try:
         document = toml_document(path.read_bytes())
     except ValueError as error:
@@ -64,7 +67,8 @@ def read_waivers(path: Path) -> tuple[Waiver, ...]:
     if unknown or not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
         said = f"knows no '{unknown[0]}'" if unknown else "'waiver' is no list of tables"
         raise InvalidInput(f"{path}: {said}; write each waiver below a line [[waiver]]")
-    return tuple(_waiver(path, number, entry) for number, entry in enumerate(entries, start=1))
+    waivers = [_waiver(path, number, entry) for number, entry in enumerate(entries, start=1)]
+    return tuple(waiver for waiver in waivers if waiver.command == command)
 
 
 def _waiver(path: Path, number: int, entry: dict[str, Any]) -> Waiver:
@@ -78,10 +82,11 @@ def _waiver(path: Path, number: int, entry: dict[str, Any]) -> Waiver:
         if name not in entry:
             remedy = "write why the finding is accepted" if name == "reason" else "write the code of the finding"
             raise refuse(f"'{name}' is missing", remedy)
-    for name in ("code", "reason", "element", "file"):
+    for name in ("code", "reason", "element", "file", "command"):
         if name in entry and not (isinstance(entry[name], str) and entry[name].strip()):
             raise refuse(f"'{name}' is no text, or empty", f'write {name} = "…"')
     until = entry.get("until")
     if until is not None and (not isinstance(until, date) or isinstance(until, datetime)):
         raise refuse("'until' is no date", "write the last day without quotes, such as until = 2027-06-30")
-    return Waiver(entry["code"], entry["reason"], entry.get("element", ""), entry.get("file", ""), until, number)
+    element, file = entry.get("element", ""), entry.get("file", "")
+    return Waiver(entry["code"], entry["reason"], element, file, entry.get("command", "inspect"), until, number)

@@ -1,4 +1,4 @@
-"""Where the elements of an expansion are written: a part of the process that expands, without imports of ours.
+"""Files and lines in which the elements of an expansion are written: part of the process that expands.
 
 xacro forgets lines. Here every element keeps its file and the line where its tag begins, also when xacro copies it.
 Where all its numbers come from one other place, such as the call of a macro or a property, that place is the
@@ -22,7 +22,7 @@ REFERENCES = ("name", "link", "joint", "type", "filename")
 """Attributes that are no numbers: prefixes come to them through every macro."""
 
 EXPRESSION = re.compile(r"\$\{([^}]*)\}|\$\([^)]*\)")
-IDENTIFIER = re.compile(r"[A-Za-z_]\w*")
+VARIABLE = re.compile(r"[A-Za-z_]\w*")
 NONZERO = re.compile(r"[1-9]|[A-Za-z]")
 
 
@@ -99,7 +99,7 @@ class Places:
 
     def _sources(self, text: str, symbols: Any, node: Any) -> set[Place]:
         """The places that its numbers come from: none for zeros, its own for what stands there."""
-        names = [name for expression in EXPRESSION.findall(text) for name in IDENTIFIER.findall(expression)]
+        names = [name for expression in EXPRESSION.findall(text) for name in VARIABLE.findall(expression)]
         found = {place for name in names for place in _places(symbols, name)}
         if NONZERO.search(EXPRESSION.sub("", text)) or ("$" in text and not found):
             found.add(node.getUserData(KEY))
