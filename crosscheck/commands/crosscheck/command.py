@@ -62,7 +62,7 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
     if options.exact is not None:
         refuse(options, ("samples", "resume"), "is not for --exact [N], which says how many random states are measured")
-        refuse(options, ("sarif_file", "junit_file", "baseline", "waivers"), "is not for --exact, which finds no fault")
+        options.refuse("is not for --exact, which measures errors and finds no fault")
     else:
         refuse(options, ("truth",), "is for --exact")
     if folder and options.three_d:

@@ -73,6 +73,16 @@ class FindingOptions:
         typer.Option(metavar="FILE", help="TOML file of findings that are accepted, with reasons (docs/ci.md)."),
     ] = None
 
+    def refuse(self, why: str) -> None:
+        """Raise typer.BadParameter for the first of these options that is given. why: after its name"""
+        given = {
+            "--sarif": self.sarif_file, "--junit": self.junit_file,
+            "--baseline": self.baseline, "--waivers": self.waivers,
+        }  # fmt: skip
+        for option, value in given.items():
+            if value is not None:
+                raise typer.BadParameter(f"{option} {why}")
+
     def accepted(self, command: str) -> AcceptedFindings:
         """What --baseline and --waivers say to this command. Raises InvalidInput, OSError."""
         from crosscheck.report.findings.sarif import fingerprints_in

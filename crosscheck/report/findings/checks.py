@@ -49,8 +49,8 @@ class CommandFinding:
 
     @property
     def needs_action(self) -> bool:
-        """Whether it is worth a line beside the code; the report has the others."""
-        return self.level != "note" or bool(self.remedy)
+        """Whether it is worth a line beside the code: notes only of elements to be changed. The report has all."""
+        return self.level != "note" or bool(self.remedy and self.element)
 
     @property
     def place(self) -> str:
@@ -93,7 +93,7 @@ def fingerprints(findings: Sequence[CommandFinding]) -> list[str]:
 def uri(file: str) -> str:
     """Relative to the working folder for a file below it, as code scanning needs it; else with its whole path."""
     relative = _below(file)
-    return Path(os.path.abspath(file)).as_uri() if relative is None else quote(relative)
+    return Path(os.path.abspath(file)).as_uri() if relative is None else quote(os.fsencode(relative))
 
 
 def path_here(file: str) -> str:

@@ -45,7 +45,7 @@ def _case(suite: etree._Element, command: str, check: RobotCheck, reasons: Seque
         else:
             (failing if finding.fails else others).append(finding)
     if failing:
-        case.set("file", path_here(failing[0].file))
+        case.set("file", _said(path_here(failing[0].file)))
         case.set("line", str(failing[0].line))
         failure = etree.SubElement(case, "failure", message=_said(failing[0].text), type=failing[0].code)
         failure.text = "\n".join(map(_line, failing))
