@@ -55,12 +55,12 @@ VERDICT_COLORS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "d
 
 
 def renderables(report: Report, width: int) -> Iterator[RenderableType]:
-    """The report, for lines of this many characters. Its verdict is the first line, and the last one too."""
+    """The report, for lines of this many characters, from its verdict on. One with a table ends with it, too."""
     if report.verdict is not None:
         yield _headline(report.title, report.verdict)
     parts = [part for section in report.ordered for part in _section(section, width)]
     yield from parts
-    if report.verdict is not None and parts:
+    if report.verdict is not None and (len(report.ordered) > 1 or any(isinstance(x, RichTable) for x in parts)):
         yield Padding(_closing(report.title, report.verdict, width), (1, 0, 0, 0), expand=False)
 
 

@@ -71,14 +71,18 @@ def test_a_table_without_rows_but_columns():
 def test_the_last_line_is_the_verdict(width, last):
     """With the reason, its first sentence, or without, as the line has room: the end is what people read."""
     verdict = Verdict("agrees", "agrees", "All do. Some\nare shown.")
-    section = Section("one", "one", (Prose("words"),))
-    lines = [line.strip() for line in as_text(Report("Robots", verdict, (section,)), width).rstrip().splitlines()]
+    table = Table((Column("link", "name"),), (Row(("base",)),))
+    lines = [
+        line.strip()
+        for line in as_text(Report("Robots", verdict, (Section("one", "one", (table,)),)), width).rstrip().splitlines()
+    ]
     assert lines[0] == "Robots: agrees"
     assert lines[-2:] == ["", last.replace("\n", " ")]
 
 
 def test_nothing_to_end():
-    """What has no verdict, and what is a headline alone."""
+    """What has no verdict, and what is short."""
     section = Section("one", "one", (Prose("words"),))
-    assert as_text(Report("Robots", None, (section,))).rstrip().endswith("words")
+    for verdict in (None, Verdict("agrees", "agrees")):
+        assert as_text(Report("Robots", verdict, (section,))).rstrip().endswith("words")
     assert as_text(Report("Robots", Verdict("agrees", "agrees"), ())) == "Robots: agrees\n"
