@@ -7,7 +7,7 @@ raise typer.Exit(deliver_findings("inspect", checks, report, options, accepted))
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import date
 from pathlib import Path
@@ -34,9 +34,9 @@ MAX_TOLD = 3
 
 @dataclass(frozen=True)
 class AcceptedFindings:
-    """baseline: fingerprints of a SARIF file, None where none is given; waivers: of a TOML file"""
+    """baseline: file by fingerprint, of a SARIF file, None where none is given; waivers: of a TOML file"""
 
-    baseline: frozenset[str] | None = None
+    baseline: Mapping[str, str] | None = None
     waivers: tuple[Waiver, ...] = ()
 
     @property
@@ -85,12 +85,12 @@ class FindingOptions:
 
     def accepted(self, command: str) -> AcceptedFindings:
         """What --baseline and --waivers say to this command. Raises InvalidInput, OSError."""
-        from crosscheck.report.findings.sarif import fingerprints_in
+        from crosscheck.report.findings.sarif import baseline_in
         from crosscheck.report.findings.waivers import read_waivers
 
         known = None
         if self.baseline is not None:
-            known = fingerprints_in(self.baseline.read_bytes(), str(self.baseline), command)
+            known = baseline_in(self.baseline.read_bytes(), str(self.baseline), command)
         return AcceptedFindings(known, () if self.waivers is None else read_waivers(self.waivers, command))
 
 
@@ -110,7 +110,7 @@ def deliver_findings(
     from crosscheck.report.findings.junit import junit
     from crosscheck.report.findings.sarif import sarif
 
-    counted = count(checks, accepted.baseline or (), accepted.waivers, date.today())
+    counted = count(checks, accepted.baseline or {}, accepted.waivers, date.today())
     if options.sarif_file is not None:
         unwaived = [counted.findings[k] for k in sorted((*counted.new, *counted.known))]
         worth = [finding for finding in unwaived if finding.needs_action]
@@ -159,7 +159,10 @@ def _waived(counted: CountedFindings) -> list[Note]:
 
 def _without_effect(counted: CountedFindings) -> list[Note]:
     """Waivers and parts of a baseline to be removed."""
-    notes = [Note(f"{each.text} covers no finding; remove it", state="undecided") for each in counted.unused]
+    notes = [
+        Note(f"{each.text} covers no finding here; remove it if that holds for all robots", state="undecided")
+        for each in counted.unused
+    ]
     notes += [
         Note(f"{each.text} ended on {each.until}: its findings count again; correct them, or state a later day",
              state="undecided")

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
 
-from crosscheck.report.findings.checks import NEVER_FORGIVEN, CommandFinding, RobotCheck, all_findings, fingerprints
+from crosscheck.report.findings.checks import (
+    NEVER_FORGIVEN,
+    CommandFinding,
+    RobotCheck,
+    all_findings,
+    fingerprints,
+    uri,
+)
 from crosscheck.report.findings.waivers import Waiver
 
 
@@ -15,8 +22,8 @@ class CountedFindings:
     """The findings of all checks, sorted out.
 
     new: those that count, by their numbers; known: those of the baseline; waived: by which waiver
-    gone: number of the findings of the baseline that are no longer there
-    unused, expired: waivers without effect: no finding, or too late
+    gone: number of the findings of the baseline, about files that were looked at, that are no longer there
+    unused, expired: waivers without effect: no finding in the files that were looked at, or too late
     """
 
     checks: tuple[RobotCheck, ...]
@@ -43,9 +50,9 @@ class CountedFindings:
 
 
 def count(
-    checks: Sequence[RobotCheck], baseline: Collection[str], waivers: Sequence[Waiver], today: date
+    checks: Sequence[RobotCheck], baseline: Mapping[str, str], waivers: Sequence[Waiver], today: date
 ) -> CountedFindings:
-    """baseline: fingerprints; today: by which waivers expire"""
+    """baseline: file by fingerprint; today: by which waivers expire"""
     findings = all_findings(checks)
     prints = fingerprints(findings)
     valid = [waiver for waiver in waivers if not waiver.expired(today)]
@@ -58,14 +65,20 @@ def count(
             known.append(k)
         else:
             new.append(k)
-    unused = [waiver for waiver in valid if not any(waiver.covers(finding) for finding in findings)]
+    files = {check.robot for check in checks} | {finding.file for finding in findings}
+    unused = [
+        waiver
+        for waiver in valid
+        if any(map(waiver.is_about, files)) and not any(waiver.covers(finding) for finding in findings)
+    ]
+    seen = set(map(uri, files))
     return CountedFindings(
         tuple(checks),
         tuple(findings),
         tuple(new),
         tuple(known),
         tuple(waived),
-        len(set(baseline) - set(prints)),
+        sum(file in seen for mark, file in baseline.items() if mark not in prints),
         tuple(unused),
         tuple(waiver for waiver in waivers if waiver.expired(today)),
     )

@@ -97,8 +97,8 @@ def _category(command: str) -> str:
     return f"graphdyn-{command}/"
 
 
-def fingerprints_in(content: bytes, name: str, command: str) -> frozenset[str]:
-    """The fingerprints of a SARIF file that the command wrote earlier.
+def baseline_in(content: bytes, name: str, command: str) -> dict[str, str]:
+    """The fingerprints in a SARIF file that the command wrote earlier, and the file that each is about, as in it.
 
     name: of the file
 
@@ -106,9 +106,16 @@ def fingerprints_in(content: bytes, name: str, command: str) -> frozenset[str]:
     """
     try:
         runs = [run for run in json.loads(content)["runs"] if run["automationDetails"]["id"] == _category(command)]
-        found = [result["partialFingerprints"][FINGERPRINT] for run in runs for result in run["results"]]
+        found = {
+            result["partialFingerprints"][FINGERPRINT]: _file_of(result) for run in runs for result in run["results"]
+        }
     except (ValueError, LookupError, TypeError, RecursionError):
-        runs, found = [], []
-    if not runs or not all(isinstance(one, str) for one in found):
+        runs, found = [], {}
+    if not runs or not all(isinstance(text, str) for pair in found.items() for text in pair):
         raise InvalidInput(f"{name}: is no SARIF file of graphdyn {command}; write one with --sarif, and give that")
-    return frozenset(found)
+    return found
+
+
+def _file_of(result: Any) -> str:
+    file: str = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    return file

@@ -44,8 +44,12 @@ class Waiver:
             finding.code == self.code
             and finding.code not in NEVER_FORGIVEN
             and self.element in ("", finding.element)
-            and (not self.file or PurePosixPath(path_here(finding.file)).match(self.file))
+            and self.is_about(finding.file)
         )
+
+    def is_about(self, file: str) -> bool:
+        """Whether it may speak of findings in this file."""
+        return not self.file or PurePosixPath(path_here(file)).match(self.file)
 
     def expired(self, today: date) -> bool:
         return self.until is not None and today > self.until

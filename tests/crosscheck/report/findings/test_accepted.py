@@ -29,19 +29,25 @@ def waivers(tmp_path):
     return read
 
 
-def counted(findings, baseline=(), waivers=()):
-    return count([RobotCheck("arm", "check", tuple(findings))], baseline, waivers, TODAY)
+def known(*findings):
+    return dict.fromkeys(fingerprints(findings), "robots/arm.urdf")
+
+
+def counted(findings, baseline=None, waivers=()):
+    return count([RobotCheck("arm", "check", tuple(findings))], baseline or {}, waivers, TODAY)
 
 
 def test_only_what_is_not_in_the_baseline_counts():
-    found = counted([HEAVY, LIGHT, replace(HEAVY, line=9)], fingerprints([HEAVY]))
+    found = counted([HEAVY, LIGHT, replace(HEAVY, line=9)], known(HEAVY))
     assert (found.new, found.known, found.gone) == ((1, 2), (0,), 0)
     assert found.failing == [LIGHT, replace(HEAVY, line=9)]
     assert found.forgiven == {0: "in the baseline"}
 
 
 def test_what_is_gone_is_counted():
-    assert counted([HEAVY], fingerprints([HEAVY, LIGHT, replace(HEAVY, line=9)])).gone == 2
+    before = known(HEAVY, LIGHT, replace(HEAVY, line=9))
+    assert counted([HEAVY], before).gone == 2
+    assert counted([HEAVY], dict.fromkeys(before, "robots/another.urdf")).gone == 0  # nobody has looked at it
 
 
 def test_warnings_that_do_not_fail_are_new_without_failing():
@@ -51,7 +57,7 @@ def test_warnings_that_do_not_fail_are_new_without_failing():
 
 def test_files_that_are_not_there_are_never_accepted(waivers):
     text = WAIVER.replace("heavy-link", "no-such-file")
-    assert counted([MISSING], fingerprints([MISSING]), waivers(text)).failing == [MISSING]
+    assert counted([MISSING], known(MISSING), waivers(text)).failing == [MISSING]
 
 
 @pytest.mark.parametrize(
@@ -69,7 +75,8 @@ def test_what_a_waiver_covers(waivers, more, covered):
 
 
 def test_unused_and_expired_waivers(waivers):
-    text = WAIVER + WAIVER.replace("heavy-link", "crlf") + WAIVER + "until = 2020-01-01"
+    other = WAIVER.replace("heavy-link", "crlf")
+    text = WAIVER + other + WAIVER + "until = 2020-01-01\n" + other + 'file = "another.urdf"'
     found = counted([HEAVY], waivers=waivers(text))
     assert [waiver.text for waiver in found.unused] == ["waiver 2 (crlf)"]
     assert [waiver.text for waiver in found.expired] == ["waiver 3 (heavy-link)"]

@@ -9,7 +9,7 @@ from shown.sarif_rules import results_of
 
 from crosscheck.report.findings.checks import CommandFinding, RobotCheck, fingerprints
 from crosscheck.report.findings.junit import junit
-from crosscheck.report.findings.sarif import fingerprints_in, sarif
+from crosscheck.report.findings.sarif import baseline_in, sarif
 from graphdyn import InvalidInput
 
 FINDING = CommandFinding(
@@ -52,7 +52,7 @@ class TestSarif:
         assert uris == ["robots/arm.urdf", "robots/arm.urdf", "arm.urdf", (tmp_path.parent / "arm.urdf").as_uri()]
 
     def test_a_baseline_marks_what_is_new(self):
-        known = fingerprints_in(sarif("inspect", [FINDING]), "known.sarif", "inspect")
+        known = baseline_in(sarif("inspect", [FINDING]), "known.sarif", "inspect")
         moved, other = results_of(log(replace(FINDING, line=99, message="mass -2 kg"), NOTE, known=known))
         assert (moved["baselineState"], other["baselineState"]) == ("unchanged", "new")
 
@@ -63,7 +63,7 @@ class TestSarif:
     )  # fmt: skip
     def test_what_is_no_baseline(self, content):
         with pytest.raises(InvalidInput, match=r"^x: is no SARIF file of graphdyn inspect; write one with --sarif"):
-            fingerprints_in(content, "x", "inspect")
+            baseline_in(content, "x", "inspect")
 
 
 class TestFingerprints:
