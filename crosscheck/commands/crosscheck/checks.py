@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from crosscheck.commands.program.failures import failed_check
 from crosscheck.report.findings.checks import CommandFinding, RobotCheck
+from crosscheck.report.findings.failures import failed_check
 
 DISAGREEMENT_REMEDY = "reproduce it by the code on the page of --html, and inspect the file: graphdyn inspect"
 

@@ -10,7 +10,6 @@ import typer
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, err, progress, warnings_shown
 from crosscheck.commands.program.delivery import figure_at_rest
-from crosscheck.commands.program.failures import failure
 from crosscheck.commands.program.finding_options import deliver_findings
 from crosscheck.commands.program.options import (
     EXAMPLES,
@@ -18,6 +17,7 @@ from crosscheck.commands.program.options import (
 )
 from crosscheck.commands.program.reading_options import refuse_for_several
 from crosscheck.commands.program.settings import refuse
+from crosscheck.report.findings.failures import failure
 from graphdyn import GraphDynError
 
 if TYPE_CHECKING:

@@ -19,12 +19,12 @@ from crosscheck.commands.crosscheck.folder_report import (
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.program.console import complain, progress, say
-from crosscheck.commands.program.failures import failure
 from crosscheck.commands.program.finding_options import deliver_findings
 from crosscheck.commands.program.options import command_line, files_below, is_folder
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.distributing import Lost
+from crosscheck.report.findings.failures import failure
 from crosscheck.report.records.record import plain
 from graphdyn import GraphDynError
 

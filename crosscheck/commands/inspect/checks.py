@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
-from crosscheck.commands.program.failures import failed_check
 from crosscheck.report.findings.checks import CommandFinding, RobotCheck
+from crosscheck.report.findings.failures import failed_check
 from urdf import Finding, Inspection
 from urdf.inspection import NOTHING
 

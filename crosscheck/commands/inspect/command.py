@@ -10,10 +10,10 @@ from typing import Annotated, Literal
 import typer
 
 from crosscheck.commands.program.console import complain, err, progress
-from crosscheck.commands.program.failures import failure
 from crosscheck.commands.program.finding_options import FindingOptions, deliver_findings
 from crosscheck.commands.program.options import EXAMPLES, ReportOptions, files_below, robot_names
 from crosscheck.commands.program.reading_options import ReadingOptions, refuse_for_several
+from crosscheck.report.findings.failures import failure
 from graphdyn import GraphDynError
 
 EPILOG = f"""{EXAMPLES}  graphdyn inspect kr500

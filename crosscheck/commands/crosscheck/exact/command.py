@@ -13,12 +13,12 @@ from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, err, progress, warnings_shown
 from crosscheck.commands.program.delivery import deliver, figure_at_rest
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from crosscheck.commands.program.failures import Failure, failure
 from crosscheck.commands.program.options import files_below, is_folder
 from crosscheck.comparing.accuracy import TrueErrors, true_errors
 from crosscheck.comparing.compare import count_states
 from crosscheck.distributing import Lost
 from crosscheck.exact import Truth, check_installed
+from crosscheck.report.findings.failures import Failure, failure
 from graphdyn import GraphDynError
 from urdf import Reading
 

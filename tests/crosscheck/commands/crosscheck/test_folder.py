@@ -22,12 +22,12 @@ from crosscheck.commands.crosscheck import folder_report as summary
 from crosscheck.commands.crosscheck.folder_file import NAMES_BEFORE, SweepFile
 from crosscheck.commands.program import console
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED, INTERNAL_ERROR
-from crosscheck.commands.program.failures import failure
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import part_of_bound
 from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.reference.subject import content_sha256
+from crosscheck.report.findings.failures import failure
 
 SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-3.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
