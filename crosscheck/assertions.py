@@ -6,7 +6,7 @@ from collections.abc import Callable
 from inspect import signature
 from typing import Any, ParamSpec, TypeVar
 
-from crosscheck.commands.crosscheck.report import crosscheck_report
+from crosscheck.commands.crosscheck.disagreement import disagreement_report
 from crosscheck.commands.judge.report import judge_report
 from crosscheck.comparing.compare import compare
 from crosscheck.comparing.comparison import Comparison
@@ -31,12 +31,12 @@ def with_arguments_of(other: Callable[P, object]) -> Callable[[Callable[..., Ans
 
 
 class Disagreement(AssertionError):
-    """Raised by assert_agrees; prints the table. comparison: all numbers."""
+    """Raised by assert_agrees; prints what disagrees, and both sides where it is worst. comparison: all numbers."""
 
     def __init__(self, comparison: Comparison):
         self.comparison = comparison
         super().__init__(
-            f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(crosscheck_report([comparison]))}"
+            f"graphdyn and Pinocchio disagree on '{comparison.robot}'\n{as_text(disagreement_report(comparison))}"
         )
 
 
@@ -50,7 +50,10 @@ class WrongDynamics(AssertionError):
 
 @with_arguments_of(compare)
 def assert_agrees(*arguments: Any, **options: Any) -> Comparison:
-    """compare, for test suites: returns the Comparison, or raises Disagreement (an AssertionError) with the table."""
+    """compare, for test suites: returns the Comparison, or raises Disagreement (an AssertionError).
+
+    Its message has the quantities that disagree, and both sides of the worst.
+    """
     comparison = compare(*arguments, **options)
     if not comparison.agrees:
         raise Disagreement(comparison)

@@ -1,7 +1,10 @@
-"""A fixture for the test suites of other codes, `judge_dynamics`, available wherever graphdyn is installed.
+"""Fixtures for the test suites of others, available wherever graphdyn is installed.
 
-def test_dynamics(judge_dynamics):
+def test_my_code(judge_dynamics):
     judge_dynamics("arm.urdf", inverse_dynamics=my_rnea)
+
+def test_my_robot(agrees_with_pinocchio):
+    agrees_with_pinocchio("arm.urdf", samples=100)
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
+    from crosscheck.comparing.comparison import Comparison
     from crosscheck.judging.judgment import Judgment
 
 
@@ -21,3 +25,11 @@ def judge_dynamics() -> Callable[..., Judgment]:
     from crosscheck.assertions import assert_correct  # Pinocchio takes half a second to import
 
     return assert_correct
+
+
+@pytest.fixture(scope="session")
+def agrees_with_pinocchio() -> Callable[..., Comparison]:
+    """crosscheck.assert_agrees: fails with the quantities that disagree on a robot, and both sides of the worst."""
+    from crosscheck.assertions import assert_agrees
+
+    return assert_agrees

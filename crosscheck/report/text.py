@@ -55,13 +55,13 @@ VERDICT_COLORS: dict[State, str] = {"agrees": "green", "undecided": "yellow", "d
 
 
 def renderables(report: Report, width: int) -> Iterator[RenderableType]:
-    """The report from its verdict on, for lines of this many characters; one of several sections ends with it, too."""
+    """The report, for lines of this many characters, from its verdict on. One with a table ends with it, too."""
     if report.verdict is not None:
         yield _headline(report.title, report.verdict)
-    for section in report.ordered:
-        yield from _section(section, width)
-    if report.verdict is not None and len(report.ordered) > 1:
-        yield Padding(_headline(report.title, replace(report.verdict, reason="")), (1, 0, 0, 0), expand=False)
+    parts = [part for section in report.ordered for part in _section(section, width)]
+    yield from parts
+    if report.verdict is not None and (len(report.ordered) > 1 or any(isinstance(x, RichTable) for x in parts)):
+        yield Padding(_closing(report.title, report.verdict, width), (1, 0, 0, 0), expand=False)
 
 
 def as_text(report: Report, width: int = MESSAGE_WIDTH) -> str:
@@ -81,6 +81,18 @@ def _text(*lines: str, style: str = "") -> Text:
 def _headline(title: str, verdict: Verdict) -> Text:
     line = _text(f"{title}: ").append_text(_text(verdict.words, style=f"bold {VERDICT_COLORS[verdict.state]}"))
     return line.append_text(_text("", verdict.reason)) if verdict.reason else line
+
+
+def _closing(title: str, verdict: Verdict, width: int) -> Text:
+    """The headline in one line, with the reason, or its first sentence, where there is room for it."""
+    line = _headline(title, replace(verdict, reason=""))
+    whole = verdict.reason.replace("\n", " ")
+    first, sentence, _ = whole.partition(". ")
+    for said in (whole, first + sentence.rstrip()) if whole else ():
+        reason = _text(f". {said}")
+        if line.cell_len + reason.cell_len <= width:
+            return line.append_text(reason)
+    return line
 
 
 def _section(section: Section, width: int) -> Iterator[RenderableType]:

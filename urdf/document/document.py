@@ -5,6 +5,7 @@ The parser's own guards stay on: libxml2 refuses entity expansion, nesting beyon
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from lxml import etree
 
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.elements import line_of
+from urdf.document.lines import number_lines, place_elements
 from urdf.errors import MalformedXML, TooLarge
 
 TEXT, BYTES, STREAM = Path("<text>"), Path("<bytes>"), Path("<file>")
@@ -51,11 +53,16 @@ class Document:
     complaints: tuple[str, ...] | None = None
 
 
-def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bool = True) -> Document:
+def parsed(
+    path: Path,
+    content: bytes,
+    encoding: str | None = None,
+    places: Sequence[tuple[Path, int] | None] | None = None,
+) -> Document:
     """The document of these bytes; path: as messages give it.
 
-    encoding: overrides the one that the document declares; lines=False: no line numbers, which would not be those of
-        the file at path
+    encoding: overrides the one that the document declares
+    places: of the elements, in their order, where these bytes are an expansion of other files
 
     Raises MalformedXML where yourdfpy would fall back on a parser that guesses, and TooLarge.
     """
@@ -69,9 +76,10 @@ def parsed(path: Path, content: bytes, encoding: str | None = None, *, lines: bo
     _check_document_type(path, robot)
     if robot.xpath(f"boolean(//*[@*[{MAX_ATTRIBUTES + 1}]])"):
         raise TooLarge(f"an element has more than {MAX_ATTRIBUTES} attributes", "remove what is not URDF", path=path)
-    if not lines:
-        for element in robot.iter():
-            element.sourceline = 0  # lxml's value for an unknown line
+    if places is None:
+        number_lines(robot, content, encoding)
+    else:
+        place_elements(robot, path, places)
     name = etree.QName(robot).localname
     if robot.prefix is not None or name != "robot":
         written = name if robot.prefix is None else f"{robot.prefix}:{name}"

@@ -39,8 +39,25 @@ def written_tag(element: etree._Element) -> str:
     return local if element.prefix is None else f"{element.prefix}:{local}"
 
 
+FILE = "{graphdyn}file"
+"""Attribute of an element that stands in another file than the document: an included one."""
+
+
 def line_of(element: etree._Element) -> int | None:
-    return cast("int | None", element.sourceline)
+    """The line where its tag begins, in the file where it stands; None where it is not known."""
+    return cast("int | None", element.sourceline) or None
+
+
+def file_of(element: etree._Element) -> str | None:
+    """The file where it stands; None for that of the document."""
+    return element.get(FILE)
+
+
+def line_said(element: etree._Element) -> str:
+    """ "line 12", "line 12 of parts/wrist.xacro"; "an unknown line"."""
+    line, file = line_of(element), file_of(element)
+    where = "an unknown line" if line is None else f"line {line}"
+    return where if file is None else f"{where} of {file}"
 
 
 def describe(element: etree._Element) -> str:
@@ -67,7 +84,7 @@ class Drawing:
     @property
     def line(self) -> int | None:
         """Line of the file, if known."""
-        return line_of(self.element) or None
+        return line_of(self.element)
 
     @property
     def mesh_file(self) -> str | None:

@@ -10,8 +10,8 @@ from pathlib import Path
 from lxml import etree
 
 from urdf.document.connections.loop_elements import read
-from urdf.document.connections.loops import Closure, Motor, SourceLocation, Unread
-from urdf.document.elements import children, describe, line_of, name_of, tag_of, written_tag
+from urdf.document.connections.loops import Closure, Motor, Unread, place_of
+from urdf.document.elements import children, describe, file_of, line_of, name_of, tag_of, written_tag
 from urdf.document.vocabulary import (
     ATTRIBUTES,
     CLOSING_CHILDREN,
@@ -46,7 +46,7 @@ def _closures(robot: etree._Element, path: Path) -> Iterator[Closure]:
             meaning = meanings.get(written_tag(element))
             if meaning is not None:
                 name = f"'{shortened(name_of(element))}'" if name_of(element) else "it"
-                place = _place(element, path)
+                place = place_of(element, path)
                 says = read(element, links, place) if parent is robot else None
                 yield Closure(place, f"{name} {meaning}", links & _quoted(element), says)
 
@@ -56,11 +56,7 @@ def _motors(robot: etree._Element, path: Path) -> Iterator[Motor]:
     for transmission in children(robot, "transmission"):
         if next(children(transmission, "actuator"), None) is not None:
             for joint in children(transmission, "joint"):
-                yield Motor(name_of(joint), _place(transmission, path))
-
-
-def _place(element: etree._Element, path: Path) -> SourceLocation:
-    return SourceLocation(path, line_of(element), describe(element))
+                yield Motor(name_of(joint), place_of(transmission, path))
 
 
 def _quoted(element: etree._Element) -> frozenset[str]:
@@ -79,7 +75,7 @@ def _unread(robot: etree._Element) -> Iterator[Unread]:
         first.setdefault((code, problem), element)
         places[code, problem] += 1
     for (code, problem), element in first.items():
-        yield Unread(problem, describe(element), line_of(element), code, places[code, problem])
+        yield Unread(problem, describe(element), line_of(element), file_of(element), code, places[code, problem])
 
 
 _ON_THE_WAY = {

@@ -45,10 +45,10 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Document:
     if path.suffix.lower() == ".xacro":
         settings = xacro or Xacro()
         document = parsed(path, content, encoding)  # raises where the XML is malformed or unsafe
-        text, complaints = expand(path, document.content, settings.arguments, settings.packages)
-        check_size(text, path)
-        expanded = parsed(path, text, UTF8, lines=False)
-        return replace(expanded, gravity=gravity, complaints=tuple(complaints))
+        expansion = expand(path, document.content, settings.arguments, settings.packages)
+        check_size(expansion.text, path)
+        expanded = parsed(path, expansion.text, UTF8, expansion.places)
+        return replace(expanded, gravity=gravity, complaints=expansion.complaints)
     if xacro is not None:
         problem = "xacro arguments and packages are given, but not a file that ends with .xacro"
         remedy = "leave them out, or give the .xacro file"

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from lxml import etree
 
+from urdf.document.connections.loops import place_of
 from urdf.document.document import Document
-from urdf.document.elements import Drawings, children, describe, drawings, line_of, tag_of
+from urdf.document.elements import Drawings, children, drawings, tag_of
 from urdf.document.extensions import Extensions, extensions
 from urdf.document.vocabulary import FIXED_JOINT_CHILDREN, READ_CHILDREN
 from urdf.errors import TooLarge, URDFError
@@ -40,7 +41,8 @@ class Source:
 
     def error(self, kind: type[URDFError], code: str, element: etree._Element, problem: str, remedy: str) -> URDFError:
         """An error of this kind, with file, line and element."""
-        return kind(problem, remedy, code=code, path=self.path, line=line_of(element), element=describe(element))
+        place = place_of(element, self.path)
+        return kind(problem, remedy, code=code, path=place.path, line=place.line, element=place.element)
 
 
 def reduced(document: Document) -> Source:

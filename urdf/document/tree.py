@@ -28,13 +28,13 @@ def tree_faults(source: Source) -> Iterator[URDFError]:
             name = end(joint, side)
             if name is not None and name not in links:
                 problem = f"{side} link '{shortened(name)}' does not exist"
-                yield source.error(NotATree, "missing-link", joint, problem, "correct the name or add it")
+                yield source.error(NotATree, "missing-link", _side(joint, side), problem, "correct the name or add it")
     carried = joints_by(source, "child")
     for child, joints in carried.items():
         for joint in joints[1:]:
             problem = f"link '{shortened(child)}' is the child of joint '{shortened(name_of(joints[0]))}' too"
             remedy = "a link has one parent; close the loop by <loop> instead of a second <joint>"
-            yield source.error(NotATree, "two-parents", joint, problem, remedy)
+            yield source.error(NotATree, "two-parents", _side(joint, "child"), problem, remedy)
     roots = root_links(source)
     if not roots and links:
         problem = "no root: every link is the child of a joint"
@@ -117,3 +117,8 @@ def end(joint: etree._Element, side: str) -> str | None:
     """Name of the link at the "parent" or "child" side of a joint; None where the file has none."""
     found = next(joint.iterchildren(side), None)
     return None if found is None else found.get("link")
+
+
+def _side(joint: etree._Element, side: str) -> etree._Element:
+    """The element that names a link, in a joint that has it."""
+    return next(joint.iterchildren(side))

@@ -10,7 +10,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Placement
-from urdf.document.elements import Drawing, Geometry, children, name_of, tag_of
+from urdf.document.elements import Drawing, Geometry, children, line_said, name_of, tag_of
 from urdf.document.numbers import BadNumber, numbers, rotation_from_rpy
 from urdf.document.source import Source
 from urdf.errors import shortened
@@ -230,4 +230,4 @@ class _MeshReader:
 
 
 def _at(drawing: Drawing, error: UnreadableMesh) -> str:
-    return str(error) if drawing.line is None else f"line {drawing.line}: {error}"
+    return str(error) if drawing.line is None else f"{line_said(drawing.element)}: {error}"

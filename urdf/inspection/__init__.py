@@ -2,5 +2,6 @@
 
 from urdf.inspection.findings import Finding, Inspection, Severity, Verdict
 from urdf.inspection.inspecting import inspect
+from urdf.inspection.remedies import NOTHING
 
-__all__ = ["Finding", "Inspection", "Severity", "Verdict", "inspect"]
+__all__ = ["NOTHING", "Finding", "Inspection", "Severity", "Verdict", "inspect"]

@@ -102,7 +102,7 @@ def _findings(document: Document, meshes: Meshes, reading: Reading) -> Iterator[
 def _of_the_expansion(document: Document) -> Iterator[Finding]:
     if document.complaints is None:
         return
-    yield of_file("xacro-expanded", "the file is expanded by xacro: elements have no line in it")
+    yield of_file("xacro-expanded", "the file is expanded by xacro: lines are those of the files that it is made of")
     for complaint in document.complaints:
         yield of_file("xacro-complaint", f"expanding the file: {complaint}")
 

@@ -10,8 +10,16 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Coupling, RobotModel
-from urdf.document.connections.loops import Closure, CompanionFiles, CoupledSums, Motor, SourceLocation, Unread
-from urdf.document.elements import describe, line_of, name_of
+from urdf.document.connections.loops import (
+    Closure,
+    CompanionFiles,
+    CoupledSums,
+    Motor,
+    SourceLocation,
+    Unread,
+    place_of,
+)
+from urdf.document.elements import name_of
 from urdf.document.source import Source
 from urdf.document.tree import joint_into, path_up
 from urdf.errors import InvalidLock, InvalidLoop, InvalidMimic, URDFError, listed, shortened
@@ -109,7 +117,7 @@ def check_marks(source: Source) -> None:
     for joint in source.joints:
         text = joint.get("independent")
         if text is not None and text.lower() not in INDEPENDENT_VALUES:
-            place = SourceLocation(source.path, line_of(joint), describe(joint))
+            place = place_of(joint, source.path)
             raise place.error(InvalidLoop, f'it has independent="{shortened(text)}"', 'write "true" or "false"')
 
 
@@ -132,7 +140,7 @@ def unread_motors(motors: Sequence[Motor], driven: Container[str]) -> Iterator[U
     for motor in motors:
         if motor.joint in driven:
             problem = f"a motor at joint '{shortened(motor.joint)}', which other joints drive"
-            yield Unread(problem, motor.place.element or "", motor.place.line)
+            yield Unread(problem, motor.place.element or "", motor.place.line, str(motor.place.path))
 
 
 Mimic = Literal["coupled", "independent", "locked"]
@@ -230,7 +238,7 @@ def _mimic_relations(source: Source, robot: yourdfpy.urdf.Robot) -> dict[str, Re
             ratio = 1.0 if joint.mimic.multiplier is None else float(joint.mimic.multiplier)
             offset = float(joint.mimic.offset or 0.0)
             element = elements[joint.name]
-            place = SourceLocation(source.path, line_of(element), describe(element))
+            place = place_of(element, source.path)
             driver = joint.mimic.joint or ""
             cause = f"it mimics joint '{shortened(driver)}'"
             instead = "load with mimic='independent' (--mimic independent)"

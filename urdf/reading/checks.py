@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from lxml import etree
 
-from urdf.document.elements import line_of, name_of
+from urdf.document.elements import line_said, name_of
 from urdf.document.numbers import MAX_NUMBER, MIN_AXIS_LENGTH, BadNumber, numbers
 from urdf.document.source import Source
 from urdf.document.vocabulary import ATTRIBUTES, NUMBERS
@@ -60,14 +60,14 @@ def _name_faults(source: Source, element: etree._Element) -> Iterator[URDFError]
 
 
 def _repeated_names(source: Source, elements: list[etree._Element]) -> Iterator[URDFError]:
-    lines: dict[str, int | None] = {}
+    lines: dict[str, str] = {}
     for element in elements:
         yield from _name_faults(source, element)
         name = name_of(element)
         if name and name in lines:
-            problem = f"the name is already used in line {lines[name]}"
+            problem = f"the name is already used in {lines[name]}"
             yield source.error(DuplicateEntry, "duplicate-name", element, problem, "rename one of the two")
-        lines.setdefault(name, line_of(element))
+        lines.setdefault(name, line_said(element))
 
 
 def _type_faults(source: Source, joint: etree._Element) -> Iterator[URDFError]:

@@ -10,7 +10,7 @@ from typing import Literal
 from lxml import etree
 
 from graphdyn import Body
-from urdf.document.elements import describe, line_of, name_of, tag_of
+from urdf.document.elements import describe, line_of, line_said, name_of, tag_of
 from urdf.document.numbers import inertial_element, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair, listed
@@ -107,8 +107,7 @@ def _written(link: etree._Element, shape: FilledLink, density: float) -> str:
     link.append(element)
     what = f"{'the convex hull of ' if solid.hull else ''}its {shape.geometry} {'mesh' if shape.mesh else 'shape'}"
     said = f"{describe(link)}: {before} → {_numbers(element)}, from {what}, {density:.6g} kg/m³"
-    line = line_of(link)
-    return f"line {line}: {said}" if line else said
+    return f"{line_said(link)}: {said}" if line_of(link) else said
 
 
 def _numbers(inertial: etree._Element) -> str:

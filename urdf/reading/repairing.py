@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 
 from lxml import etree
 
-from urdf.document.elements import describe, line_of
+from urdf.document.elements import describe, line_said
 from urdf.document.numbers import MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair
@@ -88,7 +88,7 @@ def _angles(source: Source) -> Iterator[str]:
             ]
             if exact != words[: len(exact)]:
                 origin.set("rpy", " ".join(exact))
-                yield f"line {line_of(origin)}: {describe(origin)}: rpy {' '.join(words)} made {' '.join(exact)}"
+                yield f"{line_said(origin)}: {describe(origin)}: rpy {' '.join(words)} made {' '.join(exact)}"
 
 
 def _axes(source: Source) -> Iterator[str]:
@@ -100,7 +100,7 @@ def _axes(source: Source) -> Iterator[str]:
         length = math.hypot(*axis)
         if UNIT_LENGTH_TOLERANCE < abs(length - 1) < AXIS_LENGTH_TOLERANCE:
             element.set("xyz", " ".join(repr(x / length) for x in axis))
-            yield f"line {line_of(element)}: {describe(element)}: length {length:.9g} made 1"
+            yield f"{line_said(element)}: {describe(element)}: length {length:.9g} made 1"
 
 
 def _limits(source: Source) -> Iterator[str]:
@@ -110,7 +110,7 @@ def _limits(source: Source) -> Iterator[str]:
             lower, upper = limit.get("lower", ""), limit.get("upper", "")
             limit.set("lower", upper)
             limit.set("upper", lower)
-            yield f"line {line_of(limit)}: {describe(limit)}: lower {lower} and upper {upper} exchanged"
+            yield f"{line_said(limit)}: {describe(limit)}: lower {lower} and upper {upper} exchanged"
 
 
 REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {

@@ -14,7 +14,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn.layout import Array
-from urdf.document.elements import describe, line_of
+from urdf.document.elements import describe, line_said
 from urdf.document.numbers import values
 from urdf.document.source import Source
 from urdf.document.vocabulary import NUMBERS
@@ -85,7 +85,7 @@ def exchange_slots(source: Source) -> Iterator[str]:
         if found is not None:
             for name, text in found.entries.items():
                 inertia.set(name, text)
-            yield f"line {line_of(inertia)}: {describe(inertia)}: {found.what}, because no body has this tensor"
+            yield f"{line_said(inertia)}: {describe(inertia)}: {found.what}, because no body has this tensor"
 
 
 def candidates(source: Source) -> Iterator[str]:
@@ -94,7 +94,7 @@ def candidates(source: Source) -> Iterator[str]:
         found = corrections(inertia)
         if found and unique_correction(inertia) is None:
             ways = "; or ".join(each.what for each in found)
-            yield f"line {line_of(inertia)}: {describe(inertia)}: no body has this tensor; it is possible with {ways}"
+            yield f"{line_said(inertia)}: {describe(inertia)}: no body has this tensor; it is possible with {ways}"
 
 
 def is_possible(entries: dict[str, float], least: float) -> bool:

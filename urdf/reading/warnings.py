@@ -44,7 +44,7 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
     gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: warnings of the expander of .xacro
     """
     _tell(XacroWarning, parsed, "expanding the file: ", complaints)
-    unread = [_at(unread) for unread in parsed.unread[:MAX_QUOTED_NAMES]]
+    unread = [_at(unread, str(parsed.path)) for unread in parsed.unread[:MAX_QUOTED_NAMES]]
     more = f" and {len(parsed.unread) - MAX_QUOTED_NAMES} more" if len(parsed.unread) > MAX_QUOTED_NAMES else ""
     _tell(UnreadWarning, parsed, "not read: ", unread, more)
     joints, cut, assembly = parsed.robot.joints, parsed.cut, parsed.assembly
@@ -89,8 +89,10 @@ def warn_of_unbound(parsed: Parsed, joints: Sequence[str]) -> None:
     )
 
 
-def _at(unread: Unread) -> str:
-    return unread.problem if unread.line is None else f"line {unread.line}: {unread.problem}"
+def _at(unread: Unread, read: str) -> str:
+    """read: the file, which the warning names anyway"""
+    where = f" of {unread.file}" if unread.file not in (None, read) else ""
+    return unread.problem if unread.line is None else f"line {unread.line}{where}: {unread.problem}"
 
 
 def _tilt(cut: Cut, base: str, gravity: Array) -> list[str]:

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import typer
 
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.program.console import complain, err, progress, warnings_shown
-from crosscheck.commands.program.delivery import deliver, figure_at_rest
-from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.delivery import figure_at_rest
+from crosscheck.commands.program.finding_options import deliver_findings
 from crosscheck.commands.program.options import (
     EXAMPLES,
     is_folder,
 )
 from crosscheck.commands.program.reading_options import refuse_for_several
 from crosscheck.commands.program.settings import refuse
+from crosscheck.report.findings.failures import failure
 from graphdyn import GraphDynError
+
+if TYPE_CHECKING:
+    from crosscheck.viewing.figures import Figure
 
 DEFAULT_ROBOTS: tuple[tuple[str, Mapping[str, float]], ...] = (
     ("kr500", {}),
@@ -34,6 +39,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn crosscheck ur5 --samples 100
   graphdyn crosscheck kr500 my_arm.urdf --html result.html
   graphdyn crosscheck my_robots/ --samples 200 --json sweep.json --resume
   graphdyn crosscheck ur5 --exact 100 --html errors.html
+  graphdyn crosscheck my_robots/ --junit robots.xml --sarif robots.sarif
 """
 
 
@@ -56,6 +62,7 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         raise typer.BadParameter("--resume needs --json FILE, whose results it takes over")
     if options.exact is not None:
         refuse(options, ("samples", "resume"), "is not for --exact [N], which says how many random states are measured")
+        options.refuse("is not for --exact, which measures errors and finds no fault")
     else:
         refuse(options, ("truth",), "is for --exact")
     if folder and options.three_d:
@@ -74,9 +81,13 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
         from crosscheck.commands.crosscheck.folder import compare_folder
 
         raise typer.Exit(compare_folder(context, options))
+    from crosscheck.commands.crosscheck.checks import crosscheck_checks
+    from crosscheck.commands.crosscheck.record import robot_record
     from crosscheck.commands.crosscheck.report import crosscheck_report
     from crosscheck.comparing.compare import compare, count_states
+    from crosscheck.report.records.record import plain
 
+    accepted = options.accepted("crosscheck")
     comparisons, failures = [], []
     for number, (robot, how) in enumerate(choice, start=1):
         title = robot if len(choice) == 1 else f"{robot} ({number} of {len(choice)})"
@@ -86,12 +97,11 @@ def run(context: typer.Context, options: CrosscheckOptions) -> None:
                 comparisons.append(compare(robot, options.samples, options.seed, reading=how, progress=advance))
         except (GraphDynError, OSError) as error:
             complain(error, context)
-            failures.append({"robot": robot, "message": str(error)})
-    deliver(
-        crosscheck_report(comparisons, failures),
-        options,
-        lambda: [figure_at_rest(one.robot, one.model, one.reading) for one in comparisons],
-    )
-    if failures:
-        raise typer.Exit(BAD_INPUT)
-    raise typer.Exit(AGREED if all(comparison.agrees for comparison in comparisons) else DISAGREED)
+            failures.append(failure(robot, error))
+    checks = crosscheck_checks([plain(robot_record(comparison)) for comparison in comparisons], failures)
+    report = crosscheck_report(comparisons, failures)
+
+    def figures() -> list[Figure]:
+        return [figure_at_rest(one.robot, one.model, one.reading) for one in comparisons]
+
+    raise typer.Exit(deliver_findings("crosscheck", checks, report, options, accepted, figures))

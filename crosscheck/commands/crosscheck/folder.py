@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import typer
 
+from crosscheck.commands.crosscheck.checks import crosscheck_checks
 from crosscheck.commands.crosscheck.folder_file import SweepFile, taken_over
 from crosscheck.commands.crosscheck.folder_report import (
-    DISAGREES,
     MAX_DETAILED_ROBOTS,
     compared_row,
     failed_row,
@@ -19,12 +19,12 @@ from crosscheck.commands.crosscheck.folder_report import (
 from crosscheck.commands.crosscheck.options import CrosscheckOptions
 from crosscheck.commands.crosscheck.record import robot_record
 from crosscheck.commands.program.console import complain, progress, say
-from crosscheck.commands.program.delivery import deliver
-from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.finding_options import deliver_findings
 from crosscheck.commands.program.options import command_line, files_below, is_folder
 from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import Comparison
 from crosscheck.distributing import Lost
+from crosscheck.report.findings.failures import failure
 from crosscheck.report.records.record import plain
 from graphdyn import GraphDynError
 
@@ -44,13 +44,13 @@ class ComparisonTask:
 
 @dataclass(frozen=True, eq=False)
 class ComparisonOutcome:
-    """The result of a task: a record as in the JSON file, or the reason for a failure.
+    """The result of a task: a record as in the JSON file, or a failure as there.
 
     comparison: where the task asks for it
     """
 
     record: dict[str, Any] | None = None
-    failure: str | None = None
+    failure: dict[str, Any] | None = None
     comparison: Comparison | None = None
 
 
@@ -61,9 +61,10 @@ def examine(task: ComparisonTask) -> ComparisonOutcome:
             warnings.simplefilter("always")
             comparison = comparing.compare(task.robot, task.samples, task.seed)
     except (GraphDynError, OSError) as error:
-        return ComparisonOutcome(failure=str(error))
+        return ComparisonOutcome(failure=failure(task.robot, error))
     except Exception as error:
-        return ComparisonOutcome(failure=f"the comparison failed: {type(error).__name__}: {error}; report it")
+        message = f"the comparison failed: {type(error).__name__}: {error}; report it"
+        return ComparisonOutcome(failure=failure(task.robot, message, "comparison-failed"))
     notes = [*comparison.notes, *(str(warning.message).removeprefix(f"{task.robot}: ") for warning in caught)]
     comparison = replace(comparison, notes=tuple(notes))
     wanted = task.details == "all" or (task.details == "disagreeing" and not comparison.agrees)
@@ -73,13 +74,14 @@ def examine(task: ComparisonTask) -> ComparisonOutcome:
 def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
     """Compare all robots and files below folders, report, and return the exit code."""
     samples, seed, json_file = options.samples, options.seed, options.json_file
+    accepted = options.accepted("crosscheck")
     robots, failures = [], []
     for argument in options.robots or []:
         try:
             robots += files_below(argument) if is_folder(argument) else [argument]
         except GraphDynError as error:
             complain(error, context)
-            failures.append({"robot": argument, "message": str(error)})
+            failures.append(failure(argument, error))
     robots = list(dict.fromkeys(robots))
     file = SweepFile(json_file, command_line(), robots, failures)
     if options.resume and json_file is not None:
@@ -97,10 +99,10 @@ def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
                 robot = tasks[k].robot
                 if isinstance(outcome, Lost):
                     message = f"the comparison was lost: {outcome.reason}; report it, with the file"
-                    file.failures[robot] = {"robot": robot, "message": message}
-                elif outcome.record is None:
-                    file.failures[robot] = {"robot": robot, "message": str(outcome.failure)}
-                else:
+                    file.failures[robot] = failure(robot, message, "comparison-failed")
+                elif outcome.failure is not None:
+                    file.failures[robot] = outcome.failure
+                elif outcome.record is not None:
                     file.records[robot] = outcome.record
                     if outcome.comparison is not None:
                         comparisons[robot] = outcome.comparison
@@ -113,7 +115,6 @@ def compare_folder(context: typer.Context, options: CrosscheckOptions) -> int:
         for robot in (*robots, *(given for given in file.failures if given not in robots))
     ]
     detailed = [comparisons[robot] for robot in robots if robot in comparisons]
-    deliver(folder_report(rows, detailed), options)
-    if file.failures:
-        return BAD_INPUT
-    return DISAGREED if any(row.verdict == DISAGREES for row in rows) else AGREED
+    records = [file.records[robot] for robot in robots if robot in file.records]
+    checks = crosscheck_checks(records, list(file.failures.values()))
+    return deliver_findings("crosscheck", checks, folder_report(rows, detailed), options, accepted)

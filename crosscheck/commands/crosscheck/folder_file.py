@@ -53,7 +53,7 @@ class SweepFile:
         file: OutputFile | None,
         command: Sequence[str],
         robots: Sequence[str],
-        failures: Sequence[Mapping[str, str]],
+        failures: Sequence[Mapping[str, Any]],
     ):
         self.robots, self.records = robots, dict[str, dict[str, Any]]()
         self.failures = {failure["robot"]: failure for failure in failures}

@@ -62,7 +62,7 @@ def compared_row(record: Mapping[str, Any]) -> RobotSummary:
     )
 
 
-def failed_row(failure: Mapping[str, str]) -> RobotSummary:
+def failed_row(failure: Mapping[str, Any]) -> RobotSummary:
     """The row of a robot that could not be compared. failure: robot, message."""
     robot = failure["robot"]
     return RobotSummary(robot, REFUSED, (), None, None, None, _one_line(failure["message"], robot))
@@ -129,7 +129,7 @@ def folder_report(rows: Sequence[RobotSummary], comparisons: Sequence[Comparison
         for verdict in FOLDER_STATES
     ]
     compared = sum(row.verdict != REFUSED for row in rows)
-    blocks: list[Block] = [_terminal_table(named, keys), Prose(counts(rows), on=("text",)), *by_verdict]
+    blocks: list[Block] = [_terminal_table(named, keys), *by_verdict]
     if len(comparisons) < compared:
         blocks.append(Prose(_why_not_all(rows), soft=True, on=("page",)))
     robots = [robot_section(comparison, keys[comparison.robot], detailed=False) for comparison in comparisons]

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from crosscheck.commands.program.finding_options import FindingOptions
 from crosscheck.commands.program.options import (
     OPTIONAL_NUMBER,
     PageOptions,
@@ -31,7 +32,7 @@ def exact_states(text: str) -> int:
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrosscheckOptions(ReadingOptions, PageOptions, WorkerOptions):
+class CrosscheckOptions(ReadingOptions, FindingOptions, PageOptions, WorkerOptions):
     """What `graphdyn crosscheck` is asked for."""
 
     robots: Annotated[

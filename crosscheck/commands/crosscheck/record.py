@@ -19,10 +19,15 @@ class CrosscheckFailureRecord(Record):
 
     robot: as given
     message: why not
+    code: of the error, as in docs/loading.md; "not-compared" where it has none
+    file, line: the place, null where there is none
     """
 
     robot: str
     message: str
+    code: str
+    file: str | None
+    line: Index | None
 
 
 class CrosscheckWorstRecord(Record, of=WorstState):
@@ -106,7 +111,7 @@ def robot_record(comparison: Comparison) -> dict[str, Any]:
 
 
 def record(
-    comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, str]], command: Sequence[str]
+    comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, Any]], command: Sequence[str]
 ) -> dict[str, Any]:
     """All comparisons. failures: robot and message of each that could not be compared"""
     return sweep_record([robot_record(comparison) for comparison in comparisons], failures, [], command)
@@ -114,7 +119,7 @@ def record(
 
 def sweep_record(
     robots: Sequence[Mapping[str, Any]],
-    failures: Sequence[Mapping[str, str]],
+    failures: Sequence[Mapping[str, Any]],
     unfinished: Sequence[str],
     command: Sequence[str],
 ) -> dict[str, Any]:

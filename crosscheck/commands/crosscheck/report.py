@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from crosscheck.commands.crosscheck.record import record
 from crosscheck.commands.crosscheck.robot_report import robot_section
@@ -16,7 +17,7 @@ from crosscheck.report.report import Column, Facts, Note, Notes, Prose, Report, 
 TITLE = "graphdyn against Pinocchio"
 
 
-def crosscheck_report(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, str]] = ()) -> Report:
+def crosscheck_report(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, Any]] = ()) -> Report:
     """failures: robots that could not be compared: robot, message"""
     several = len(comparisons) > 1
     keys = [f"robot-{k}" for k in range(1, len(comparisons) + 1)]
@@ -27,14 +28,14 @@ def crosscheck_report(comparisons: Sequence[Comparison], failures: Sequence[Mapp
         _verdicts(comparisons, keys),
     )
     return Report(
-        TITLE,
+        TITLE if several or not comparisons else f"{TITLE} on {Path(comparisons[0].robot).name}",
         _verdict(comparisons, failures),
         (Section("robots", "", first), *robots, *((scales_section(),) if comparisons else ())),
         partial(record, comparisons, failures),
     )
 
 
-def _verdict(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, str]]) -> Verdict:
+def _verdict(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, Any]]) -> Verdict:
     agreeing = sum(comparison.agrees for comparison in comparisons)
     if not comparisons:
         reason = "Nothing was compared."

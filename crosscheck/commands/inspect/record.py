@@ -30,10 +30,15 @@ class InspectFailureRecord(Record):
 
     robot: the argument
     message: what is wrong with it
+    code: of the error, as in docs/loading.md
+    file, line: the place, null where there is none
     """
 
     robot: str
     message: str
+    code: str
+    file: str | None
+    line: Index | None
 
 
 class InspectRecord(CommandRecord, format="graphdyn inspect 1"):
@@ -54,7 +59,7 @@ class InspectRecord(CommandRecord, format="graphdyn inspect 1"):
 def record(
     reports: Sequence[Inspection],
     occurrences: Mapping[str, int],
-    failures: Sequence[Mapping[str, str]],
+    failures: Sequence[Mapping[str, Any]],
     command: Sequence[str],
 ) -> dict[str, Any]:
     """All files. failures: robot and message of each argument that stands for no file"""

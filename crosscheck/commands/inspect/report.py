@@ -9,6 +9,7 @@ from contextlib import suppress
 from functools import partial
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import urdf
 from crosscheck.commands.inspect.record import record as inspect_record
@@ -52,7 +53,7 @@ FILE_VERDICTS: dict[str, tuple[State, str, str]] = {
 """Per verdict, the worst first: how it looks, in words, and what it means."""
 
 
-def inspect_report(inspected: Sequence[urdf.Inspection], failures: Sequence[Mapping[str, str]]) -> Report:
+def inspect_report(inspected: Sequence[urdf.Inspection], failures: Sequence[Mapping[str, Any]]) -> Report:
     """Every finding of one file, or several files by their verdicts.
 
     failures: what could not be found: robot, message
@@ -202,9 +203,10 @@ def _kind_row(kind: Sequence[urdf.Finding]) -> Row:
 
 
 def _place(finding: urdf.Finding) -> str:
-    """ "<mass> of link 'wrist', line 12"."""
+    """ "<mass> of link 'wrist', line 12", and of which file, if not of the inspected one."""
     line = f"line {finding.line}" if finding.line else ""
-    return ", ".join(part for part in (finding.element, line) if part)
+    file = f"{line} of {finding.file}" if finding.file and line else finding.file or line
+    return ", ".join(part for part in (finding.element, file) if part)
 
 
 def _counts(file: urdf.Inspection) -> str:

@@ -12,9 +12,10 @@ from crosscheck.commands.judge.answers import AnswerOptions, warn_of_unused, wri
 from crosscheck.commands.judge.programs import ProgramOptions, user_programs
 from crosscheck.commands.judge.time_limit import NoAnswerInTime, limited
 from crosscheck.commands.program.console import progress, warnings_shown
-from crosscheck.commands.program.delivery import deliver, figure_at_rest
-from crosscheck.commands.program.exits import AGREED, DISAGREED, PENDING
-from crosscheck.commands.program.functions import user_function
+from crosscheck.commands.program.delivery import figure_at_rest
+from crosscheck.commands.program.exits import PENDING
+from crosscheck.commands.program.finding_options import FindingOptions, deliver_findings
+from crosscheck.commands.program.functions import place_of, user_function
 from crosscheck.commands.program.judged_functions import (
     FUNCTION_FORM,
     FUNCTION_LIST,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from crosscheck.judging.exchange.program import ProgramFunction
     from crosscheck.judging.setting import Setting
     from crosscheck.quantities.tested_function import TestedFunction
+    from crosscheck.viewing.figures import Figure
 
 EPILOG = f"""{EXAMPLES}  graphdyn judge ur5 --inverse-dynamics my_code.py:rnea
   graphdyn judge arm.urdf --forward-dynamics my_package.dynamics:aba --html verdict.html
@@ -49,7 +51,7 @@ NAMED_FUNCTIONS = ("inverse_dynamics", "forward_dynamics", "mass_matrix", "joint
 
 
 @dataclass(frozen=True, kw_only=True)
-class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOptions, PageOptions):
+class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOptions, FindingOptions, PageOptions):
     """What `graphdyn judge` is asked for."""
 
     inverse_dynamics: Annotated[
@@ -105,8 +107,13 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             exact=self.exact,
         )
 
-    def functions(self, programs: Mapping[str, ProgramFunction]) -> dict[str, TestedFunction]:
-        """The functions in Python, and those of programs. Raises typer.BadParameter for none, and one named twice."""
+    def functions(
+        self, programs: Mapping[str, ProgramFunction]
+    ) -> tuple[dict[str, TestedFunction], dict[str, tuple[str, int]]]:
+        """The functions in Python, and those of programs; files and lines where the former are defined.
+
+        Raises typer.BadParameter for none, and one named twice.
+        """
         options = {name: f"--{name.replace('_', '-')}" for name in NAMED_FUNCTIONS}
         given = {name: getattr(self, name) for name in NAMED_FUNCTIONS}
         named: dict[str, tuple[str, str]] = {
@@ -123,11 +130,12 @@ class JudgeOptions(ProgramOptions, AnswerOptions, ConventionOptions, SettingOpti
             if name in named:
                 option = named[name][0]
                 raise typer.BadParameter(f"{name} is named by {option} and by --command or --library; name it once")
+        in_python = {name: user_function(option, text) for name, (option, text) in named.items()}
         found: dict[str, Any] = {
-            name: limited(user_function(option, text), f"{option} {text}", self.time_limit)
-            for name, (option, text) in named.items()
+            name: limited(function, " ".join(named[name]), self.time_limit) for name, function in in_python.items()
         }
-        return found | dict(programs)
+        places = {name: place for name, function in in_python.items() if (place := place_of(function)) is not None}
+        return found | dict(programs), places
 
 
 def run(options: JudgeOptions) -> None:
@@ -142,8 +150,10 @@ def run(options: JudgeOptions) -> None:
     part where it is installed.
     """
     robot, answers, setting = options.robot, options.answers or [], options.setting
+    accepted = options.accepted("judge")
     with user_programs(options) as programs:
-        functions = options.functions(programs)
+        functions, places = options.functions(programs)
+        from crosscheck.commands.judge.checks import judge_checks
         from crosscheck.commands.judge.report import judge_report
         from crosscheck.judging.exchange.answer_files import read_answers
         from crosscheck.judging.exchange.rounds import AnswersPending, judge_answers
@@ -160,5 +170,9 @@ def run(options: JudgeOptions) -> None:
             raise typer.Exit(PENDING) from None
     if unused:
         warn_of_unused(unused)
-    deliver(judge_report(judgment), options, lambda: [figure_at_rest(robot, judgment.model, judgment.reading)])
-    raise typer.Exit(AGREED if judgment.agrees and judgment.decided else DISAGREED)
+    checks = judge_checks(judgment, places)
+
+    def figures() -> list[Figure]:
+        return [figure_at_rest(robot, judgment.model, judgment.reading)]
+
+    raise typer.Exit(deliver_findings("judge", checks, judge_report(judgment), options, accepted, figures))

@@ -51,6 +51,15 @@ def user_function(option: str, text: str) -> Callable[..., object]:
     return found
 
 
+def place_of(function: Callable[..., object]) -> tuple[str, int] | None:
+    """File and line where a function is defined; None where there is no Python code of it."""
+    with suppress(TypeError, OSError):
+        plain = inspect.unwrap(function)
+        file = inspect.getsourcefile(plain)
+        return None if file is None else (file, inspect.getsourcelines(plain)[1] or 1)
+    return None
+
+
 def place_in_user_code(error: BaseException) -> str:
     """The place in user code where an error was raised, or what it called: "my_code.py, line 12, in rnea"; "" if
     elsewhere."""

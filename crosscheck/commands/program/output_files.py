@@ -54,6 +54,10 @@ class OutputFile:
     def mapping(cls, name: str) -> OutputFile:
         return cls(name, (".toml",))
 
+    @classmethod
+    def tests(cls, name: str) -> OutputFile:
+        return cls(name, (".xml",))
+
     @property
     def path(self) -> Path:
         return Path(self.name)

@@ -118,6 +118,8 @@ def test_one_wrong_entry_of_the_pinocchio(tree, plant, monkeypatch, digit, value
     assert isinstance(caught.value, AssertionError)
     assert f"'{tree.name}'" in str(caught.value).splitlines()[0]
     assert set(first_cells(str(caught.value), "DISAGREES")) == visible
+    shown = next(result for result in comparison.quantities.values() if result.quantity.name in visible)
+    assert f"{shown.quantity.name} where its error is largest: random, route model" in str(caught.value)
     if digit == 0:
         assert exit_code(monkeypatch, comparison) == DISAGREED
 

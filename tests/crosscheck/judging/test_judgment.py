@@ -88,6 +88,30 @@ class TestPlugin:
             judge_dynamics("kr500", inverse_dynamics=lambda *state: -rnea(*state), samples=2)
     """
 
+    ROBOTS = """
+        import pytest
+        from crosscheck.reference.pinocchio_model import PinocchioModel
+
+        def test_right(agrees_with_pinocchio):
+            assert agrees_with_pinocchio("kr500", samples=1).agrees
+
+        def test_wrong(agrees_with_pinocchio, monkeypatch):
+            turned = PinocchioModel.turned
+            monkeypatch.setattr(PinocchioModel, "turned", lambda self, base, gravity: turned(self, base, 2 * gravity))
+            agrees_with_pinocchio("kr500", samples=1)
+    """
+
+    def test_robots(self, pytester):
+        """Pinocchio is given twice the gravity: both sides of the torque, and their difference."""
+        pytester.makepyfile(self.ROBOTS)
+        outcome = pytester.runpytest_inprocess()
+        outcome.assert_outcomes(passed=1, failed=1)
+        outcome.stdout.fnmatch_lines(
+            ["*graphdyn and Pinocchio disagree on 'kr500'*", "*gravity_torque*DISAGREES*",
+             "*inverse_dynamics where its error is largest: *", "*entry*graphdyn*Pinocchio*difference*",
+             "*graphdyn and Pinocchio on kr500: DISAGREES. * quantities are beyond their bounds.*"]
+        )  # fmt: skip
+
     def test_fixture(self, pytester):
         pytester.makepyfile(self.SUITE)
         outcome = pytester.runpytest_inprocess()

@@ -64,12 +64,25 @@ def test_a_table_without_rows_but_columns():
     assert text(Table((Column("link", "name"),), ()), 80) == ""
 
 
-def test_several_sections_end_with_the_verdict():
-    """Without its reason; a single section stands right below its verdict anyway."""
-    sections = tuple(Section(key, key, (Prose("words"),)) for key in ("one", "two"))
-    verdict = Verdict("agrees", "agrees", "All do.")
-    lines = [line.strip() for line in as_text(Report("Robots", verdict, sections)).rstrip().splitlines()]
-    assert lines[:2] == ["Robots: agrees", "All do."]
-    assert lines[-2:] == ["", "Robots: agrees"]
-    assert as_text(Report("Robots", verdict, sections[:1])).rstrip().endswith("words")
-    assert as_text(Report("Robots", None, sections)).rstrip().endswith("words")
+@pytest.mark.parametrize(
+    ("width", "last"),
+    [(80, "Robots: agrees. All do. Some\nare shown."), (30, "Robots: agrees. All do."), (20, "Robots: agrees")],
+)
+def test_the_last_line_is_the_verdict(width, last):
+    """With the reason, its first sentence, or without, as the line has room: the end is what people read."""
+    verdict = Verdict("agrees", "agrees", "All do. Some\nare shown.")
+    table = Table((Column("link", "name"),), (Row(("base",)),))
+    lines = [
+        line.strip()
+        for line in as_text(Report("Robots", verdict, (Section("one", "one", (table,)),)), width).rstrip().splitlines()
+    ]
+    assert lines[0] == "Robots: agrees"
+    assert lines[-2:] == ["", last.replace("\n", " ")]
+
+
+def test_nothing_to_end():
+    """What has no verdict, and what is short."""
+    section = Section("one", "one", (Prose("words"),))
+    for verdict in (None, Verdict("agrees", "agrees")):
+        assert as_text(Report("Robots", verdict, (section,))).rstrip().endswith("words")
+    assert as_text(Report("Robots", Verdict("agrees", "agrees"), ())) == "Robots: agrees\n"

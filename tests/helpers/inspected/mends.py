@@ -11,6 +11,7 @@ from lxml import etree
 
 import urdf
 from urdf.document.elements import describe, tag_of
+from urdf.document.lines import number_lines
 
 NEW_NAME = "renamed"
 UNLIMITED = {"effort": "1e6", "velocity": "1e6"}
@@ -20,6 +21,7 @@ UNBOUNDED = {"lower": "-1e6", "upper": "1e6"}
 def mended(content: bytes, findings: Iterable[urdf.Finding]) -> bytes | None:
     """The file with every place mended that one of these findings names; None where none of them can be."""
     tree = etree.fromstring(content).getroottree()
+    number_lines(tree.getroot(), content, None)
     places = [
         (finding, element)
         for finding in findings

@@ -96,7 +96,7 @@ DOCUMENTS = {
     ),
     "name-spacing": Case(
         ('<child link="tool"/>', '<child link="\ntool"/>', 'name="tool"', 'name=" tool"'),
-        "warning", "<child> of joint 'flange'", 36,
+        "warning", "<child> of joint 'flange'", 35,
         "tabs or line breaks in link: an XML parser reads blanks. Pinocchio reads another name",
         "write blanks, or none",
     ),

@@ -128,13 +128,13 @@ REFUSALS = {
     ),
     "missing-link": Case(
         ('<child link="tool"/>', '<child link="tol"/>'),
-        "error", "joint 'flange'", 32,
+        "error", "<child> of joint 'flange'", 35,
         "child link 'tol' does not exist. Pinocchio refuses the file, yourdfpy loads it",
         "correct the name or add it",
     ),
     "two-parents": Case(
         ('<child link="tool"/>', '<child link="upper"/>'),
-        "error", "joint 'flange'", 32,
+        "error", "<child> of joint 'flange'", 35,
         "link 'upper' is the child of joint 'shoulder' too. Pinocchio and yourdfpy load it as it stands",
         "a link has one parent; close the loop by <loop> instead of a second <joint>",
     ),

@@ -11,6 +11,7 @@ import pytest
 from inspected.sample import CLEAN
 from long_check import few
 from numpy.testing import assert_array_equal
+from urdf_text import with_changes
 
 import urdf
 from urdf.document.xacro import files as xacro_files
@@ -34,6 +35,23 @@ ARM = f"""<?xml version="1.0"?>
 <parent link="base"/><child link="$(arg link)"/><axis xyz="0 1 0"/>
 <limit lower="${{-pi}}" upper="${{radians(90)}}" effort="1" velocity="1"/></joint>
 </robot>"""
+
+FAULTS = {
+    "in a macro of an included file": ((), ('value="${mass}"', ""), "parts/macros.xacro", 3),
+    "in an argument of a call": (('default="2"', 'default="-2"'), (), "arm.xacro", 7),
+    "in a property, through a call": (
+        ("$(arg mass)", "${1 - heavy}", '"0.3"/>', '"0.3"/>\n<xacro:property name="heavy" value="9"/>'),
+        (), "arm.xacro", 5,
+    ),
+    "in a default": (('mass="$(arg mass)"', ""), ("mass *", "mass:=-4 *"), "parts/macros.xacro", 2),
+    "in one of several numbers": (('lower="${-pi}"', 'lower="${reach * 9}"'), (), "arm.xacro", 10),
+    "in a call by name": (
+        ("<xacro:body", '<xacro:call macro="body"', "</xacro:body>", "</xacro:call>", "$(arg mass)", "-1"),
+        (), "arm.xacro", 7,
+    ),
+    "in a block": (('xyz="${reach / 2} 0 0"', '\nxyz="0 0"'), (), "arm.xacro", 7),
+}  # fmt: skip
+"""Changes of ARM and MACROS (old, new, …), and where the fault is."""
 
 
 @pytest.fixture
@@ -136,16 +154,21 @@ class TestExpansion:
         report = urdf.inspect(arm)
         (finding,) = [finding for finding in report.findings if finding.code == "xacro-expanded"]
         assert (finding.severity, finding.message, finding.remedy) == (
-            "note", "the file is expanded by xacro: elements have no line in it", "no action needed",
-        )  # fmt: skip
-        assert {finding.line for finding in report.findings} == {None}
+            "note",
+            "the file is expanded by xacro: lines are those of the files that it is made of",
+            "no action needed",
+        )
         assert report.usable
 
-    def test_faults_have_an_element_and_no_line(self, files):
-        arm = files({"arm.xacro": ARM, "parts/macros.xacro": MACROS.replace('<mass value="${mass}"/>', "<mass/>")})
-        with pytest.raises(urdf.MissingEntry, match=r"arm.xacro: <mass> of link 'upper': attribute") as caught:
+    @pytest.mark.parametrize(("of_arm", "of_macros", "file", "line"), FAULTS.values(), ids=FAULTS)
+    def test_lines(self, files, of_arm, of_macros, file, line):
+        """A fault is where it is written, not where the expander has put it."""
+        arm = files({"arm.xacro": with_changes(ARM, *of_arm), "parts/macros.xacro": with_changes(MACROS, *of_macros)})
+        with pytest.raises(urdf.URDFError, match=rf"{file}:{line}: ") as caught:
             urdf.load(arm)
-        assert caught.value.line is None
+        assert (caught.value.path, caught.value.line) == (arm.parent / file, line)
+        first = urdf.inspect(arm).findings[0]
+        assert (first.file, first.line) == (None if file == "arm.xacro" else str(arm.parent / file), line)
 
     def test_complaints_are_passed_on(self, within):
         path = within('<xacro:include filename="none*.xacro"/><xacro:property name="pi" value="3"/>')

@@ -26,7 +26,8 @@ from urdf_text import joint, link, robot_text
 import urdf
 from urdf import errors
 from urdf.inspection import inspecting
-from urdf.inspection.findings import OTHER_READERS, REMEDIES, SEVERITIES
+from urdf.inspection.findings import SEVERITIES
+from urdf.inspection.remedies import OTHER_READERS, REMEDIES
 
 ALWAYS = ("rotor-inertia", "mass-matrix")
 """Codes of a file without a flaw."""

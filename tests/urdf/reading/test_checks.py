@@ -113,7 +113,7 @@ CHANGES = {
     "unknown link": (
         ('<child link="tool"/>', '<child link="tol"/>'),
         urdf.NotATree,
-        r":32: joint 'flange': child link 'tol' does not exist; correct the name or add it",
+        r":35: <child> of joint 'flange': child link 'tol' does not exist; correct the name or add it",
     ),
     "two parents": (
         ('<child link="tool"/>', '<child link="upper"/>'),

@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, InvalidModel, Placement
 from graphdyn.model import ChordKind
+from urdf.document.elements import describe, file_of, line_of
 from urdf.errors import URDFError
 
 
@@ -74,6 +76,12 @@ class SourceLocation:
         return kind(problem, remedy, path=self.path, line=self.line, element=self.element)
 
 
+def place_of(element: etree._Element, path: Path) -> SourceLocation:
+    """Place of an element of the document at path."""
+    file = file_of(element)
+    return SourceLocation(path if file is None else Path(file), line_of(element), describe(element))
+
+
 @dataclass(frozen=True, eq=False)
 class Closure:
     """Something that closes a loop, couples joints or joins links.
@@ -98,11 +106,15 @@ class Motor:
 
 @dataclass(frozen=True)
 class Unread:
-    """Something that is not read, at one or more places; element, line: the first."""
+    """Something that is not read, at one or more places; element, line, file: the first.
+
+    file: where the line is, if not in the file that is read
+    """
 
     problem: str
     element: str = ""
     line: int | None = None
+    file: str | None = None
     code: str = "unread-dynamics"
     places: int = 1
 

@@ -11,6 +11,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
@@ -28,10 +29,23 @@ MAX_WALL_SECONDS = 60
 SCRIPT = Path(__file__).with_name("process.py")
 
 
+@dataclass(frozen=True)
+class Expansion:
+    """The XML that a .xacro file expands to.
+
+    text: in UTF-8; complaints: warnings of the expander
+    places: per element, in the order of the text, the file and the line where it is written; None where unknown
+    """
+
+    text: bytes
+    complaints: tuple[str, ...]
+    places: tuple[tuple[Path, int] | None, ...]
+
+
 def expand(
     path: Path, content: bytes, arguments: Mapping[str, object], packages: Mapping[str, str | PathLike[str]]
-) -> tuple[bytes, list[str]]:
-    """The XML that a .xacro file expands to, in UTF-8, and the warnings of the expander.
+) -> Expansion:
+    """The expansion of a .xacro file.
 
     path: of the file; what it includes must lie in its folder or below, or in a package
     arguments: values of <xacro:arg> by name; packages: folder by the name that $(find NAME) gives
@@ -69,7 +83,17 @@ def expand(
         ) from None
     if "problem" in answer:
         raise InvalidXacro(" ".join(answer["problem"].split()), answer["remedy"], path=path)
-    return str(answer["text"]).encode(), _complaints(done.stderr)
+    files = [_as_given(Path(file), path) for file in answer["files"]]
+    places = tuple(place and (files[place[0]], place[1]) for place in answer["places"])
+    return Expansion(str(answer["text"]).encode(), tuple(_complaints(done.stderr)), places)
+
+
+def _as_given(file: Path, path: Path) -> Path:
+    """A file below the folder of the document, as the path of the document was given; others as they are."""
+    whole = path.resolve()
+    if file == whole:
+        return path
+    return path.parent / file.relative_to(whole.parent) if file.is_relative_to(whole.parent) else file
 
 
 def _check_packages(path: Path, packages: Mapping[str, str | PathLike[str]]) -> None:

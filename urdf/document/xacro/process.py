@@ -1,7 +1,8 @@
 """The process that expands one .xacro file: a self-contained script, run with an empty environment.
 
 Standard input: a JSON object with path, content (a character per byte), arguments, packages, cpu_seconds, megabytes.
-Standard output: a JSON object with text, or with problem and remedy.
+Standard output: a JSON object with text and the places of its elements (files, and per element the number of its file
+and its line), or with problem and remedy.
 
 xacro evaluates ${…} with Python's eval and most names removed, which alone is no protection (a generator's frame gives
 access to all of Python). Hence three barriers: expressions that could reach a frame are refused; an audit hook refuses
@@ -49,7 +50,7 @@ def main() -> None:
     task = json.load(sys.stdin)
     out, sys.stdout = sys.stdout, sys.stderr
     try:
-        answer = {"text": expanded(task)}
+        answer: dict[str, Any] = expanded(task)
     except Exception as error:
         answer = explained(error, task["megabytes"])
     json.dump(answer, out)
@@ -78,12 +79,13 @@ def chain_of(error: BaseException | None) -> Iterator[BaseException]:
         error = getattr(error, "exc", None) or error.__cause__ or error.__context__
 
 
-def expanded(task: Mapping[str, Any]) -> str:
-    """The expansion. Raises Refused, and what xacro raises."""
+def expanded(task: Mapping[str, Any]) -> dict[str, Any]:
+    """The expansion with the places of its elements. Raises Refused, and what xacro raises."""
     xacro = importlib.import_module("xacro")
     for name in ("yaml", "xml.dom.expatbuilder", "encodings.latin_1", "encodings.idna"):
         importlib.import_module(name)
-    limits = yaml_limits()
+    limits = beside("yaml_limits")
+    places = beside("places").Places(xacro, sys.modules["xml.dom.expatbuilder"].ExpatBuilderNS)
     offer_packages(task["packages"])
     guard_expressions(xacro)
     limit(task["cpu_seconds"], task["megabytes"])
@@ -93,7 +95,14 @@ def expanded(task: Mapping[str, Any]) -> str:
     guard_yaml(limits)
     document = xacro.parse(io.BytesIO(task["content"].encode("latin-1")))
     xacro.process_doc(document, mappings=task["arguments"])
-    return str(document.toxml())
+    return {"text": str(document.toxml()), **numbered(places.of(document))}
+
+
+def numbered(places: list[tuple[str, int] | None]) -> dict[str, Any]:
+    """The files once, and per element the number of its file and its line; null where it has no place."""
+    files = {place[0]: None for place in places if place}
+    numbers = {file: number for number, file in enumerate(files)}
+    return {"files": list(files), "places": [place and (numbers[place[0]], place[1]) for place in places]}
 
 
 def limit(cpu_seconds: float, megabytes: int) -> None:
@@ -122,10 +131,10 @@ def offer_folder(xacro: Any) -> None:
     substitution._eval_dirname = lambda _filename: os.path.dirname(xacro.filestack[-1])
 
 
-def yaml_limits() -> Any:
-    """The file beside this one: this process has no packages of ours."""
-    file = os.path.join(os.path.dirname(__file__), "yaml_limits.py")
-    spec = importlib.util.spec_from_file_location("yaml_limits", file)
+def beside(name: str) -> Any:
+    """A file beside this one: this process has no packages of ours."""
+    file = os.path.join(os.path.dirname(__file__), f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)

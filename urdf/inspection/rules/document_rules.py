@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from lxml import etree
 
 from urdf.document.document import Document
-from urdf.document.elements import line_of, name_of
+from urdf.document.elements import line_said, name_of
 from urdf.document.numbers import UNEXPANDED_EXPRESSION
 from urdf.document.tree import end
 from urdf.errors import listed, shortened
@@ -22,11 +22,12 @@ _PREFIX = re.compile(rb"\bxmlns:([\w.-]+)\s*=")
 
 def document_findings(document: Document) -> Iterator[Finding]:
     """Findings of a document that still has all its elements."""
-    yield from _text(document.content)
+    if document.complaints is None:  # an expansion is another text than the file
+        yield from _text(document.content)
     namespace = etree.QName(document.robot).namespace
     if namespace:
         problem = f"the root element has the default namespace {shortened(namespace)}"
-        yield of_file("default-namespace", problem, line_of(document.robot))
+        yield of_file("default-namespace", problem, at=document.robot)
     yield from _elements(document.robot)
 
 
@@ -49,42 +50,44 @@ def _text(content: bytes) -> Iterator[Finding]:
 def _elements(robot: etree._Element) -> Iterator[Finding]:
     """One pass over all elements, including those that do not affect dynamics."""
     xacro: Counter[str] = Counter()
-    lines: dict[str, int | None] = {}
+    first: dict[str, etree._Element] = {}
     meshes, packages, unexpanded = 0, 0, 0
-    materials: dict[str, list[int | None]] = {}
+    materials: dict[str, list[etree._Element]] = {}
     for element in robot.iter(etree.Element):
         name = etree.QName(element)
         if name.namespace is not None and name.namespace.rstrip("/").endswith("xacro"):
             xacro[name.localname] += 1
-            lines.setdefault("xacro", line_of(element))
+            first.setdefault("xacro", element)
         elif name.localname == "mesh":
             meshes += 1
             packages += element.get("filename", "").startswith("package://")
-            lines.setdefault("mesh", line_of(element))
+            first.setdefault("mesh", element)
         elif name.localname == "material" and element.getparent() is robot:
-            materials.setdefault(name_of(element), []).append(line_of(element))
+            materials.setdefault(name_of(element), []).append(element)
         texts = [text for text in element.attrib.values() if UNEXPANDED_EXPRESSION.search(str(text))]
         if texts:
             unexpanded += len(texts)
-            lines.setdefault("unexpanded", line_of(element))
+            first.setdefault("unexpanded", element)
     if xacro:
         tags = listed(f"xacro:{tag}" for tag in xacro)
         harmless = set(xacro) <= {"property", "arg"}
         problem = f"xacro elements that are left in and ignored: {xacro.total()} ({tags})"
-        yield of_file("xacro-tags", problem, lines["xacro"], severity="note" if harmless else "warning")
+        yield of_file("xacro-tags", problem, at=first["xacro"], severity="note" if harmless else "warning")
     if meshes:
         yield of_file(
             "mesh-files",
             f"mesh files, not opened because dynamics need none: {meshes}, of which {packages} at package:// paths",
-            lines["mesh"],
+            at=first["mesh"],
         )
     if unexpanded:
         problem = f"attributes with ${{…}} or $(…) that are not expanded: {unexpanded}"
-        yield of_file("unexpanded-text", problem, lines["unexpanded"])
+        yield of_file("unexpanded-text", problem, at=first["unexpanded"])
     for material, places in materials.items():
         if len(places) > 1:
-            problem = f"material '{shortened(material)}' is defined {len(places)} times, first in line {places[0]}"
-            yield of_file("duplicate-material", problem, places[1])
+            problem = (
+                f"material '{shortened(material)}' is defined {len(places)} times, first in {line_said(places[0])}"
+            )
+            yield of_file("duplicate-material", problem, at=places[1])
 
 
 def unread_findings(structure: Structure) -> Iterator[Finding]:
@@ -92,7 +95,7 @@ def unread_findings(structure: Structure) -> Iterator[Finding]:
     for unread in structure.source.extensions.unread:
         number = f" ({unread.places} such places)" if unread.places > 1 else ""
         problem = f"{unread.problem}: not read{number}"
-        yield found(unread.code, problem, unread.element, unread.line)
+        yield found(unread.code, problem, unread.element, unread.line, unread.file)
 
 
 RESERVED_NAME = "universe"
@@ -101,11 +104,11 @@ RESERVED_NAME = "universe"
 def name_findings(structure: Structure) -> Iterator[Finding]:
     """Findings about names, and about joints before their parents."""
     source = structure.source
-    links = {name_of(link): line_of(link) for link in source.links}
+    links = {name_of(link): line_said(link) for link in source.links}
     for joint in source.joints:
         name = name_of(joint)
         if name and name in links:
-            problem = f"the link in line {links[name]} has this name too: the frame of this name is the link's"
+            problem = f"the link in {links[name]} has this name too: the frame of this name is the link's"
             yield about("shared-name", joint, problem)
         if name == RESERVED_NAME:
             yield about("reserved-name", joint, "the ground has this name in Pinocchio")

@@ -81,9 +81,13 @@ def _form(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
     if origin is None:
         yield about("inertial-origin-missing", element, "without <origin>: the center of mass is the link origin")
     if any(values(origin, "rpy", 3) or ()):
-        yield about("inertial-rotated", element, "the inertial frame is rotated: the tensor is turned into link axes")
+        yield about(
+            "inertial-rotated",
+            _part(element, "origin"),
+            "the inertial frame is rotated: the tensor is turned into link axes",
+        )
     if np.abs(np.triu(inertial.tensor, 1)).any():
-        yield about("off-diagonal-inertia", element, "the tensor has off-diagonal entries")
+        yield about("off-diagonal-inertia", _part(element, "inertia"), "the tensor has off-diagonal entries")
 
 
 def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
@@ -92,31 +96,49 @@ def _mass(structure: Structure, inertial: LinkInertial) -> Iterator[Finding]:
         members = structure.members[str(structure.carrier[inertial.link])]
         alone = not any(other.mass > 0 and other.link in members for other in structure.inertials)
         problem = "the mass is zero" if inertial.size == 0 else "the mass is zero but the inertia tensor is not"
-        yield about("zero-mass", element, problem, severity="warning" if alone else "note")
+        yield about("zero-mass", _part(element, "mass"), problem, severity="warning" if alone else "note")
     elif inertial.size == 0:
-        yield about("zero-inertia", element, f"{mass:g} kg with an inertia tensor of zero: a point mass")
+        yield about(
+            "zero-inertia", _part(element, "inertia"), f"{mass:g} kg with an inertia tensor of zero: a point mass"
+        )
     distance = float(np.linalg.norm(inertial.center))
     if distance > MAX_CENTER_DISTANCE:
         problem = f"the center of mass is {distance:.3g} m from the origin of the link"
-        yield about("far-center-of-mass", element, problem)
+        yield about("far-center-of-mass", _part(element, "origin"), problem)
     if 0 < mass < MIN_PLAUSIBLE_MASS:
-        yield about("tiny-mass", element, f"the mass is {mass:g} kg")
+        yield about("tiny-mass", _part(element, "mass"), f"the mass is {mass:g} kg")
 
 
 def _tensor(inertial: LinkInertial) -> Iterator[Finding]:
     element, (low, middle, high), size = inertial.element, inertial.moments, inertial.size
     if low < -TRIANGLE_TOLERANCE_SHARE * size:
         problem = f"the tensor has a negative principal moment, {low:.3g} kg m²: no real body has one{_meant(element)}"
-        yield about("indefinite-inertia", element, problem)
+        yield about("indefinite-inertia", _part(element, "inertia"), problem)
     elif low <= TRIANGLE_TOLERANCE_SHARE * size:
-        yield about("singular-inertia", element, f"the tensor is singular: smallest principal moment {low:.3g} kg m²")
+        yield about(
+            "singular-inertia",
+            _part(element, "inertia"),
+            f"the tensor is singular: smallest principal moment {low:.3g} kg m²",
+        )
     excess = high - low - middle
     if excess > TRIANGLE_TOLERANCE_SHARE * size:
         rounded = excess < TRIANGLE_TOLERANCE * high
         problem = f"principal moment {high:.3g} exceeds the sum {low + middle:.3g} kg m² of the others{_meant(element)}"
-        yield about("triangle-inequality", element, problem, severity="note" if rounded else "warning")
+        yield about(
+            "triangle-inequality", _part(element, "inertia"), problem, severity="note" if rounded else "warning"
+        )
     if low > 0 and np.array_equal(inertial.tensor, inertial.tensor[0, 0] * np.eye(3)):
-        yield about("isotropic-inertia", element, "the same moment about every axis, as of a sphere: probably a guess")
+        yield about(
+            "isotropic-inertia",
+            _part(element, "inertia"),
+            "the same moment about every axis, as of a sphere: probably a guess",
+        )
+
+
+def _part(inertial: etree._Element, tag: str) -> etree._Element:
+    """The child that states what a finding is about, where it is written."""
+    part = inertial.find(tag)
+    return inertial if part is None else part
 
 
 def _meant(inertial: etree._Element) -> str:

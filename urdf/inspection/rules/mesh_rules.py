@@ -83,11 +83,11 @@ def _files(structure: Structure, compared: int, failed: dict[str, str]) -> Findi
     more = f" and {len(failed) - MAX_QUOTED_NAMES} more" if len(failed) > MAX_QUOTED_NAMES else ""
     left = f"; links that are not: {', '.join(names)}{more}" if failed else ""
     drawings = structure.source.drawings.drawings
-    lines = [each.line for each in drawings if each.mesh]
+    drawn = [each.element for each in drawings if each.mesh]
     return of_file(
         "mesh-files",
-        f"mesh files: {len(lines)}; links whose inertials are compared with them: {compared}{left}",
-        lines[0],
+        f"mesh files: {len(drawn)}; links whose inertials are compared with them: {compared}{left}",
+        at=drawn[0],
     )
 
 

@@ -14,7 +14,7 @@ from itertools import dropwhile
 from lxml import etree
 
 from urdf.document.document import Document
-from urdf.document.elements import line_of, tag_of
+from urdf.document.elements import tag_of
 from urdf.document.numbers import BadNumber, numbers
 from urdf.document.vocabulary import NUMBERS, READ_CHILDREN
 from urdf.errors import shortened
@@ -79,7 +79,7 @@ def _instructions(robot: etree._Element) -> Iterator[Finding]:
     found = [node for top in dropwhile(_is_instruction, nodes) for node in top.iter() if _is_instruction(node)]
     if found:
         problem = f"processing instructions <?…?> within the document: {len(found)}"
-        yield of_file("processing-instruction", problem, line_of(found[0]))
+        yield of_file("processing-instruction", problem, at=found[0])
 
 
 def _is_instruction(node: etree._Element) -> bool:

@@ -18,6 +18,7 @@ from crosscheck.comparing.accuracy import TrueErrors, true_errors
 from crosscheck.comparing.compare import count_states
 from crosscheck.distributing import Lost
 from crosscheck.exact import Truth, check_installed
+from crosscheck.report.findings.failures import Failure, failure
 from graphdyn import GraphDynError
 from urdf import Reading
 
@@ -35,15 +36,15 @@ class MeasuringTask:
     truth: Truth
 
 
-def examine(task: MeasuringTask) -> TrueErrors | str:
+def examine(task: MeasuringTask) -> TrueErrors | Failure:
     """The errors of one robot, or why there are none."""
     try:
         with warnings.catch_warnings(action="ignore"):
             return true_errors(task.robot, task.samples, task.seed, truth=task.truth)
     except (GraphDynError, OSError) as error:
-        return str(error)
+        return failure(task.robot, error)
     except Exception as error:
-        return f"the measurement failed: {type(error).__name__}: {error}; report it"
+        return failure(task.robot, f"the measurement failed: {type(error).__name__}: {error}; report it")
 
 
 def measure(context: typer.Context, options: CrosscheckOptions, choice: Sequence[Choice]) -> int:
@@ -52,12 +53,12 @@ def measure(context: typer.Context, options: CrosscheckOptions, choice: Sequence
     assert options.exact is not None
     folders = any(is_folder(robot) for robot, _ in choice)
     measured: list[TrueErrors] = []
-    failures: list[dict[str, str]] = []
-    for robot, found in (_in_processes if folders else _in_turn)(context, options, choice):
+    failures: list[Failure] = []
+    for found in (_in_processes if folders else _in_turn)(context, options, choice):
         if isinstance(found, TrueErrors):
             measured.append(found)
         else:
-            failures.append({"robot": robot, "message": found})
+            failures.append(found)
     deliver(
         accuracy_report(measured, failures),
         options,
@@ -70,7 +71,7 @@ def measure(context: typer.Context, options: CrosscheckOptions, choice: Sequence
 
 def _in_turn(
     context: typer.Context, options: CrosscheckOptions, choice: Sequence[Choice]
-) -> Iterator[tuple[str, TrueErrors | str]]:
+) -> Iterator[TrueErrors | Failure]:
     """One robot after the other, with the progress of each."""
     samples = options.exact or 0
     for number, (robot, how) in enumerate(choice, start=1):
@@ -78,18 +79,18 @@ def _in_turn(
         try:
             total = count_states(robot, samples, options.seed, how) if err.is_terminal else None
             with progress(title, total) as advance, warnings_shown():
-                found: TrueErrors | str = true_errors(
+                found: TrueErrors | Failure = true_errors(
                     robot, samples, options.seed, truth=options.truth, reading=how, progress=advance
                 )
         except (GraphDynError, OSError) as error:
             complain(error, context)
-            found = str(error)
-        yield robot, found
+            found = failure(robot, error)
+        yield found
 
 
 def _in_processes(
     context: typer.Context, options: CrosscheckOptions, choice: Sequence[Choice]
-) -> Iterator[tuple[str, TrueErrors | str]]:
+) -> Iterator[TrueErrors | Failure]:
     """Every file of folders, several at once."""
     robots: list[str] = []
     for robot, _ in choice:
@@ -97,12 +98,14 @@ def _in_processes(
             robots += files_below(robot) if is_folder(robot) else [robot]
         except GraphDynError as error:
             complain(error, context)
-            yield robot, str(error)
+            yield failure(robot, error)
     robots = list(dict.fromkeys(robots))
-    found: dict[str, TrueErrors | str] = {}
+    found: dict[str, TrueErrors | Failure] = {}
     with progress("exact values", len(robots)) as advance:
         tasks = [MeasuringTask(robot, options.exact or 0, options.seed, options.truth) for robot in robots]
         for k, outcome in options.workers.each(examine, tasks):
-            found[robots[k]] = f"it was lost: {outcome.reason}; report it" if isinstance(outcome, Lost) else outcome
+            if isinstance(outcome, Lost):
+                outcome = failure(robots[k], f"it was lost: {outcome.reason}; report it")
+            found[robots[k]] = outcome
             advance(robots[k], 1)
-    yield from ((robot, found[robot]) for robot in robots)
+    yield from (found[robot] for robot in robots)

@@ -57,7 +57,7 @@ class AccuracyRecord(CommandRecord, format="graphdyn accuracy 1"):
 
 
 def record(
-    measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, str]], command: Sequence[str]
+    measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, Any]], command: Sequence[str]
 ) -> dict[str, Any]:
     """All robots. failures: robot and message of each that could not be measured"""
     return written(

@@ -42,7 +42,7 @@ QUANTILE_WORDS = "99 % quantile at random states"
 THREE = "Of each code: median and 99 % quantile at random states, largest error at all states."
 
 
-def accuracy_report(measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, str]] = ()) -> Report:
+def accuracy_report(measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, Any]] = ()) -> Report:
     """failures: robots that could not be measured: robot, message"""
     several = len(measured) > 1
     keys = [f"robot-{k}" for k in range(1, len(measured) + 1)]
@@ -60,7 +60,7 @@ def accuracy_report(measured: Sequence[TrueErrors], failures: Sequence[Mapping[s
     )
 
 
-def _verdict(measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, str]]) -> Verdict:
+def _verdict(measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, Any]]) -> Verdict:
     agreeing = sum(one.agrees for one in measured)
     if not measured:
         reason = "Nothing was measured."

@@ -27,6 +27,7 @@ from crosscheck.comparing import compare as comparing
 from crosscheck.comparing.comparison import part_of_bound
 from crosscheck.distributing import LocalProcesses, Lost
 from crosscheck.reference.subject import content_sha256
+from crosscheck.report.findings.failures import failure
 
 SCHEMA = Draft202012Validator(json.loads((REPOSITORY / "docs/schemas/crosscheck-3.schema.json").read_text("utf-8")))
 VENDOR_ARMS = {
@@ -126,7 +127,7 @@ def examined(monkeypatch, some_record):
 
     def examine(task):
         if "new" in task.robot:
-            return sweeping.ComparisonOutcome(failure="not a robot")
+            return sweeping.ComparisonOutcome(failure=failure(task.robot, "not a robot"))
         own = {"robot": task.robot, "file_sha256": content_sha256(task.robot)}
         return sweeping.ComparisonOutcome({**some_record, **own, "samples": task.samples, "seed": task.seed})
 
@@ -146,7 +147,7 @@ class TestOutcomes:
         broken = done.row("sub/broken.urdf")
         assert broken[1:6] == ["refused", "–", "–", "–", "–"]
         assert broken[6].startswith("broken.urdf:")
-        assert done.out.endswith("3 robots: agrees 1, DISAGREES 0, kinematics only 1, refused 1\n")
+        assert done.out.endswith(": incomplete. 3 robots: agrees 1, DISAGREES 0, kinematics only 1, refused 1.\n")
         record = written(tmp_path / "r.json")
         assert [Path(robot["robot"]).name for robot in record["robots"]] == ["good.urdf", "bare.urdf"]
         assert [Path(failure["robot"]).name for failure in record["failures"]] == ["broken.urdf"]
@@ -456,7 +457,8 @@ def test_vendor_arms(program, here, tmp_path):
     done = program(folder, "--samples", 1, "--json", tmp_path / "r.json")
     assert done.code == AGREED
     assert done.out.endswith(
-        "2 robots: agrees 1, DISAGREES 0, kinematics only 1, refused 0; 1 by the route 'model' alone\n"
+        "no robot disagrees. 2 robots: agrees 1, DISAGREES 0, kinematics only 1, refused 0; 1 by the route 'model' "
+        "alone.\n"
     )
     rows = [summary.compared_row(record) for record in written(tmp_path / "r.json")["robots"]]
     assert {Path(row.robot).stem: (row.verdict, row.routes) for row in rows} == VENDOR_ARMS

@@ -76,7 +76,7 @@ class TestComparison:
         verdicts = [row[0] for row in rows(text, "Largest relative errors").values()]
         assert verdicts == sorted(verdicts, key=lambda verdict: verdict != "✗ DISAGREES")
         assert 0 < verdicts.count("✗ DISAGREES") < len(verdicts)
-        assert "<title>graphdyn against Pinocchio: DISAGREES</title>" in text
+        assert "<title>graphdyn against Pinocchio on tree7: DISAGREES</title>" in text
         assert "✗ joint_wrench" in text  # in the picture
 
     def test_notes_and_what_was_left_out(self, small_comparison):

@@ -63,7 +63,7 @@ class TestText:
 
     def test_heading(self, comparison, tree):
         first, _, _, robot, what, *_ = printed(comparison).splitlines()
-        assert first.rstrip() == "graphdyn against Pinocchio: agrees"
+        assert first.rstrip() == f"graphdyn against Pinocchio on {tree.name}: agrees"
         assert robot.rstrip() == f"{tree.name}: agrees"
         assert what.rstrip() == f"3 joints; {SAMPLES} random states and the special ones, seed {SEED}; routes: model"
 

@@ -97,6 +97,8 @@ class TestCommands:
         assert {option for _, option in OUTPUTS} == {
             "--json",
             "--html",
+            "--sarif",
+            "--junit",
             "--urdf",
             "--to",
             "--out",

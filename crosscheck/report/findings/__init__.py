@@ -1,0 +1,1 @@
+"""What a command finds, for the pipelines of others: SARIF and JUnit files, baselines, waivers."""
