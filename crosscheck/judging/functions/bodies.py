@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, times, turned, turned_back
-from crosscheck.judging.functions.motions import WITH_THE_INSIDE, Motions, flat, motions, stacked
-from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, turned
+from crosscheck.judging.functions.motions import Motions, flat, motions, stacked
+from crosscheck.judging.slips.operations import ONCE, Operations
+from crosscheck.judging.slips.turning import center_in_world, tensor_in_world
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement
 from graphdyn.layout import Array
@@ -54,16 +55,13 @@ class BodySums:
         columns = []
         for j, (z, slides) in enumerate(zip(m.axes, code.prismatic, strict=True)):
             o = m.origins[j + 1]
-            moved = []
-            for b, body in enumerate(bodies):
-                outside = j in m.chain(b + 1)
-                column = (z if slides else crossed(z, body.center - o)) + 0 * body.center
-                moved.append(column if outside else 0 * column)
-            column = self._mean(moved, bodies, do)
-            whole = self._mean(
-                [(z if slides else crossed(z, body.center - o)) + 0 * body.center for body in bodies], bodies, do
-            )
+            moved = [(z if slides else crossed(z, body.center - o)) + 0 * body.center for body in bodies]
+            outside = [x if j in m.chain(b + 1) else 0 * x for b, x in enumerate(moved)]
+            without_own = [0 * x if b == j else x for b, x in enumerate(outside)]
+            column = self._mean(outside, bodies, do)
+            whole, less = (self._mean(vectors, bodies, Operations([], 1)) for vectors in (moved, without_own))
             columns.append(do.result("the column of the center of mass", j, column, {
+                "taken without the body of its own joint": lambda: less,
                 "taken of all bodies, of those inside the joint too": lambda: whole,
             }))  # fmt: skip
         return stacked([column[i] for i in range(3) for column in columns])
@@ -79,6 +77,11 @@ class BodySums:
         whole = self._mean([body.center for body in bodies], bodies, do)
         if self.chosen["about"] != "the center of mass":
             whole = 0 * whole
+        centers = [body.center for body in bodies]
+        whole = do.result("the point about which the angular momentum is", ONCE, whole, {
+            "the mean of the centers, not weighted by masses": lambda: sum(centers[1:], centers[0]) / len(centers),
+            "taken with the opposite sign, c + c_all": lambda: -whole,
+        })  # fmt: skip
         angular = []
         for b, (body, pushed) in enumerate(zip(bodies, linear, strict=True)):
             inside = m.omegas[code.inside[b]]
@@ -92,7 +95,12 @@ class BodySums:
                 "taken about the origin of the first link": lambda: crossed(body.center - m.origins[1], pushed),
             }, of="body")  # fmt: skip
             angular.append(spin + lever)
-        found = stacked(flat([sum(linear[1:], linear[0]), sum(angular[1:], angular[0])]))
+        pushed = do.result("the linear momentum, a sum,", ONCE, sum(linear[1:], linear[0]), {
+            "taken with the velocities of the link origins": lambda: np.sum(
+                [body.mass * (body.velocity - crossed(body.omega, body.offset)) for body in bodies], axis=0
+            ),
+        })  # fmt: skip
+        found = stacked(flat([pushed, sum(angular[1:], angular[0])]))
         return self._ordered(found)
 
     def centroidal_map(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
@@ -150,24 +158,30 @@ class BodySums:
         bodies = []
         for b, inside in enumerate(code.inside):
             R, before, c, J = m.rotations[b + 1], m.rotations[inside], x.centers[b], x.tensors[b]
-            Rt = np.swapaxes(R, 0, 1)
-            offset = do.result("c, the center of mass from the link origin in world axes,", b, turned(R, c), {
-                NOT_TURNED: lambda: c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, c),
-                WITH_THE_INSIDE: lambda: turned(before, c),
+            name = "c, the center of mass from the link origin in world axes,"
+            offset = center_in_world(name, b, R, before, c, do, "body")
+            tensor = tensor_in_world(b, R, before, J, do, "body")
+            w = do.result("ω of the link", b, m.omegas[b + 1], {
+                "that of the inside link": lambda: m.omegas[inside] + 0 * m.omegas[b + 1],
+                "that of its own joint alone, relative to the inside link": lambda: m.omegas[b + 1] - m.omegas[inside],
             }, of="body")  # fmt: skip
-            tensor = do.result("the tensor in world axes", b, times(times(R, J), Rt), {
-                NOT_TURNED: lambda: J + 0 * R, WRONG_WAY: lambda: times(times(Rt, J), R),
-                "taken as R J, the second R missing": lambda: times(R, J),
+            speed = do.result("the velocity of the link origin", b, m.velocities[b + 1], {
+                "that of the inside link's origin": lambda: m.velocities[inside] + 0 * m.velocities[b + 1],
             }, of="body")  # fmt: skip
-            w = m.omegas[b + 1]
             swing = do.result("ω × c in the velocity of the center of mass", b, crossed(w, offset), {
                 "taken with ω of the inside link": lambda: crossed(m.omegas[inside], offset),
             }, of="body")  # fmt: skip
-            origin = do.result("the place of the link origin", b, m.origins[b + 1], of="body")
-            mass = do.result("the mass", b, x.masses[b], {"taken as 1 kg": lambda: 1.0 + 0 * x.masses[b]}, of="body")
-            bodies.append(
-                MovingBody(mass, offset, origin + offset, m.velocities[b + 1] + swing, tensor, w + 0 * offset)
-            )
+            origin = do.result("the place of the link origin", b, m.origins[b + 1], {
+                "that of the inside link's origin": lambda: m.origins[inside] + 0 * m.origins[b + 1],
+            }, of="body")  # fmt: skip
+            mass = do.result("the mass", b, x.masses[b], {
+                "taken as 1 kg": lambda: 1.0 + 0 * x.masses[b],
+                "taken in grams": lambda: 1000 * x.masses[b],
+                "that of the body and all outside of it": lambda: sum(
+                    (x.masses[k] for k in range(len(code.inside)) if b in m.chain(k + 1)), 0 * x.masses[b]
+                ),
+            }, of="body")  # fmt: skip
+            bodies.append(MovingBody(mass, offset, origin + offset, speed + swing, tensor, w + 0 * offset))
         return m, bodies
 
     def _mean(self, vectors: list[Array], bodies: list[MovingBody], do: Operations) -> Array:

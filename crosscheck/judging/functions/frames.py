@@ -49,7 +49,12 @@ class FrameFormulations:
             o, inside = m.origins[j + 1], code.inside[j]
             nothing = 0 * z + 0 * p
             if j not in m.chain(self.frame.body):
-                columns.append((nothing, nothing))
+                filled = (z, 0 * z) if code.prismatic[j] else (crossed(z, p - o), z)
+                hinge = np.stack([part + nothing for part in filled])
+                pair = do.result("the column of a joint that does not move the frame", j, 0 * hinge, {
+                    "filled in, as of one that does": lambda: hinge,
+                })  # fmt: skip
+                columns.append((pair[0], pair[1]))
                 continue
             previous = m.axes[inside - 1] if inside > 0 else turned(m.rotations[0], np.eye(3)[2][:, None, None])
             if code.prismatic[j]:
@@ -105,7 +110,9 @@ class FrameFormulations:
                 jacobian.append((nothing, nothing))
                 continue
             w = m.omegas[code.inside[j]]
-            dz = do.result("ż", j, crossed(w, z) + nothing)
+            dz = do.result("ż", j, crossed(w, z) + nothing, {
+                "taken with ω of the frame's link, not of the joint's": lambda: crossed(twist[1], z) + nothing,
+            })  # fmt: skip
             if code.prismatic[j]:
                 columns.append((dz, nothing))
                 jacobian.append((z + nothing, nothing))
@@ -133,9 +140,11 @@ class FrameFormulations:
         linear = do.result("the acceleration", ONCE, linear, {
             "taken with gravity added": lambda: linear + g, "taken with gravity subtracted": lambda: linear - g,
         })  # fmt: skip
-        u = self._moving(m, offset, do)[0]
         if self.chosen["acceleration"] == "spatial":
-            linear = linear - crossed(w, u)
+            right = motions(code, x, state, Operations([], state[0].shape[-1]), self.base)
+            u = right.velocities[b] + crossed(right.omegas[b], offset)
+            between = "ω × v, by which a spatial acceleration is less than a classical one,"
+            linear = linear - do.result(between, ONCE, crossed(w, u))
             if self.chosen["reference"] == "world":
                 linear = linear - crossed(angular, p)
         elif self.chosen["reference"] == "world":  # that of the point at the world's origin
@@ -154,6 +163,7 @@ class FrameFormulations:
         rf = own.rotation[:, :, None, None]
         R = do.result("the rotation of the frame", ONCE, times(link, rf), {
             "taken as that of its link": lambda: link + 0 * rf,
+            "taken in the opposite order, of the frame in its link before that of the link": lambda: times(rf, link),
             "taken with that of the frame in its link transposed": lambda: times(link, np.swapaxes(rf, 0, 1)),
         })  # fmt: skip
         return R, m.origins[b] + offset, offset
@@ -185,11 +195,18 @@ class FrameFormulations:
         )
         mixed["moved to the world's origin the wrong way"] = lambda: linear + crossed(angular, p)
         turned_mixed = {f"that of '{way}', the linear part that of '{reference}'": turns[way] for way in turns}
+        mixed["turned from local to world axes once more"] = lambda: turned(R, linear + 0 * p)
         turned_mixed["turned from local to world axes once more"] = lambda: turned(R, angular + 0 * p)
-        return (
+        parts = (
             do.result("the linear part", ONCE, ways[reference](), mixed),
             do.result("the angular part", ONCE, turns[in_axes](), turned_mixed),
         )
+        both = do.result("the whole twist", ONCE, np.stack(np.broadcast_arrays(*parts)), {
+            "turned with R, from local to world axes, in place of Rᵀ": lambda: np.stack(
+                [turned(R, linear + 0 * p), turned(R, angular + 0 * p)]
+            ),
+        })  # fmt: skip
+        return both[0], both[1]
 
     def _rate_read(
         self, m: Motions, placed: tuple[Array, Array, Array], rate: Twist, own: Twist, twist: Twist, do: Operations
@@ -202,8 +219,9 @@ class FrameFormulations:
             moved = do.result("the term z × ṗ of the reference's point", ONCE, crossed(own[1], v))
             return linear - crossed(angular, p) - moved, angular + 0 * p
         if self.chosen["reference"] == "local":
-            turning = do.result("the term ω × J of the axes that turn", ONCE, crossed(w, own[0]))
-            return turned_back(R, linear - turning), turned_back(R, angular - crossed(w, own[1]))
+            turning = np.stack(np.broadcast_arrays(crossed(w, own[0]), crossed(w, own[1])))
+            turning = do.result("the term ω × J of the axes that turn", ONCE, turning)
+            return turned_back(R, linear - turning[0]), turned_back(R, angular - turning[1])
         return linear + 0 * p, angular + 0 * p
 
     def _six(self, twist: Twist) -> Array:

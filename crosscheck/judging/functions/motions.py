@@ -23,11 +23,9 @@ from crosscheck.judging.faults.recursion import (
     turned_back,
 )
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.slips.turning import WITH_THE_INSIDE, WITH_THE_OUTER
 from graphdyn import Placement
 from graphdyn.layout import Array
-
-WITH_THE_OUTER = "turned with the outer link"
-WITH_THE_INSIDE = "turned with the inside link"
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +70,11 @@ def places(code: DynamicsCode, x: Numbers, q: Array, do: Operations, base: Place
             "taken in the opposite order": lambda: times(turn, before + 0 * turn),
             "taken without that of the inside link": lambda: turn + 0 * before,
         })  # fmt: skip
-        local = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
+        local = x.translations[j]
+        if slides:
+            local = local + do.result("the slide p q", j, turned(x.rotations[j], p * q[j]), {
+                "taken along the axis in world axes, not turned": lambda: turned_back(before, p * q[j]),
+            })  # fmt: skip
         r = do.result("r of the joint in world axes", j, turned(before, local), {
             NOT_TURNED: lambda: local + 0 * before[0], WRONG_WAY: lambda: turned_back(before, local),
             WITH_THE_OUTER: lambda: turned(R, local),
@@ -113,7 +115,11 @@ def motions(code: DynamicsCode, x: Numbers, state: State, do: Operations, base: 
         m.alphas.append(kept_up + cross + (0.0 * z if slides else z * a[j]))
         m.velocities.append(moved + carried + slide)
         m.accelerations.append(
-            m.accelerations[inside] + tangential + around + sliding + (z * a[j] if slides else 0.0 * z)
+            do.result("the acceleration of the inside link in that of the link origin", j, m.accelerations[inside])
+            + tangential
+            + around
+            + sliding
+            + (z * a[j] if slides else 0.0 * z)
         )
     return m
 

@@ -24,6 +24,7 @@ from crosscheck.judging.faults.recursion import (
     turned_back,
 )
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.slips.turning import center_in_world, tensor_in_world
 from graphdyn.layout import Array
 
 
@@ -50,6 +51,13 @@ def christoffel(code: DynamicsCode, x: Numbers, state: State, do: Operations) ->
         velocity = (first + second + last)[..., :rows].real
         found.append(tau[i] + velocity + weight[i][..., :rows].real)
     return np.stack(np.broadcast_arrays(*found))
+
+
+AS_HINGE = "taken as that of a hinge, z × (p_c − o) and z"
+
+
+def _pair(linear: Array, angular: Array) -> Array:
+    return np.stack(np.broadcast_arrays(linear, angular))
 
 
 def _again(x: Array, n: int) -> Array:
@@ -80,24 +88,32 @@ def _mass_matrix(code: DynamicsCode, x: Numbers, q: Array, do: Operations) -> tu
             "turned with the inside link": lambda: turned(base, p),
         }))  # fmt: skip
         path.append((*(path[inside - 1] if inside else ()), b))
-        own_c, own_j, Rt = x.centers[b], x.tensors[b], np.swapaxes(R, 0, 1)
-        center = origin[-1] + do.result("c in world axes", b, turned(R, own_c), {
-            NOT_TURNED: lambda: own_c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, own_c),
-        })  # fmt: skip
-        tensor = do.result("the tensor in world axes", b, times(times(R, own_j), Rt), {
-            NOT_TURNED: lambda: own_j + 0 * R, WRONG_WAY: lambda: times(times(Rt, own_j), R),
-            "taken as R J, the second R missing": lambda: times(R, own_j),
-        })  # fmt: skip
+        own_c, own_j = x.centers[b], x.tensors[b]
+        center = origin[-1] + center_in_world("c in world axes", b, R, base, own_c, do)
+        tensor = tensor_in_world(b, R, base, own_j, do)
         linear, angular = {}, {}
         for j in path[b]:
             z, o = axes[j], origin[j + 1]
-            right = z + 0 * center if code.prismatic[j] else crossed(z, center - o)
-            linear[j] = do.result("z × (p_c - o) in the Jacobians of the links", j, right, {
-                "taken with the link origin, not the center of mass": lambda: crossed(z, origin[-1] - o),
-                "taken from the world's origin": lambda: crossed(z, center),
-                "taken from the origin of the inside link": lambda: crossed(z, center - origin[code.inside[j]]),
-            })  # fmt: skip
-            angular[j] = 0 * z if code.prismatic[j] else z
+            if code.prismatic[j]:
+                name, slide = (
+                    "the column of a sliding joint in the Jacobians of the links",
+                    _pair(z + 0 * center, 0 * z),
+                )
+                pair = do.result(name, j, slide, {
+                    AS_HINGE: lambda: _pair(crossed(z, center - o), z),
+                })  # fmt: skip
+                linear[j], angular[j] = pair[0], pair[1]
+            else:
+                linear[j] = do.result("z × (p_c - o) in the Jacobians of the links", j, crossed(z, center - o), {
+                    "taken with the link origin, not the center of mass": lambda: crossed(z, origin[-1] - o),
+                    "taken from the world's origin": lambda: crossed(z, center),
+                    "taken from the origin of the inside link": lambda: crossed(z, center - origin[code.inside[j]]),
+                })  # fmt: skip
+                angular[j] = z
+            if j == b:
+                column = _pair(linear[j], angular[j])
+                own = do.result("the column of its own joint in the Jacobian of each link", b, column)
+                linear[j], angular[j] = own[0], own[1]
         for i in path[b]:
             pulled = do.result("the weight m g", b, -x.masses[b] * (x.gravity * linear[i]).sum(axis=0))
             weight[i] = weight[i] + pulled

@@ -35,6 +35,7 @@ from crosscheck.judging.slips.body_wrenches import (
     add_body,
 )
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.slips.turning import WITH_THE_INSIDE, tensor_in_world
 from graphdyn.layout import Array
 
 
@@ -83,18 +84,12 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
         own_c, own_j = x.centers[j], x.tensors[j]
         ways = {
             NOT_TURNED: lambda: own_c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, own_c),
-            "turned with the inside link": lambda: turned(base, own_c),
+            WITH_THE_INSIDE: lambda: turned(base, own_c), "turned twice": lambda: turned(R, turned(R, own_c)),
         }  # fmt: skip
         c = do.result("c in world axes", j, turned(R, own_c), ways)
         lever = do.result("c in world axes, in c × F,", j, c, ways)
         c = do.result("c in world axes, in the acceleration of the center of mass,", j, c, ways)
-        Rt = np.swapaxes(R, 0, 1)
-        tensor = do.result("the tensor in world axes", j, times(times(R, own_j), Rt), {
-            NOT_TURNED: lambda: own_j + 0 * R, WRONG_WAY: lambda: times(times(Rt, own_j), R),
-            "turned with the inside link": lambda: times(times(base, own_j), np.swapaxes(base, 0, 1)),
-            "taken as R J, the second R missing": lambda: times(R, own_j),
-            "taken as R J R, not R J Rᵀ": lambda: times(times(R, own_j), R),
-        })  # fmt: skip
+        tensor = tensor_in_world(j, R, base, own_j, do)
         body = x.masses[j], c, lever, tensor
         add_body(j, inside, body, do, (omega, alpha, linear, [zero]), (forces, moments))
         axes.append(z)

@@ -1,0 +1,40 @@
+"""Centers and tensors turned into world axes as people do it, open to slips."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from crosscheck.judging.faults.recursion import times, turned, turned_back
+from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from graphdyn.layout import Array
+
+WITH_THE_OUTER = "turned with the outer link"
+WITH_THE_INSIDE = "turned with the inside link"
+
+Of = Literal["joint", "body"]
+
+
+def center_in_world(name: str, b: int, R: Array, before: Array, c: Array, do: Operations, of: Of = "joint") -> Array:
+    """R c. R, before: rotations of the link and of the inside one"""
+    return do.result(name, b, turned(R, c), {
+        NOT_TURNED: lambda: c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, c),
+        WITH_THE_INSIDE: lambda: turned(before, c),
+        "turned twice": lambda: turned(R, turned(R, c)),
+    }, of=of)  # fmt: skip
+
+
+def tensor_in_world(b: int, R: Array, before: Array, J: Array, do: Operations, of: Of = "joint") -> Array:
+    """R J Rᵀ."""
+    Rt = np.swapaxes(R, 0, 1)
+    diagonal = np.eye(3).reshape(3, 3, *[1] * (J.ndim - 2))
+    return do.result("the tensor in world axes", b, times(times(R, J), Rt), {
+        NOT_TURNED: lambda: J + 0 * R, WRONG_WAY: lambda: times(times(Rt, J), R),
+        WITH_THE_INSIDE: lambda: times(times(before, J), np.swapaxes(before, 0, 1)),
+        "taken as R J, the second R missing": lambda: times(R, J),
+        "taken as R J R, not R J Rᵀ": lambda: times(times(R, J), R),
+        "taken with the principal moments alone, products of inertia left out": lambda: (
+            times(times(R, diagonal * J), Rt)
+        ),
+    }, of=of)  # fmt: skip
