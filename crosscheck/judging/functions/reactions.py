@@ -25,19 +25,22 @@ from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement
 from graphdyn.layout import Array
 
+IN_LINK_AXES = LinkAxes()
+
 
 @dataclass(frozen=True, eq=False)
 class JointWrenches:
     """Forces and moments of the joints about the link origins (6 n, K, R).
 
-    base: of the ground in the world; chosen: the conventions that a code follows
+    base: of the ground in the world; chosen: the conventions that a code follows; by: the recursion open to slips
     """
 
     base: Placement
     chosen: Chosen
+    by: LinkAxes = IN_LINK_AXES
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        return self._read(code, x, state, do, LinkAxes().joint_wrenches(code, x, state, do))
+        return self._read(code, x, state, do, self.by.joint_wrenches(code, x, state, do))
 
     def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
         """Without slips."""
@@ -70,13 +73,14 @@ class JointWrenches:
 class Multipliers:
     """The five of each joint of docs/notation.md (5 n, K, R).
 
-    base: of the ground in the world
+    base: of the ground in the world; by: the recursion open to slips
     """
 
     base: Placement
+    by: LinkAxes = IN_LINK_AXES
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
-        return _multipliers(self.base, code, x, state, do, LinkAxes().joint_wrenches(code, x, state, do))
+        return _multipliers(self.base, code, x, state, do, self.by.joint_wrenches(code, x, state, do))
 
     def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
         """Without slips."""
@@ -107,6 +111,7 @@ def _multipliers(
         })  # fmt: skip
         moment = do.result("the moment of λ_4, λ_5 in axes that the joint does not turn", j, turned(own, n), {
             "taken in link axes, not turned": lambda: n + 0 * own[0], WRONG_WAY: lambda: turned_back(own, n),
+            "taken about the center of mass": lambda: turned(own, n - crossed(x.centers[j], f)),
         })  # fmt: skip
         about = [(axis * moment).sum(axis=0) for axis in (first, second)]
         names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")

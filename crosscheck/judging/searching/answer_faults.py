@@ -56,6 +56,10 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
             "triangle", "only the diagonal of the matrix is filled in", "its other entries couple the joints",
             lambda s, c: (x := known.of_graphdyn(s, c)) * np.eye(x.shape[-1]),
         )  # fmt: skip
+        yield AnswerFault(
+            "transposed", "the matrix is made symmetric, ½ (X + Xᵀ)", "it is not symmetric",
+            lambda s, c: ((x := known.of_graphdyn(s, c)) + np.swapaxes(x, -1, -2)) / 2,
+        )  # fmt: skip
         for name, part in (("lower", np.tril), ("upper", np.triu)):
             yield AnswerFault(
                 "triangle", f"only the {name} triangle of the matrix is filled in", "copy it to the other side",
@@ -65,6 +69,16 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
         yield AnswerFault(
             "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
             lambda s, c: np.swapaxes(x := known.of_graphdyn(s, c), -1, -2).reshape(x.shape),
+        )  # fmt: skip
+    if known.shape[:1] == ("n",):
+        yield AnswerFault(
+            "transposed", "each entry is the sum of those of all joints before it, and its own", "take no sums",
+            lambda s, c: np.cumsum(known.of_graphdyn(s, c), axis=1),
+        )  # fmt: skip
+    if known.shape[0:1] == ("n",) and known.shape[-1] == "n" and len(known.shape) == 3:
+        yield AnswerFault(
+            "triangle", "what joints change at joints inside of them is left out", "fill in all blocks",
+            lambda s, c: known.of_graphdyn(s, c) * _moved_by(s.model)[:, None],
         )  # fmt: skip
     if BODY_DOF in known.shape:
         axis = known.shape.index(BODY_DOF) - len(known.shape)
@@ -78,6 +92,15 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
                 "sign", f"the {name} part has the opposite sign", "negate it",
                 _with_signs(known, *signs, axis),
             )  # fmt: skip
+
+
+def _moved_by(model: RobotModel) -> Array:
+    """Whether joint i is moved by joint k, itself or inside of it (n, n)."""
+    found = np.eye(model.n_bodies)
+    for k, joint in enumerate(model.joints):
+        if joint.inside:
+            found[k] = np.maximum(found[k], found[joint.inside - 1])
+    return found
 
 
 def _with_signs(known: Quantity, linear: float, angular: float, axis: int) -> Answering:

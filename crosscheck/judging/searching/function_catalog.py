@@ -20,6 +20,8 @@ from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.parameters import with_parameters
 from crosscheck.judging.searching.search import Catalog
+from crosscheck.judging.slips.body_wrenches import add_body_with_first_moments
+from crosscheck.judging.slips.link_axes import LinkAxes
 from crosscheck.judging.slips.operations import Formulation, Operations
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import Quantity
@@ -31,6 +33,9 @@ LINEAR_FUNCTIONS = (
     *("dtau_", "dwrenches_", "dmultipliers_"),
 )
 """Beginnings of the names of functions that are linear in the inertial parameters."""
+
+RECURSIONS = (LinkAxes(), LinkAxes(gravity="apart"), LinkAxes(bodies=add_body_with_first_moments))
+"""The recursions of joint wrenches that are open to slips."""
 
 UNSLIPPED = ("power", "da_dq", "da_dv")
 """Functions made of others, without operations of their own."""
@@ -103,9 +108,19 @@ class FunctionFaults:
 
         at_one = state_of(known, states.trial.rows(np.arange(1)))
         tried = _differing(own, list(filter(relevant, self.faults)), at_one)
-        slips = () if known.name in UNSLIPPED else (form,)
+        slips = () if known.name in UNSLIPPED else tuple(_written(form))
         fitted = list(filter(relevant, self.families))
         return Catalog(own, tried, fitted, self.links, slips, known.name.startswith(LINEAR_FUNCTIONS))
+
+
+def _written(form: Formulation) -> Iterator[Formulation]:
+    """The ways to write a function whose operations are tried."""
+    if isinstance(form, JointWrenches | Multipliers):
+        yield from (dataclasses.replace(form, by=by) for by in RECURSIONS)
+    elif isinstance(form, Derivative) and isinstance(form.of, JointWrenches | Multipliers):
+        yield from (dataclasses.replace(form, of=dataclasses.replace(form.of, by=by)) for by in RECURSIONS)
+    else:
+        yield form
 
 
 def _differing(own: DynamicsCode, among: Sequence[CodeFault], state: State) -> list[CodeFault]:

@@ -24,9 +24,13 @@ def other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
         ("are taken without their moments: they are left out", lambda s: s.all_loads * FORCES),
         ("are taken without their forces: they are left out", lambda s: s.all_loads * (1 - FORCES)),
         ("have moments of the opposite sign", lambda s: s.all_loads * (2 * FORCES - 1)),
-        ("are taken in axes of the inside links", _in_inside_axes),
-        ("are taken in world axes", lambda s: _in_link_axes(s, s.all_loads)),
-        ("are taken as acting at the centers of mass", lambda s: _at_origins(s, s.all_loads)),
+        *(
+            (f"{what} taken {how}", lambda s, halves=halves, turn=turn: _turned(s, halves, turn))
+            for what, halves in PARTS.items()
+            for how, turn in TURNS.items()
+        ),
+        ("are taken as acting at the centers of mass", lambda s: _moved(s, _centers(s))),
+        ("are taken as acting at the origins of the inside links", lambda s: _moved(s, _inside_origins(s))),
         *(_of_bodies(states.model)),
     ):
         yield AnswerFault(
@@ -44,22 +48,45 @@ def _of_bodies(model: RobotModel) -> Iterator[tuple[str, Callable[[JudgedStates]
             yield f"on body '{name}' are left out", lambda s, kept=kept: s.all_loads * (1 - kept)  # type: ignore[misc]
 
 
-def _in_inside_axes(states: JudgedStates) -> Array:
-    """The wrenches in link axes, if their numbers are those in axes of the inside links."""
+PARTS = {"are": (True, True), "have forces that are": (True, False), "have moments that are": (False, True)}
+"""Which halves are turned wrongly, in words: force, moment."""
+
+Turn = Callable[[JudgedStates], Array]
+
+TURNS: dict[str, Turn] = {
+    "in world axes": lambda s: s.rotations.swapaxes(-1, -2),
+    "in world axes, turned the wrong way": lambda s: s.rotations.swapaxes(-1, -2) @ s.rotations.swapaxes(-1, -2),
+    "in axes of the inside links": lambda s: s.rotations.swapaxes(-1, -2) @ _inside_rotations(s),
+}
+"""The matrix by which the numbers are turned into link axes (N, n, 3, 3)."""
+
+
+def _turned(states: JudgedStates, halves: tuple[bool, bool], turn: Turn) -> Array:
+    """The wrenches in link axes, if the numbers of some halves are those in other axes."""
+    loads = states.all_loads.reshape(*states.all_loads.shape[:-1], 2, 3)
+    turned = np.einsum("...iab,...ihb->...iha", turn(states), loads)
+    found: Array = np.where(np.array(halves)[:, None], turned, loads).reshape(states.all_loads.shape)
+    return found
+
+
+def _inside_rotations(states: JudgedStates) -> Array:
     world = states.model.base.rotation + 0 * states.rotations[:, :1]
-    before = np.concatenate([world, states.rotations], axis=1)[:, [joint.inside for joint in states.model.joints]]
-    halves = states.all_loads.reshape(*states.all_loads.shape[:-1], 2, 3)
-    turned = np.einsum("...iba,...ibc,...ihc->...iha", states.rotations, before, halves)
-    return np.asarray(turned.reshape(states.all_loads.shape))
+    found: Array = np.concatenate([world, states.rotations], axis=1)[:, [x.inside for x in states.model.joints]]
+    return found
 
 
-def _in_link_axes(states: JudgedStates, loads: Array) -> Array:
-    halves = loads.reshape(*loads.shape[:-1], 2, 3)
-    turned: Array = np.einsum("...iba,...ihb->...iha", states.rotations, halves).reshape(loads.shape)
-    return turned
+def _moved(states: JudgedStates, points: Array) -> Array:
+    """The wrenches about the link origins, if they act at other points, in link axes."""
+    force, moment = states.all_loads[..., LINEAR], states.all_loads[..., ANGULAR]
+    return np.concatenate([force, moment + np.cross(points, force)], axis=-1)
 
 
-def _at_origins(states: JudgedStates, loads: Array) -> Array:
-    centers = np.array([body.center_of_mass for body in states.model.bodies])
-    force, moment = loads[..., LINEAR], loads[..., ANGULAR]
-    return np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
+def _centers(states: JudgedStates) -> Array:
+    return np.array([body.center_of_mass for body in states.model.bodies])
+
+
+def _inside_origins(states: JudgedStates) -> Array:
+    """Origins of the inside links, from the link origins in link axes (N, n, 3)."""
+    ground = states.model.base.translation + 0 * states.origins[:, :1]
+    inside = np.concatenate([ground, states.origins], axis=1)[:, [x.inside for x in states.model.joints]]
+    return np.asarray(np.einsum("...ba,...b->...a", states.rotations, inside - states.origins))

@@ -21,8 +21,28 @@ OwnFault = Callable[[Array, Array, JudgedStates, float], FoundFault | None]
 """(answers, graphdyn's, states, bound) → the fault; None if it is none of those known here."""
 
 
+def _of_velocities_in_symbols(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
+    """The sums over k are of c_ijk and another velocity than v_k."""
+    coriolis, scale = FUNCTIONS["coriolis_matrix"], float(np.abs(ours).max()) or 1.0
+    units = np.eye(states.model.n_bodies)
+    symbols = [coriolis.of_graphdyn(states.but(v=unit + 0 * states.v), {}) for unit in units]  # c_ijk by k
+    for k, (name, symbol) in enumerate(zip(states.model.joint_names, symbols, strict=True)):
+        left = float(np.abs(answer - ours + states.v[:, k, None, None] * symbol).max()) / scale
+        if left <= bound and symbol.any():
+            message = f"the velocity of joint '{name}' is left out of the sums over k of c_ijk v_k"
+            return FoundFault(FaultDescription("argument", message, "sum over all joints"), left)
+    of_columns = np.sum(symbols, axis=0) * states.v[:, None, :]
+    left = float(np.abs(answer - of_columns).max()) / scale
+    if left <= bound:
+        message = "the sums over k are of c_ijk v_j, the velocity of the column, not of c_ijk v_k"
+        return FoundFault(FaultDescription("argument", message, "C_ij = Σ_k c_ijk v_k"), left)
+    return None
+
+
 def _of_coriolis_matrix(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
-    """C v is right, which leaves Ṁ - 2C."""
+    """C v is right, which leaves Ṁ - 2C; or the velocity in C is not that of the state."""
+    if other := _of_velocities_in_symbols(answer, ours, states, bound):
+        return other
     size = np.maximum(largest(ours @ states.v[..., None]), largest(states.mass) * largest(states.v) ** 2)
     left = float((largest((answer - ours) @ states.v[..., None]) / np.where(size > 0, size, 1.0)).max())
     if not left <= bound:
@@ -147,8 +167,12 @@ def _of_symbols(answer: Array, ours: Array, states: JudgedStates, bound: float) 
 
 
 def _of_power(answer: Array, ours: Array, states: JudgedStates, bound: float) -> FoundFault | None:
-    """Each torque is multiplied by the velocity of another joint."""
+    """Each torque is multiplied by the velocity of another joint, or by a speed."""
     tau = states.answer("inverse_dynamics", loaded=True).tau
+    left = float(np.abs(answer - tau * np.abs(states.v)).max() / (np.abs(ours).max() or 1.0))
+    if left <= bound:
+        message = "torques are multiplied by ∣v∣, not v"
+        return FoundFault(FaultDescription("sign", message, "keep the signs of the velocities"), left)
     products = tau[:, :, None] * states.v[:, None, :]
     of_joint = np.abs(answer[:, :, None] - products).max(axis=0).argmin(axis=1)
     chosen = np.take_along_axis(products, of_joint[None, :, None], axis=2)[..., 0]

@@ -67,6 +67,12 @@ def _unsolved(inner: Quantity, states: JudgedStates, right: JudgedStates) -> Ite
         message = f"M⁻¹ is left out: the answers are {what} at the accelerations that belong to the torques"
         remedy = f"solve with the mass matrix: -M⁻¹ {inner.name}"
         yield FaultDescription("other_function", message, remedy), np.asarray(sign * matrix)
+    if matrix.shape[-1] == states.mass.shape[-1]:
+        inverse = np.linalg.inv(states.mass)
+        message = f"{inner.name} is multiplied by M⁻¹ from the right, not from the left"
+        yield FaultDescription("transposed", message, f"-M⁻¹ {inner.name}"), np.asarray(-matrix @ inverse)
+    message = f"M, not M⁻¹, is multiplied with {inner.name}"
+    yield FaultDescription("other_function", message, "solve with the mass matrix"), np.asarray(-states.mass @ matrix)
     message = f"the torques are taken in place of the accelerations in {inner.name}"
     remedy = "compute the accelerations by forward dynamics first"
     swapped = inner.of_graphdyn(states.but(a=states.tau), {})

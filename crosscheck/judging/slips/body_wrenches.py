@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from crosscheck.judging.faults.recursion import crossed, turned
 from crosscheck.judging.slips.operations import Operations
 from graphdyn.layout import Array
@@ -15,6 +17,7 @@ from graphdyn.layout import Array
 OF_THE_LINK = "taken with {} of the link, not of the inside one"
 OF_THE_INSIDE = "taken with {} of the inside link"
 INSIDE_UNTURNED = "taken with ω of the inside link, not turned"
+PRINCIPAL_ALONE = "taken with the principal moments of J alone, without products of inertia"
 ONE_OMEGA = "taken as {}, one ω× missing"
 
 SPIN, SPIN_UP = "q̇ p in ω", "q̈ p in ω̇"
@@ -67,14 +70,18 @@ def add_body(
     force = do.result(FORCE, j, mass * at_center - weight, {
         "taken with the acceleration of the link origin": lambda: mass * a_o - weight,
     })  # fmt: skip
-    spun = turned(tensor, w)
+    spun, diagonal = turned(tensor, w), tensor * np.eye(3).reshape(3, 3, *[1] * (tensor.ndim - 2))
     gyroscopic = do.result(GYROSCOPIC, j, crossed(w, spun), {
         "taken with ω of the inside link": lambda: crossed(w_i, turned(tensor, w_i)),
         "taken as ω × ω, without J": lambda: 0.0 * spun,
+        PRINCIPAL_ALONE: lambda: crossed(w, turned(diagonal, w)),
         "taken as J (ω × ω̇)": lambda: turned(tensor, crossed(w, dw)),
         "taken as ω × J ω₁, with ω of the first link": lambda: crossed(w, turned(tensor, omega[1])),
     })  # fmt: skip
-    euler = do.result(EULER, j, turned(tensor, dw), {OF_THE_INSIDE.format("ω̇"): lambda: turned(tensor, dw_i)})
+    euler = do.result(EULER, j, turned(tensor, dw), {
+        OF_THE_INSIDE.format("ω̇"): lambda: turned(tensor, dw_i),
+        PRINCIPAL_ALONE: lambda: turned(diagonal, dw),
+    })  # fmt: skip
     others = {"taken with the acceleration of the link origin": lambda: crossed(lever, mass * a_o - weight)}
     if beyond is not None:
         others["taken with r to the next joint, not c"] = lambda: crossed(beyond, force)

@@ -152,7 +152,12 @@ class LinkAxes:
             moved_in = do.result(WHOLE_ACCELERATION, j, turned_back(turn, moved), {**whole, **in_part})
             linear.append(moved_in + sliding + driven)
             gravity.append(do.outward("gravity", j, turn, gravity[inside]))
-            body = x.masses[j], x.centers[j], x.centers[j], x.tensors[j]
+            c = x.centers[j]
+            lever = do.result("c, in c × F,", j, c, {
+                "turned into axes of the inside link": lambda: turned(turn, c),
+                WRONG_WAY: lambda: turned_back(turn, c),
+            })  # fmt: skip
+            body = x.masses[j], c, lever, x.tensors[j]
             outer = [k for k, number in enumerate(code.inside) if number == j + 1]
             beyond = x.translations[outer[0]] if outer else zero
             self.bodies(j, inside, body, do, (omega, alpha, linear, gravity), (forces, moments), beyond)
@@ -184,11 +189,21 @@ def _inward(code: DynamicsCode, x: Numbers, do: Operations, frames: Parts, wrenc
             "taken with the force of the inside link": lambda: crossed(r, own),
             "taken with the forces of both links": lambda: crossed(r, own + outer_force),
             "taken with c, not r": lambda: crossed(x.centers[i], outer_force),
+            "taken with r − c, from the center of mass of the inside link": lambda: crossed(
+                r - x.centers[i], outer_force
+            ),
             "turned too early": lambda: turned(turn, crossed(r, f)),
             "taken with r turned, f not": lambda: crossed(turned(turn, r), f),
         }
         moment = do.inward(PASSED_MOMENT, j, turn, n) + do.result(ARM_FORCE, j, crossed(r, outer_force), others)
-        both = do.result(PASSED_WRENCH, j, np.stack(np.broadcast_arrays(passed, moment)))
+        both = do.result(PASSED_WRENCH, j, np.stack(np.broadcast_arrays(passed, moment)), {
+            WRONG_WAY: lambda: np.stack(np.broadcast_arrays(
+                turned_back(turn, f), turned_back(turn, n) + crossed(r, turned_back(turn, f))
+            )),
+            "turned the wrong way, r × f not": lambda: np.stack(np.broadcast_arrays(
+                turned_back(turn, f), turned_back(turn, n) + crossed(r, outer_force)
+            )),
+        })  # fmt: skip
         forces[i], moments[i] = own + both[0], moments[i] + both[1]
     return np.stack(np.broadcast_arrays(*reversed(tau)))
 
@@ -213,6 +228,7 @@ def _along_axis(
     return do.result(TORQUE_ALONG_AXIS, j, (p * vector).sum(axis=0), {
         "taken with p turned by the joint's rotation": lambda: (turned(rotation, p) * vector).sum(axis=0),
         "taken with p turned into the inside link": lambda: (turned(turn, p) * vector).sum(axis=0),
+        "taken of the other half of the wrench": lambda: (p * (n if slides else f)).sum(axis=0),
         "taken about the origin of the inside link": lambda: (
             p * (f if slides else n + crossed(turned_back(turn, r), f))
         ).sum(axis=0),
