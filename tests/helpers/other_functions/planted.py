@@ -5,6 +5,7 @@ import re
 from other_functions import (
     derivative_faults,
     frame_faults,
+    fresh_faults,
     mass_faults,
     matrix_faults,
     regressor_faults,
@@ -22,6 +23,7 @@ FAULTS = (
     *regressor_faults.FAULTS,
 )
 SPECIAL_FAULTS = special_faults.FAULTS
+FRESH_FAULTS = fresh_faults.FAULTS
 CLAIMS = ("confirmed", "candidate", "part")
 
 
