@@ -231,7 +231,7 @@ def _of_centers() -> Iterator[LinkMistake]:
         **diagonal,
         "the center of mass of {who} is halved": np.eye(3) / 2,
         "the center of mass of {who} is doubled": 2 * np.eye(3),
-        **{f"the center of mass of {{who}} is in {unit}": factor * np.eye(3) for unit, factor in _UNITS.items()},
+        **{f"the center of mass of {{who}} is {unit}": factor * np.eye(3) for unit, factor in _UNITS.items()},
         **{
             f"the center of mass of {{who}} is read in the order {', '.join('xyz'[i] for i in order)}": np.eye(3)[
                 list(order)
@@ -274,7 +274,10 @@ def _back_center(link: PlacedInertial) -> Array:
     return _times_center(link.axes.T, link)
 
 
-_UNITS = {"millimeters": 1e-3, "meters where the code means millimeters": 1e3}
+_UNITS = {
+    "divided by 1000, as meters taken as millimeters": 1e-3,
+    "multiplied by 1000, as millimeters taken as meters": 1e3,
+}
 
 
 def _with_center(message: str, center: Callable[[PlacedInertial], Array]) -> LinkMistake:

@@ -225,10 +225,9 @@ def _along_axis(
     """The torque of a joint. joint: axis, rotation and translation; place: of the link; wrench: force and moment."""
     (p, rotation, translation), (turn, r), (f, n) = joint, place, wrench
     fixed, vector = turned_back(rotation, translation), f if slides else n
-    return do.result(TORQUE_ALONG_AXIS, j, (p * vector).sum(axis=0), {
+    found = do.result(TORQUE_ALONG_AXIS, j, (p * vector).sum(axis=0), {
         "taken with p turned by the joint's rotation": lambda: (turned(rotation, p) * vector).sum(axis=0),
         "taken with p turned into the inside link": lambda: (turned(turn, p) * vector).sum(axis=0),
-        "taken of the other half of the wrench": lambda: (p * (n if slides else f)).sum(axis=0),
         "taken about the origin of the inside link": lambda: (
             p * (f if slides else n + crossed(turned_back(turn, r), f))
         ).sum(axis=0),
@@ -236,3 +235,7 @@ def _along_axis(
             p * (f if slides else n + crossed(fixed, f))
         ).sum(axis=0),
     })  # fmt: skip
+    if not slides:
+        return found
+    others = {"taken of the moment n, as of a hinge": lambda: (p * n).sum(axis=0)}
+    return do.result("the force p · f of sliding joints", j, found, others)

@@ -74,6 +74,8 @@ def region(deviating: NDArray[np.bool_], states: JudgedStates, arguments: Collec
     deviating, states = deviating[in_motion], states.rows(in_motion)  # at rest some function vanishes, right or wrong
     if said := beyond_limits(deviating, states, arguments):
         return said
+    if deviating[states.ordinary].all():  # special states may be right by chance
+        return None
     count, total = int(deviating.sum()), len(deviating)
     if not 0 < count < total:
         return None

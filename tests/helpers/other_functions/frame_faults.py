@@ -91,7 +91,7 @@ JACOBIAN = (
     text("frame_jacobian", "(p - o) × z", "point_jacobian", "cross(z[k], point - o[k + 1])", "cross(point - o[k + 1], z[k])", f"(linear|z ×|cross|lever).*{OPPOSITE}|{OPPOSITE}.*linear|linear part is multiplied by -1"),
     numbers("frame_jacobian", "of the link origin", lambda arm: arm.but(frame_point=0 * arm.frame_point), POINT, robots=OFFSET),
     text("frame_jacobian", "a sliding joint taken as turning", "point_jacobian", "if arm.prismatic[k]", "if False", "(<joint 8>|sliding|prismatic).*(turn|revolute|slid|hinge)|(revolute|turn).*<joint 8>", **finger("panda")),
-    text("frame_jacobian", "z × added for a sliding joint", "point_jacobian", "J[:3, k] = z[k]\n", "J[:3, k] = z[k]\n            J[3:, k] = z[k]\n", "(<joint [89]>|sliding|prismatic).*(turn|revolute|angular|slid)|angular.*(<joint [89]>|sliding|prismatic)", **finger("vx300s")),
+    text("frame_jacobian", "z × added for a sliding joint", "point_jacobian", "J[:3, k] = z[k]\n", "J[:3, k] = z[k]\n            J[3:, k] = z[k]\n", "(<joint 8>|<joint 9>|sliding|prismatic).*(turn|revolute|angular|slid)|angular.*(<joint 8>|<joint 9>|sliding|prismatic)", **finger("vx300s")),
     answers("frame_jacobian", "column missing", column_out(3), f"(column|joint).*<joint 4>.*{OUT}|<joint 4>.*{OUT}|{OUT}.*<joint 4>"),
     text("frame_jacobian", "axes in the inside link", "poses", "axis = joint @ arm.axes[j]", "axis = R[i] @ arm.axes[j]", "(axis|axes).*(inside|not turned|joint frame|parent|rotation|other axes)"),
     answers("frame_jacobian", "ω the other way round", lambda J, q: J * np.where(np.arange(6) < 3, 1, -1)[:, None], f"(angular|ω).*{OPPOSITE}|angular part (by|is multiplied by) -1"),

@@ -92,7 +92,7 @@ class ByHand:
         return found
 
     def other_loads(self, how):
-        force, moment = self.loads[..., :3], self.loads[..., 3:]
+        force, moment = self.loads[..., :3].copy(), self.loads[..., 3:].copy()
         if how == "are left out":
             self.loads = 0 * self.loads
         elif how == "have the opposite sign":
@@ -108,18 +108,30 @@ class ByHand:
         elif body := re.fullmatch(r"(on body|of all bodies but) '(.*)' are left out", how):
             of_it = np.array([name == body[2] for name in self.model.body_names])
             self.loads = self.loads * (of_it != (body[1] == "on body"))[:, None]
-        elif how == "are taken in axes of the inside links":
+        elif found := re.fullmatch("(are|have forces that are|have moments that are) taken in (.*)", how):
             state = graphdyn.maximal_state(self.model, self.states.q)
             self.loads = self.loads.copy()
             for k, joint in enumerate(self.model.joints):
                 base = np.tile(self.model.base.rotation, (len(force), 1, 1))
-                inside = state.rotation[:, joint.inside - 1] if joint.inside else base
-                turn = np.einsum("nba,nbc->nac", state.rotation[:, k], inside)
-                for half in (slice(0, 3), slice(3, 6)):
-                    self.loads[:, k, half] = np.einsum("nab,nb->na", turn, self.loads[:, k, half])
-        elif how == "are taken in world axes":
-            turn = graphdyn.maximal_state(self.model, self.states.q).rotation
-            self.loads = np.concatenate([np.einsum("...ba,...b->...a", turn, x) for x in (force, moment)], axis=-1)
+                inside, own = state.rotation[:, joint.inside - 1] if joint.inside else base, state.rotation[:, k]
+                back = np.swapaxes(own, 1, 2)
+                turn = {
+                    "world axes": back,
+                    "world axes, turned the wrong way": back @ back,
+                    "axes of the inside links": back @ inside,
+                }[found[2]]
+                for half, words in ((slice(0, 3), "have forces that are"), (slice(3, 6), "have moments that are")):
+                    if found[1] in ("are", words):
+                        self.loads[:, k, half] = np.einsum("nab,nb->na", turn, self.loads[:, k, half])
+        elif how == "are taken as acting at the origins of the inside links":
+            state = graphdyn.maximal_state(self.model, self.states.q)
+            places = [graphdyn.frame_placement(self.model, self.states.q, x.name)[1] for x in self.model.bodies]
+            for k, joint in enumerate(self.model.joints):
+                ground = np.tile(self.model.base.translation, (len(force), 1))
+                arm = (places[joint.inside - 1] if joint.inside else ground) - places[k]
+                local = np.einsum("nba,nb->na", state.rotation[:, k], arm)
+                moment[:, k] += np.cross(local, force[:, k])
+            self.loads = np.concatenate([force, moment], axis=-1)
         else:
             centers = np.array([body.center_of_mass for body in self.model.bodies])
             self.loads = np.concatenate([force, moment + np.cross(centers, force)], axis=-1)
@@ -191,6 +203,8 @@ CHANGES = {
         self.answer() * np.array([[1], [1], [1], [0]])
     ),
     "all answers have the opposite sign": lambda self: -self.answer(),
+    "the matrix is made symmetric, ½ .X . Xᵀ.": lambda self: (self.answer() + self.answer().swapaxes(1, 2)) / 2,
+    "each entry is the sum of those of all joints before it, and its own": lambda self: self.answer().cumsum(axis=1),
     "the matrix is transposed": lambda self: self.answer().swapaxes(1, 2),
     "only the diagonal of the matrix is filled in": lambda self: self.answer() * np.eye(self.answer().shape[-1]),
     "only the lower triangle of the matrix is filled in": lambda self: np.tril(self.answer()),
