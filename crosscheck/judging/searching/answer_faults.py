@@ -70,6 +70,12 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
             "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
             lambda s, c: np.swapaxes(x := known.of_graphdyn(s, c), -1, -2).reshape(x.shape),
         )  # fmt: skip
+    if known.name == "mass_matrix_inverse":
+        for name, part in (("lower", np.tril), ("upper", np.triu)):
+            yield AnswerFault(
+                "triangle", f"the {name} triangle of the mass matrix alone is inverted", "invert the whole matrix",
+                lambda s, c, part=part: np.linalg.inv(part(s.mass)).astype(float),  # type: ignore[misc]
+            )  # fmt: skip
     if known.shape[:1] == ("n",):
         yield AnswerFault(
             "transposed", "each entry is the sum of those of all joints before it, and its own", "take no sums",

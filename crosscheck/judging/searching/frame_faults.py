@@ -26,6 +26,12 @@ def other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]
             "frame", "the last row is (0, 0, 0, 0), not (0, 0, 0, 1)", "a placement ends with (0, 0, 0, 1)",
             lambda s, c: np.concatenate([(x := known.of_graphdyn(s, c))[:, :3], 0 * x[:, 3:]], axis=1),
         )  # fmt: skip
+        for order, shift in (("x, y, z, w", 1), ("w, x, y, z", -1)):
+            yield AnswerFault(
+                "frame", f"the quaternion of the rotation is taken in the order {order}, which is not its own",
+                "tell whether w is the first or the last number",
+                lambda s, c, shift=shift: _reordered(known.of_graphdyn(s, c), shift),  # type: ignore[misc]
+            )  # fmt: skip
         yield AnswerFault(
             "frame", "the rotation is transposed", "its columns are the axes of the frame in world axes",
             lambda s, c: _rotation_transposed(known.of_graphdyn(s, c)),
@@ -78,6 +84,17 @@ def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Ch
     linear = np.moveaxis(linear_first(answer, chosen, known.six), known.six, -1)[..., :3]
     found = np.moveaxis(np.concatenate([linear, rates], axis=-1), -1, known.six)
     return linear_first(found, chosen, known.six)
+
+
+def _reordered(placed: Array, shift: int) -> Array:
+    """With the numbers of the quaternions shifted; w is positive, as most functions give it."""
+    from scipy.spatial.transform import Rotation  # imported where first used
+
+    found = placed.copy()
+    quaternions = Rotation.from_matrix(placed[:, :3, :3]).as_quat()
+    quaternions = quaternions * np.where(quaternions[:, 3:] < 0, -1.0, 1.0)
+    found[:, :3, :3] = Rotation.from_quat(np.roll(quaternions, shift, axis=1)).as_matrix()
+    return found
 
 
 def _rotation_transposed(placed: Array) -> Array:

@@ -206,7 +206,7 @@ def holding_alone(search: Search, found: Sequence[Explanation]) -> list[Explanat
     holding = [explanation for explanation in found if search.holds(explanation)]
     if not _told_plainly(holding) and search.has_right_equations:
         holding += [x for x in search.parameters() if search.holds(x)]
-    elif not _told_plainly(holding) or not search.is_of_torques:
+    if not _told_plainly(holding) or not search.is_of_torques:
         holding += [slip for slip in search.slips() if search.holds(slip)]
     return holding
 

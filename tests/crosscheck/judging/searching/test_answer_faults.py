@@ -165,6 +165,19 @@ class ByHand:
             one[:3, :3] = one[:3, :3].T.copy()
         return found
 
+    def of_quaternion(self, order):
+        """Of four numbers in the other order, read in this one; by the formula of the matrix."""
+        found = self.answer()
+        for one in found:
+            x, y, z, w = Rotation.from_matrix(one[:3, :3]).as_quat(canonical=True)
+            x, y, z, w = (w, x, y, z) if order == "x, y, z, w" else (y, z, w, x)
+            one[:3, :3] = [
+                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+            ]
+        return found
+
     def of_frame(self, name):
         self.frame = name
         return self.answer()
@@ -216,6 +229,7 @@ CHANGES = {
     "the external wrenches (.*)": ByHand.other_loads,
     "the answers are those of frame '(.*)'": ByHand.of_frame,
     "the answers are those of (.*)": ByHand.of_other_function,
+    "the quaternion of the rotation is taken in the order (.*), which is not its own": ByHand.of_quaternion,
     "(the placement is inverted.*|the rotation is transposed)": ByHand.placed,
     "(.*)": ByHand.other_model,
 }
