@@ -60,7 +60,12 @@ class BodySums:
             without_own = [0 * x if b == j else x for b, x in enumerate(outside)]
             column = self._mean(outside, bodies, do)
             whole, less = (self._mean(vectors, bodies, Operations([], 1)) for vectors in (moved, without_own))
+            total, moving = (
+                sum((x.masses[b] for b in range(len(bodies)) if every or j in m.chain(b + 1)), 0 * x.masses[j])
+                for every in (True, False)
+            )
             columns.append(do.result("the column of the center of mass", j, column, {
+                "divided by the mass that moves with the joint, not by all of it": lambda: column * total / moving,
                 "taken without the body of its own joint": lambda: less,
                 "taken of all bodies, of those inside the joint too": lambda: whole,
             }))  # fmt: skip
