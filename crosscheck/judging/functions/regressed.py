@@ -22,7 +22,7 @@ from crosscheck.judging.faults.recursion import (
     turned_about,
     turned_back,
 )
-from crosscheck.judging.functions.motions import flat, motions, stacked
+from crosscheck.judging.functions.motions import Motions, flat, motions, stacked
 from crosscheck.judging.slips.body_wrenches import add_body_with_first_moments
 from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations
 from graphdyn import Placement
@@ -40,15 +40,11 @@ class BodyWrenches:
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         m = motions(code, x, state, do, self.base)
-        pulled = do.result("gravity, as an acceleration of the base,", ONCE, -turned(m.rotations[0], x.gravity))
         zero = np.zeros((3, 1, 1))
         numbers: list[Array] = []
         for b, c in enumerate(x.centers):
             R = m.rotations[b + 1]
-            world = np.stack(np.broadcast_arrays(m.omegas[b + 1], m.alphas[b + 1], m.accelerations[b + 1] + pulled))
-            w, dw, a = do.result("ω, ω̇ and a of the link, turned into its axes,", b, _each(turned_back, R, world), {
-                NOT_TURNED: lambda: world + 0 * R[0], WRONG_WAY: lambda: _each(turned, R, world),
-            }, of="body")  # fmt: skip
+            w, dw, a = in_link_axes(m, b, x.gravity, do)
             own: tuple[list[Array], list[Array]] = [], []
             body = x.masses[b], c, c, x.tensors[b]
             add_body_with_first_moments(b, 0, body, do, ([w], [dw], [a], [zero]), own)
@@ -59,6 +55,25 @@ class BodyWrenches:
             }, of="body")  # fmt: skip
             numbers += flat(pair)
         return stacked(numbers)
+
+
+def in_link_axes(m: Motions, b: int, gravity: Array, do: Operations) -> Array:
+    """ω, ω̇, and the acceleration of the link origin with gravity as an acceleration of the base, in link axes."""
+    R, inside = m.rotations[b + 1], m.inside[b]
+    pulled = do.result("gravity, as an acceleration of the base,", ONCE, -turned(m.rotations[0], gravity))
+    place = do.result("a of the link origin", b, m.accelerations[b + 1], {
+        "that of the inside link's origin": lambda: m.accelerations[inside] + 0 * m.accelerations[b + 1],
+    }, of="body")  # fmt: skip
+    world = np.stack(np.broadcast_arrays(m.omegas[b + 1], m.alphas[b + 1], place + pulled))
+    turned_in = np.array(do.result("ω, ω̇ and a of the link, turned into its axes,", b, _each(turned_back, R, world), {
+        NOT_TURNED: lambda: world + 0 * R[0], WRONG_WAY: lambda: _each(turned, R, world),
+    }, of="body"))  # fmt: skip
+    names = ("ω of the link, turned into its axes,", "ω̇ of the link, turned into its axes,")
+    found = [
+        do.result(name, b, part, {NOT_TURNED: lambda: own + 0 * R[0], WRONG_WAY: lambda: turned(R, own)}, of="body")
+        for name, part, own in zip(names, turned_in, world, strict=False)
+    ]
+    return np.stack(np.broadcast_arrays(*found, turned_in[2]))
 
 
 def _each(turn: Callable[[Array, Array], Array], R: Array, vectors: Array) -> Array:
@@ -72,7 +87,7 @@ class Momenta:
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         q, v, _ = state
         zero = np.zeros((3, 1, 1))
-        omegas, speeds = [zero], [zero]
+        omegas, speeds, attitudes = [zero], [zero], [np.eye(3)[:, :, None, None]]
         frames: list[tuple[Array, Array]] = []
         momenta: list[tuple[Array, Array]] = []
         for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
@@ -85,7 +100,17 @@ class Momenta:
             omegas.append(carried + (0.0 * p if slides else p * v[j]))
             speeds.append(speed + (p * v[j] if slides else 0.0 * p))
             frames.append((turn, r))
-            momenta.append(_momentum(j, x, omegas[-1], speeds[-1], do))
+            attitudes.append(times(attitudes[inside], turn))
+            R = attitudes[-1]
+            w_j = do.result("ω of the link in its momentum", j, omegas[-1], {
+                "in world axes, not turned into the link": lambda: turned(R, omegas[-1]),
+                "that of the inside link": lambda: turned_back(turn, omegas[inside]) + 0 * omegas[-1],
+            }, of="body")  # fmt: skip
+            v_j = do.result("v of the link origin in its momentum", j, speeds[-1], {
+                "in world axes, not turned into the link": lambda: turned(R, speeds[-1]),
+                "that of the inside link's origin": lambda: turned_back(turn, speeds[inside]) + 0 * speeds[-1],
+            }, of="body")  # fmt: skip
+            momenta.append(_momentum(j, x, w_j, v_j, do))
         found = []
         for j in reversed(range(len(code.inside))):
             (turn, r), (linear, angular) = frames[j], momenta[j]

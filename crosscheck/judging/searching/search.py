@@ -17,6 +17,7 @@ from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.inertials import PARAMETER_SETS, of_body
 from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
+from crosscheck.judging.functions.projected import projected
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.explanation import Element, Explanation
 from crosscheck.judging.searching.fitting import effects, fitted, root_mean_square, sparse
@@ -67,7 +68,7 @@ class Catalog:
     def of_torques(cls, model: RobotModel, of_file: FileFaults) -> Catalog:
         known = [*faults(model), *of_file.faults]
         own = DynamicsCode.of(model)
-        return cls(own, known, list(families(model)), of_file.links, TORQUE_FORMULATIONS, is_linear=True)
+        return cls(own, known, list(families(model)), of_file.links, (*TORQUE_FORMULATIONS, projected), is_linear=True)
 
 
 class Search:

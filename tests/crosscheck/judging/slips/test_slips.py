@@ -10,6 +10,7 @@ from slips.planted import FORMS, PLANTED_SLIPS, right_function
 
 import urdf
 from crosscheck.judging.faults.recursion import DynamicsCode, torques_of
+from crosscheck.judging.functions.projected import projected
 from crosscheck.judging.judge import judge
 from crosscheck.judging.slips.operations import Slip
 from crosscheck.judging.slips.search import TORQUE_FORMULATIONS, all_slips, torques_with
@@ -32,11 +33,20 @@ def states(model, count=3):
     return tuple(np.random.default_rng(0).normal(size=(3, count, model.n_bodies)))
 
 
-FORMULATION_NAMES = ("link axes", "world axes", "weights apart", "spatial", "first moments", "composite", "christoffel")
+FORMULATION_NAMES = (
+    "link axes",
+    "world axes",
+    "weights apart",
+    "spatial",
+    "first moments",
+    "composite",
+    "christoffel",
+    "projected",
+)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("formulation", TORQUE_FORMULATIONS, ids=FORMULATION_NAMES)
+@pytest.mark.parametrize("formulation", (*TORQUE_FORMULATIONS, projected), ids=FORMULATION_NAMES)
 def test_formulations_without_a_slip_are_right(robot, formulation):
     model = urdf.load(robot).uncoupled
     q, v, a = states(model)
@@ -45,7 +55,7 @@ def test_formulations_without_a_slip_are_right(robot, formulation):
     assert np.abs(found - expected).max() <= ROUNDING * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("formulation", TORQUE_FORMULATIONS, ids=FORMULATION_NAMES)
+@pytest.mark.parametrize("formulation", (*TORQUE_FORMULATIONS, projected), ids=FORMULATION_NAMES)
 def test_many_slips_at_once_are_each_alone(formulation):
     code = DynamicsCode.of(urdf.load("panda").uncoupled)
     state = states(urdf.load("panda"))
