@@ -46,7 +46,7 @@ FORMULATION_NAMES = (
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("formulation", (*TORQUE_FORMULATIONS, projected), ids=FORMULATION_NAMES)
+@pytest.mark.parametrize("formulation", [*TORQUE_FORMULATIONS, projected], ids=FORMULATION_NAMES)
 def test_formulations_without_a_slip_are_right(robot, formulation):
     model = urdf.load(robot).uncoupled
     q, v, a = states(model)
@@ -55,7 +55,7 @@ def test_formulations_without_a_slip_are_right(robot, formulation):
     assert np.abs(found - expected).max() <= ROUNDING * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("formulation", (*TORQUE_FORMULATIONS, projected), ids=FORMULATION_NAMES)
+@pytest.mark.parametrize("formulation", [*TORQUE_FORMULATIONS, projected], ids=FORMULATION_NAMES)
 def test_many_slips_at_once_are_each_alone(formulation):
     code = DynamicsCode.of(urdf.load("panda").uncoupled)
     state = states(urdf.load("panda"))
