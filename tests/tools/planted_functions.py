@@ -1,11 +1,12 @@
 """How many faults in functions of every kind the judge names: python tests/tools planted_functions [--only WORDS].
 
 Plain codes of every function of the table in docs/judge.md (tests/helpers/other_functions), in which mistakes of
-people are planted, mistakes that show at special states alone (--special), and mistakes written without reading the judge
-(--fresh), of which nothing was tuned on the second set (--second). A line per case: verdict, processor seconds, what is said. "named": what is claimed is the planted fault,
-and nothing else; "candidates": the fault is among those that fit as well; "equal": other words that were found to give
-the same numbers; "found": wrong at special states, the message does not say which; "unknown": no claim; "missed": no
-deviation found; "WRONG": another claim. A third of the cases is kept aside, and only counted (--aside shows them).
+people are planted, mistakes that show at special states alone (--special), and mistakes written without reading the
+judge (--fresh), on the second set of which nothing was tuned (--second). A line per case: verdict, processor seconds,
+what is said. "named": what is claimed is the planted fault, and nothing else; "candidates": the fault is among those
+that fit as well; "equal": other words that were found to give the same numbers; "found": wrong at special states, the
+message does not say which; "unknown": no claim; "missed": no deviation found; "WRONG": another claim. A third of the
+cases is kept aside, and only counted (--aside shows them).
 """
 
 import argparse
