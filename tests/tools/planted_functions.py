@@ -1,11 +1,12 @@
 """How many faults in functions of every kind the judge names: python tests/tools planted_functions [--only WORDS].
 
 Plain codes of every function of the table in docs/judge.md (tests/helpers/other_functions), in which mistakes of
-people are planted, mistakes that show at special states alone (--special), and mistakes on which nothing was tuned
-(--fresh). A line per case: verdict, processor seconds, what is said. "named": what is claimed is the planted fault,
-and nothing else; "candidates": the fault is among those that fit as well; "equal": other words that were found to give
-the same numbers; "found": wrong at special states, the message does not say which; "unknown": no claim; "missed": no
-deviation found; "WRONG": another claim. A third of the cases is kept aside, and only counted (--aside shows them).
+people are planted, mistakes that show at special states alone (--special), and mistakes written without reading the
+judge (--fresh), on the second set of which nothing was tuned (--second). A line per case: verdict, processor seconds,
+what is said. "named": what is claimed is the planted fault, and nothing else; "candidates": the fault is among those
+that fit as well; "equal": other words that were found to give the same numbers; "found": wrong at special states, the
+message does not say which; "unknown": no claim; "missed": no deviation found; "WRONG": another claim. A third of the
+cases is kept aside, and only counted (--aside shows them).
 """
 
 import argparse
@@ -15,7 +16,7 @@ from collections import Counter
 
 import numpy as np
 from other_functions.fault import path_of
-from other_functions.planted import FAULTS, FRESH_FAULTS, SPECIAL_FAULTS, verdict
+from other_functions.planted import FAULTS, FRESH_FAULTS, SECOND_FAULTS, SPECIAL_FAULTS, verdict
 
 from crosscheck.judging.judge import judge
 
@@ -29,8 +30,10 @@ def main():
     parser.add_argument("--special", action="store_true", help="faults that show at special states alone")
     parser.add_argument("--fresh", action="store_true", help="faults written without reading the judge")
     parser.add_argument("--aside", action="store_true", help="show the third that is kept aside, too")
+    parser.add_argument("--second", action="store_true", help="the second set of these, on which nothing was tuned")
     options = parser.parse_args()
-    known = SPECIAL_FAULTS if options.special else FRESH_FAULTS if options.fresh else FAULTS
+    known = FRESH_FAULTS if options.fresh else FAULTS
+    known = SPECIAL_FAULTS if options.special else SECOND_FAULTS if options.second else known
     cases = [fault for fault in known if options.only in str(fault)][:: options.share]
     totals = {False: Counter(), True: Counter()}
     seconds = []

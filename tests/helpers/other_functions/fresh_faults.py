@@ -1,4 +1,4 @@
-"""Mistakes written without reading the judge, and on which nothing was tuned."""
+"""Mistakes written without reading the judge."""
 
 # ruff: noqa: E501 - one case a line
 

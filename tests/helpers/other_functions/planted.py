@@ -9,6 +9,7 @@ from other_functions import (
     mass_faults,
     matrix_faults,
     regressor_faults,
+    second_faults,
     special_faults,
     torque_faults,
 )
@@ -23,7 +24,8 @@ FAULTS = (
     *regressor_faults.FAULTS,
 )
 SPECIAL_FAULTS = special_faults.FAULTS
-FRESH_FAULTS = fresh_faults.FAULTS
+SECOND_FAULTS = second_faults.FAULTS
+FRESH_FAULTS = (*fresh_faults.FAULTS, *SECOND_FAULTS)
 CLAIMS = ("confirmed", "candidate", "part")
 
 
