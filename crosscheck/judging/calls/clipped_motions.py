@@ -32,6 +32,9 @@ SAME_SHARE = 1e-6
 CLIPPED_ARGUMENTS = {"v": ("velocities", "rad/s or m/s"), "a": ("accelerations", "rad/s² or m/s²")}
 """Arguments whose limits are fitted: in words, and their unit."""
 
+NO_MOTION_SHARE = 1e-3
+"""Limits below this part of the largest numbers are none: the argument is ignored."""
+
 MOTION_REMEDY = "the dynamics hold beyond limits: take them away for the comparison"
 
 
@@ -112,6 +115,8 @@ def _fitted(given: Answered, deviating: NDArray[np.bool_], name: str) -> FoundFa
         if left <= given.bound:
             break
     else:
+        return None
+    if (found < NO_MOTION_SHARE * most[fitted]).all():
         return None
     what, unit = CLIPPED_ARGUMENTS[name]
     names = given.states.model.joint_names
