@@ -116,7 +116,7 @@ def _fitted(given: Answered, deviating: NDArray[np.bool_], name: str) -> FoundFa
             break
     else:
         return None
-    if (found < NO_MOTION_SHARE * most[fitted]).all():
+    if (found < NO_MOTION_SHARE * most[fitted]).any():
         return None
     what, unit = CLIPPED_ARGUMENTS[name]
     names = given.states.model.joint_names
