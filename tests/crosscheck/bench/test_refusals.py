@@ -19,6 +19,7 @@ from crosscheck.commands import app
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
+from graphdyn.errors import not_installed
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +64,7 @@ class TestRefusals:
         others = peers.Peers(states, tmp_path)
         found = others.contenders("inverse_dynamics", (1,))
         assert peers.CASADI_NAME not in {contender.name for contender in found}
-        assert others.left_out["casadi"] == "the package casadi is not installed: pip install 'graphdyn[peers]'"
+        assert others.left_out["casadi"] == not_installed("casadi", "peers")
 
     def test_no_c_compiler(self, states, tmp_path, monkeypatch):
         pytest.importorskip("casadi")
