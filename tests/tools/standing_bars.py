@@ -54,7 +54,7 @@ RUNS = (
     "identify --rehearse motion.csv --robot ur5 --torque-noise 0.03",
     "payload log.csv log.csv --robot ur5 --gains 11 --gains-error 0.03",
     "simulate ur5 --duration 3 --html fall.html",
-    "excite --robot ur5 --out motion.csv",
+    "excite --robot ur5 --out planned.csv",
     "excite --robot ur5 --motion motion.csv --against log.csv --noise 0.5",
     "study --config small --out small",
     "paper --samples 20",
@@ -79,7 +79,8 @@ COLUMNS = 200
 SEQUENCE = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 CLOCK = re.compile(r"\b\d+:\d\d:\d\d\b")
 BAR = re.compile(r"[━╸╺ ]{3,}")
-PAINTED = re.compile(r"\r\x1b\[2K|\r|\n")
+PAINTED = re.compile(r"[\r\n]")
+ERASED = "\x1b[2K"
 
 
 @dataclass(frozen=True)
@@ -156,9 +157,8 @@ def watched(line: str, folder: str) -> Standing:
     fcntl.ioctl(terminal, termios.TIOCSWINSZ, struct.pack("HHHH", 50, COLUMNS, 0, 0))
     found, since, shown = Standing(), Instant.of(child), ""
     for text in _pieces(terminal):
-        lines = [_without_motion(piece) for piece in PAINTED.split(text)]
-        bars = [piece for piece in lines if piece]
-        new = bars[-1] if bars else shown if "\x1b[2K" not in text else ""
+        painted = text.rpartition(ERASED)[2]
+        new = _bar(painted) or ("" if ERASED in text else shown)
         if new != shown:
             now = Instant.of(child)
             _count(found, shown, now.since(since))
@@ -189,7 +189,8 @@ def _pieces(terminal: int) -> Iterator[str]:
         yield written.decode("utf-8", "replace")
 
 
-def _without_motion(line: str) -> str:
-    """A line of progress without clock and colors; "" for other lines."""
-    plain = SEQUENCE.sub("", line)
-    return BAR.sub("  ", CLOCK.sub("", plain)).strip() if CLOCK.search(plain) else ""
+def _bar(painted: str) -> str:
+    """The last line of progress in what is written, without clock and colors; "" if there is none."""
+    lines = [SEQUENCE.sub("", line) for line in PAINTED.split(painted)]
+    bars = [BAR.sub("  ", CLOCK.sub("", line)).strip() for line in lines if CLOCK.search(line)]
+    return bars[-1] if bars else ""

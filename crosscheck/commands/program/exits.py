@@ -153,11 +153,25 @@ class CommandGroup(TyperGroup):
             raise typer.Exit(INTERNAL_ERROR) from None
 
 
+REFUSED = "Invalid value: "
+"""How typer begins a refusal of the program's own."""
+
+
 def _printable(error: Any) -> Any:
-    """The error, where it is typer's with a message: that may repeat what was typed."""
+    """The error, where it is typer's with a message: that may repeat what was typed. It is told as all others are."""
     if hasattr(error, "message"):
         error.message = printable(bounded(error.message), keep="\n")
+    if hasattr(error, "format_message"):
+        error.show = lambda file=None: say(f"error: {_usage_error(error)}", "red")
     return error
+
+
+def _usage_error(error: Any) -> str:
+    """The message in one line; the help that explains options where it is typer that refuses them."""
+    said = " ".join(error.format_message().split())
+    if said.startswith(REFUSED) or getattr(error, "ctx", None) is None:
+        return said.removeprefix(REFUSED)
+    return f"{said[:1].lower()}{said[1:].removesuffix('.')}; see {error.ctx.command_path} --help"
 
 
 def refuse_closed_output() -> None:

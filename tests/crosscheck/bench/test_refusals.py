@@ -32,7 +32,7 @@ class TestRefusals:
     def test_numbers(self, option):
         done = CliRunner().invoke(app, ["bench", option, "0"])
         assert done.exit_code == 2
-        assert f"Invalid value for '{option}'" in done.output
+        assert f"invalid value for '{option}'" in done.output
 
     def test_unknown_robot(self):
         done = CliRunner().invoke(app, ["bench", "--robot", "ur55"])
