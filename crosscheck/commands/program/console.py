@@ -133,9 +133,14 @@ def _bar(title: str, total: int | None) -> Iterator[Advance]:
     )
     with Progress(*columns, console=err, transient=True) as bar:
         task = bar.add_task("", total=total, title=printable(title))
+        done = ""
 
         def advance(what: str, steps: int) -> None:
-            tail = what if len(what) <= MAX_STEP_CHARACTERS else f"…{what[1 - MAX_STEP_CHARACTERS :]}"
+            nonlocal done
+            done = what if steps else done
+            both = f"{done}, {what}"
+            shown = both if not steps and done and len(both) <= MAX_STEP_CHARACTERS else what
+            tail = shown if len(shown) <= MAX_STEP_CHARACTERS else f"…{shown[1 - MAX_STEP_CHARACTERS :]}"
             bar.update(task, advance=steps, description=printable(tail))
 
         yield advance
