@@ -62,6 +62,16 @@ class IntegrationFailed(GraphDynError, ArithmeticError):
     """A simulation whose numbers are no longer finite, or whose steps became too small; the message says when."""
 
 
+def install_line(extra: str) -> str:
+    """What to type for the packages of an extra of pyproject.toml."""
+    return f"python -m pip install 'graphdyn[{extra}]'"
+
+
+def not_installed(package: str, extra: str) -> str:
+    """That a package is missing, and what to type."""
+    return f"the package {package} is not installed; run: {install_line(extra)}"
+
+
 def in_row(index: Iterable[int]) -> str:
     """Which sample of a batch, for messages: " in row 3", " in row (1, 2)"; nothing where there is one state only."""
     row = tuple(int(k) for k in index)

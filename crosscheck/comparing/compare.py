@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
@@ -30,6 +31,8 @@ from graphdyn.compiler import interpreted
 from graphdyn.equations import singular
 from graphdyn.layout import Array
 from urdf import Reading, ReadingKeywords
+
+log = logging.getLogger(__name__)
 
 CHUNK_STATES = 250
 """Number of states handled at once: their dense 11n × 11n systems take some tens of megabytes."""
@@ -85,13 +88,16 @@ def compare(
                 progress(chunk.name, len(chunk.q))
         if coupled.couplings:
             errors = partial(coupled_errors, forward=reason is None)
+            log.info("comparing couplings")
             record.add_of_routes(coupled_case(coupled, samples, seed), errors, natives)
         if looped.chords:
+            log.info("comparing loops")
             notes.append(f"chords close loops: {', '.join(LOOPED)} are those of the robot, all others of its tree")
             if why_open:
                 skipped |= dict.fromkeys(LOOPED, why_open)
             elif closed is not None:
                 record.add_of_routes(closed, looped_errors, natives)
+        log.info("identifying base parameters")
         identification = compare_identification(model, natives["model"], seed) if has_mass(model) else None
     notes += record.singular_notes()
     if identification:
@@ -172,12 +178,14 @@ def _compare_chunk(
     for route, pinocchio in pinocchio_models.items():
         states = ComparedStates.of(chunk, regular, pinocchio, shared)
         shared = shared or states
-        for quantity in quantities:
+        for number, quantity in enumerate(quantities, start=1):
             if not quantity.solves and (route == "urdf" or not quantity.row.from_file):
+                log.info("%d of %d, %s", number, len(quantities), quantity.name)
                 at = states.few if quantity.form.when == "few" else states
                 record.add(route, at.case, {quantity.name: at.errors(quantity)})
         if regular.any():
             record.add(route, states.solvable.case, _solved_errors(states.solvable, quantities))
+    log.info("ranks and condition numbers")
     errors, conditioning = rank_errors(states)
     record.add("model", chunk, errors)
     record.condition(conditioning)
@@ -201,11 +209,15 @@ def _compared_at(chunk: Case, derive: bool) -> Iterator[TabulatedQuantity]:
 def _solved_errors(states: ComparedStates, quantities: Iterable[TabulatedQuantity]) -> dict[str, Array]:
     """Errors of what needs a regular mass matrix; infinite where a system is exactly singular: the ranks show the
     reason."""
+    errors = {}
     solved = [quantity for quantity in quantities if quantity.solves]
     try:
-        return {quantity.name: states.errors(quantity) for quantity in solved}
+        for number, quantity in enumerate(solved, start=1):
+            log.info("solved %d of %d, %s", number, len(solved), quantity.name)
+            errors[quantity.name] = states.errors(quantity)
     except np.linalg.LinAlgError:
         return {quantity.name: np.full(len(states.q), np.inf) for quantity in solved}
+    return errors
 
 
 def why_not_forward(model: RobotModel) -> str | None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from crosscheck.distributing.workers import Answer, Lost, NoWorkers, Task, differences, versions
+from graphdyn.errors import install_line
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 SCHEDULER_TIMEOUT = 10.0
 """Time in which a scheduler answers, and its first worker arrives [s]."""
 
-INSTALL_COMMAND = "pip install 'graphdyn[distributed]'"
+INSTALL_COMMAND = install_line("distributed")
 
 
 class Cluster:
@@ -79,7 +80,7 @@ def _connected(address: str) -> Client:
         from distributed import Client
         from distributed.versions import VersionMismatchWarning
     except ImportError as error:
-        raise NoWorkers(f"Dask is not installed ({error}); {INSTALL_COMMAND}") from None
+        raise NoWorkers(f"the package distributed is not installed ({error}); run: {INSTALL_COMMAND}") from None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", VersionMismatchWarning)  # what matters here is examined for every worker
         try:

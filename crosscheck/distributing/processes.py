@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import signal
 import threading
+import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -14,6 +16,14 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, cast
 
 from crosscheck.distributing.workers import Answer, Lost, Task
+
+log = logging.getLogger(__name__)
+
+LOGGERS = ("graphdyn", "urdf", "crosscheck")
+"""Those whose messages of level INFO say what begins. What they say in a process is logged here, too."""
+
+TOLD_INTERVAL = 0.2
+"""Shortest time from one message of a process to the next [s]; those between are left out."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +81,10 @@ class KeptProcesses:
                 for ready in wait(list(busy)):
                     process, k = busy.pop(cast(Connection, ready))
                     answer = process.answer()
+                    if isinstance(answer, Told):
+                        busy[process.pipe] = process, k
+                        log.info("%s", answer.message)
+                        continue
                     if isinstance(answer, Lost):
                         deaths[k] += 1
                         if deaths[k] < self._tries:
@@ -121,7 +135,7 @@ class _Process:
         new = None if function is self._function else function
         self._function = function
         with suppress(OSError):  # that the process has died is noticed when its answer is awaited
-            self.pipe.send((new, task))
+            self.pipe.send((new, task, log.isEnabledFor(logging.INFO)))
 
     def answer(self) -> Any:
         try:
@@ -154,8 +168,38 @@ def _work(theirs: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
     function: Any = None
+    telling = Telling(theirs)
+    for logger in map(logging.getLogger, LOGGERS):
+        logger.addHandler(telling)
     with suppress(EOFError, OSError):
         while True:
-            new, task = theirs.recv()
+            new, task, heard = theirs.recv()
+            for logger in map(logging.getLogger, LOGGERS):
+                logger.setLevel(logging.INFO if heard else logging.NOTSET)
             function = new or function
-            theirs.send(function(task))
+            answer = function(task)
+            with telling.alone:
+                theirs.send(answer)
+
+
+@dataclass(frozen=True)
+class Told:
+    """A message of a process that is not yet done."""
+
+    message: str
+
+
+class Telling(logging.Handler):
+    """What begins, through the pipe of the answers. alone: held while something is sent"""
+
+    def __init__(self, pipe: Connection) -> None:
+        super().__init__(logging.INFO)
+        self._pipe, self._last, self.alone = pipe, 0.0, threading.Lock()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        now = time.monotonic()
+        if record.levelno != logging.INFO or now - self._last < TOLD_INTERVAL:
+            return
+        with self.alone, suppress(OSError):
+            self._last = now
+            self._pipe.send(Told(record.getMessage()))

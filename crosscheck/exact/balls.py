@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn import InvalidInput
+from graphdyn.errors import not_installed
 from urdf.document import NUMBER
 
 Ball = Any
@@ -43,9 +44,7 @@ def check_installed() -> None:
     try:
         import flint  # noqa: F401
     except ImportError as error:
-        raise InvalidInput(
-            "exact values need python-flint, which is not installed; run: python -m pip install 'graphdyn[exact]'"
-        ) from error
+        raise InvalidInput(f"exact values: {not_installed('python-flint', 'exact')}") from error
 
 
 def ball(number: object) -> Ball:

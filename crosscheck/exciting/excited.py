@@ -5,6 +5,7 @@ The noise of torque measurements where none is given.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -28,6 +29,8 @@ from graphdyn.excitation import (
 from graphdyn.identification import one_thread
 from graphdyn.layout import Array
 from urdf import Reading
+
+log = logging.getLogger(__name__)
 
 REGRESSOR_ROWS_AT_ONCE = 1000
 """Rows of a recording whose regressor is in memory at once."""
@@ -123,10 +126,11 @@ def _best_and_median(
 ) -> tuple[Array, Array]:
     """Information matrices of random motions, with what is known."""
     rng, model = np.random.default_rng([seed, 2]), problem.torque_model.model
-    courses = [
-        random_trajectory(model, problem.limits, problem.checked_spheres, problem.basis, rng) for _ in range(count)
-    ]
-    totals = [problem.total_information(course) for course in courses]
+    courses, totals = [], []
+    for number in range(count):
+        log.info("random motion %d of %d", number + 1, count)
+        courses.append(random_trajectory(model, problem.limits, problem.checked_spheres, problem.basis, rng))
+        totals.append(problem.total_information(courses[-1]))
     order = sorted(range(count), key=lambda k: problem.criterion(totals[k])[0])
     free = (k for k in order if collisions is None or not planned(problem, courses[k], collisions).hits)
     return totals[next(free, order[0])], totals[order[count // 2]]

@@ -13,6 +13,7 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
+from crosscheck.recordings.arrow import check_arrow
 from graphdyn import InvalidInput, Simulation, VirtualRecording
 from graphdyn.layout import Array
 from urdf.document import write_whole
@@ -94,6 +95,7 @@ def virtual_recording_document(recording: RecordedMotion, path: Path, metadata: 
 
     Raises InvalidInput, also for a motion that is no VirtualRecording.
     """
+    check_arrow(path)
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
     from pyarrow import parquet

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.recordings.arrow import check_arrow
 from crosscheck.recordings.errors import BadRecordingFile, quoted
 from crosscheck.recordings.formats.format import content_of
 from crosscheck.recordings.formats.parquet_files import parquet_table
@@ -143,6 +144,7 @@ def load_virtual_recording(path: str | PathLike[str]) -> VirtualRecording:
 
 def _read_csv(path: Path) -> Any:
     """An Arrow table with all cells as text, so that a bad one can be shown as written."""
+    check_arrow(path)
     import pyarrow as pa
     from pyarrow import csv as arrow_csv
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from graphdyn import Body, GraphDynError, RobotModel
+from graphdyn.errors import not_installed
 from graphdyn.layout import Array
 
 
@@ -27,7 +28,7 @@ class MujocoModel:
         try:
             import mujoco
         except ImportError:
-            raise MujocoRefuses("the package mujoco is not installed: pip install 'graphdyn[mujoco]'") from None
+            raise MujocoRefuses(not_installed("mujoco", "mujoco")) from None
         self._mujoco = mujoco
         try:
             self._native = _spec(mujoco, model).compile()

@@ -41,6 +41,7 @@ from crosscheck.study.tasks import (
 )
 from crosscheck.toml_text import toml_document
 from graphdyn import InvalidInput
+from graphdyn.errors import install_line
 from graphdyn.identification import structure
 from urdf.document import write_whole
 
@@ -178,7 +179,7 @@ def refuse_missing_packages(study: Configuration) -> None:
         if missing:
             raise InvalidInput(
                 f"{study.file}: {method} in methods needs {', '.join(missing)}, which is not installed; leave it out, "
-                "or: pip install 'graphdyn[identify]'"
+                f"or run: {install_line('identify')}"
             )
 
 

@@ -7,6 +7,7 @@ for all scenarios, without noise.
 
 from __future__ import annotations
 
+import logging
 import platform
 import time
 import warnings
@@ -42,6 +43,8 @@ from graphdyn.identification import (
 from graphdyn.identification.closed_loop import DrivenRobot
 from graphdyn.layout import Array
 from graphdyn.motion_laws import MotionLaw
+
+log = logging.getLogger(__name__)
 
 VALIDATION_SECONDS, VALIDATION_RATE = 10.0, 100.0
 """Length of the held-out motion [s], and samples per second of its torque [Hz]."""
@@ -310,6 +313,7 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
     begin = time.process_time()
     with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
         try:
+            log.info("simulating run %d", task.run)
             record = simulated(study, task.scenario, task.run)
             if not record.problem.equations.n_columns:  # which are read once, before any method is timed
                 raise InvalidInput("it shows no parameter: the robot stands still")
@@ -331,6 +335,7 @@ def _identified(
     except Exception as error:  # it could be made where the study began
         raise CannotCompute(f"{method} cannot be made: {type(error).__name__}: {error}") from error
     blank = Result(shown_name(method), measures(estimator), rank=record.problem.base.rank)
+    log.info("%s", blank.method)
     begin = time.process_time()
     seconds = None
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import sys
 import warnings
@@ -32,6 +33,8 @@ from graphdyn.recursions import RECURSIONS
 from graphdyn.scalars.expressions import Guard, Program
 
 T = TypeVar("T")
+
+log = logging.getLogger(__name__)
 
 BACKENDS = ("llvm", "numpy")
 
@@ -125,6 +128,7 @@ def prepared(model: RobotModel, request: Request, one_row: bool = False) -> Prep
     key, programs = (request, chosen_backend(), one_row), programs_of(model)
     with compiling:
         if key not in programs.ready:
+            log.info("%s %s", "compiling" if key[1] == "llvm" else "recording", request.recursion)
             long = key[1] == "llvm" and is_long(model, request)
             programs.ready[key] = Prepared((record_long if long else trace)(model, request), *key[1:], request.dtype)
         ready = programs.ready[key]

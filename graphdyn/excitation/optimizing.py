@@ -7,6 +7,7 @@ tightened by the violation, and the search goes on from there.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,6 +35,8 @@ from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
+
+log = logging.getLogger(__name__)
 
 GRID_POINTS = 240
 """Number of instants of the search: 48 for the period of the fifth harmonic, 12 of its acceleration's square."""
@@ -242,7 +245,7 @@ class _Search:
         self._information = Information(problem.torque_model, problem.noise, FRICTION_WIDTH * speed)
         self._known = np.zeros((len(self._information.independent),) * 2) if problem.known is None else problem.known
         self._allowed: Array | None = None
-        self.iterations = 0
+        self.iterations = self._evaluations = 0
 
     def tighten(self, used: list[Usage]) -> None:
         """Allow less of every limit that was violated."""
@@ -303,6 +306,8 @@ class _Search:
 
     def _objective(self, coefficients: Array) -> tuple[float, Array]:
         problem = self._problem
+        self._evaluations += 1
+        log.info("motion %d of a search", self._evaluations)
         value, slopes = self._information.value_and_slopes(
             self._motion(coefficients), problem.samples, self._known, problem.criterion
         )

@@ -1,6 +1,6 @@
 """The functions of a robot for CasADi: optimal control, estimation, and code of its own.
 
-    rnea = graphdyn.export.casadi.function(model, "joint_torques")  # pip install 'graphdyn[casadi]'
+    rnea = graphdyn.export.casadi.function(model, "joint_torques")  # python -m pip install 'graphdyn[casadi]'
     tau = rnea(q, v, a)
 
 The operations are those of the recorded recursion, on CasADi's SX scalars. CasADi differentiates them itself.
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from math import prod
 from typing import Any
 
-from graphdyn.errors import InvalidInput
+from graphdyn.errors import InvalidInput, not_installed
 from graphdyn.export.functions import AS_THEY_ARE, ExportChoices
 from graphdyn.export.recorded import ARITHMETIC, recorded_function
 from graphdyn.model.robot_model import RobotModel
@@ -37,7 +37,7 @@ def function(model: RobotModel, name: str, choices: ExportChoices = AS_THEY_ARE)
     try:
         import casadi
     except ImportError:
-        raise InvalidInput("the package casadi is not installed: pip install 'graphdyn[casadi]'") from None
+        raise InvalidInput(not_installed("casadi", "casadi")) from None
     recorded = recorded_function(model, name, choices)
     shapes = {array: _matrix(recorded.shape(array)) for array in (*recorded.inputs, *recorded.outputs)}
     inputs = {array: casadi.SX.sym(array, *shapes[array]) for array in recorded.inputs}

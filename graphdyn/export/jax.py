@@ -1,6 +1,6 @@
 """The functions of a robot for JAX: compiled, vectorized and differentiated by its transformations.
 
-    aba = graphdyn.export.jax.function(model, "joint_accelerations")  # pip install 'graphdyn[jax]'
+    aba = graphdyn.export.jax.function(model, "joint_accelerations")  # python -m pip install 'graphdyn[jax]'
     by_torque = jax.jacfwd(aba, argnums=2)(q, v, tau)
 
 The operations are those of the recorded recursion, on JAX arrays of all samples.
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.errors import InvalidInput
+from graphdyn.errors import InvalidInput, not_installed
 from graphdyn.export.c.dialect import Precision
 from graphdyn.export.functions import AS_THEY_ARE, ExportChoices, ExportedFunction
 from graphdyn.export.recorded import ARITHMETIC, recorded_function
@@ -63,7 +63,7 @@ def function(
     try:
         import jax
     except ImportError:
-        raise InvalidInput("the package jax is not installed: pip install 'graphdyn[jax]'") from None
+        raise InvalidInput(not_installed("jax", "jax")) from None
     replay = _Replay(jax, recorded_function(model, name, choices), precision)
     replay.dtype()  # refused now, not at the first call
 

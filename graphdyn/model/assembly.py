@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,8 +12,13 @@ from graphdyn.layout import Array
 from graphdyn.model.loops import CLOSED_TOLERANCE, Loops
 from graphdyn.model.spatial import apply
 
+log = logging.getLogger(__name__)
+
 MAX_ASSEMBLY_STEPS = 200
 """Newton steps before an assembly gives up; those that succeed need 5 to 40."""
+
+TOLD_STEPS = 4
+"""Newton steps from one message of an assembly to the next: what takes fewer is quick."""
 
 WALK_STEPS = 12
 """Steps of a walk from one closed pose to another: a turn by π in steps of 15°."""
@@ -88,7 +95,9 @@ def assembled(loops: Loops, q: Array, held: NDArray[np.intp] | None = None) -> t
     links, damping = loops.links(x), np.full(len(x), 1.0)
     gaps = loops.gaps_of(links) / loops.row_units
     best = np.linalg.norm(gaps, axis=-1)
-    for _ in range(MAX_ASSEMBLY_STEPS):
+    for number in range(MAX_ASSEMBLY_STEPS):
+        if number % TOLD_STEPS == TOLD_STEPS - 1:
+            log.info("closing the loops, step %d", number + 1)
         todo = np.flatnonzero((np.abs(gaps).max(axis=-1, initial=0.0) > GAP_ROUNDING) & (damping < 1e12))
         if not todo.size:
             break

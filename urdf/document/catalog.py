@@ -75,7 +75,8 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
         else "`graphdyn robots` lists all names"
     )
     if not _files():
-        remedy += f". Most robots come with the package {DISTRIBUTION}, which is not installed"
+        remedy += f". Most robots come with the package {DISTRIBUTION}, which is not installed; run: "
+        remedy += f"python -m pip install {DISTRIBUTION}"
     raise RobotNotFound(f"'{shortened(str(path_or_name))}' is neither a file nor a robot of the catalog", remedy)
 
 

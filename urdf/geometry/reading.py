@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from urdf.errors import shortened
 from urdf.geometry.meshes.mesh_files import MAX_COORDINATE, find_mesh, read_mesh
 from urdf.geometry.meshes.triangles import MAX_TRIANGLES, Triangles, decimated, shared_out
 from urdf.geometry.shape import DEFAULT_COLOR, Color, MissingShape, Shape, Shapes, UnreadableMesh
+
+log = logging.getLogger(__name__)
 
 MESH_KIND = "mesh"
 
@@ -220,6 +223,7 @@ class _MeshReader:
                     raise UnreadableMesh(
                         f"with it, the meshes have more than {MAX_MESH_FILES_BYTES // 1_000_000} MB; reduce them"
                     )
+                log.info("reading %s", os.path.basename(path))
                 self.files[name] = read_mesh(path)
             except UnreadableMesh as error:
                 self.files[name] = error

@@ -18,6 +18,7 @@ from crosscheck.bench.forms.native_pinocchio import NativePinocchio
 from crosscheck.bench.states import States
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from graphdyn import GraphDynError
+from graphdyn.errors import not_installed
 from graphdyn.export.casadi import function as casadi_function
 from graphdyn.layout import Array
 
@@ -45,7 +46,7 @@ def _compiled(name: str, states: States, folder: Path) -> Callable[[int], Array]
     try:
         import casadi
     except ImportError:
-        raise CasadiRefuses("the package casadi is not installed: pip install 'graphdyn[peers]'") from None
+        raise CasadiRefuses(not_installed("casadi", "peers")) from None
     compiler = shutil.which("cc")
     if compiler is None:
         raise CasadiRefuses("CasADi generates C code, and there is no C compiler (cc)")

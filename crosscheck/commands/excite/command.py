@@ -60,8 +60,9 @@ def run(options: ExciteOptions) -> None:
 
     with warnings_shown():
         model = urdf.load(options.robot, reading=reading)
-        problem, words = options.problem(model)
-        known = options.self_collision(model)
+        with progress("robot"):
+            problem, words = options.problem(model)
+            known = options.self_collision(model)
         earlier = _recordings(options, "--after", options.after, model)
         compared = _recordings(options, "--against", options.against, model)
     if earlier:
@@ -72,18 +73,20 @@ def run(options: ExciteOptions) -> None:
     else:
         with warnings_shown():
             examined = read_motion(options.motion, model, settings)
-        made = [planned(problem, examined, known)]
-    total = problem
-    for one in made:
-        total = replace(total, known=total.total_information(one.course))
-    assert total.known is not None
-    recorded = None
-    if compared:
-        information, rows = recorded_information(problem, compared)
-        samples = sum(options.rate * one.course.duration for one in made)
-        recorded = excitation_plan(problem.torque_model, information * (samples / rows))
+        with progress("collisions"):
+            made = [planned(problem, examined, known)]
     drawn = options.random
-    best, median = random_plans(problem, len(made), drawn, known) if drawn else (None, None)
+    with progress("information"):
+        total = problem
+        for one in made:
+            total = replace(total, known=total.total_information(one.course))
+        assert total.known is not None
+        recorded = None
+        if compared:
+            information, rows = recorded_information(problem, compared)
+            samples = sum(options.rate * one.course.duration for one in made)
+            recorded = excitation_plan(problem.torque_model, information * (samples / rows))
+        best, median = random_plans(problem, len(made), drawn, known) if drawn else (None, None)
     found = Excited(
         options.robot, reading, problem, words, options.criterion, tuple(made),
         excitation_plan(problem.torque_model, total.known), drawn, best, median, recorded, tuple(failures), known,

@@ -90,6 +90,9 @@ def _is_streamed(path: Path) -> bool:
 
 def _rows(path: Path) -> int:
     """Number of rows; of a text file, that of its lines; of what is no Parquet file, none."""
+    from crosscheck.recordings.arrow import check_arrow
+
+    check_arrow(path)
     import pyarrow as pa
     from pyarrow import parquet
 

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import codecs
 import io
+import logging
 import sys
 import time
 import traceback
 import unicodedata
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from errno import EACCES, EAGAIN, EISDIR, ENOENT, ENOSPC
 from sys import stdout
 
@@ -27,7 +28,7 @@ from graphdyn import GraphDynError
 LINE_CHARACTERS = 120
 """Characters per line where the output is not a terminal (a file, a pipe)."""
 
-MAX_STEP_CHARACTERS = 40
+MAX_STEP_CHARACTERS = 48
 """Largest number of characters of the step shown beside a progress bar; of a long path, the end is shown."""
 
 PROGRESS_INTERVAL = 10.0
@@ -42,7 +43,10 @@ SYSTEM_ERROR_REMEDIES = {
 """Remedies by number of an error of the system."""
 
 Advance = Callable[[str, int], None]
-"""Called with what was just done, and the number of its steps."""
+"""Called with what was just done, and the number of its steps; 0 steps for what begins."""
+
+PHASES = ("graphdyn", "urdf", "crosscheck")
+"""The loggers whose messages of level INFO say what begins, such as "compiling joint_torques"."""
 
 
 class PipeConsole(Console):
@@ -108,10 +112,16 @@ def warnings_shown() -> Iterator[None]:
 
 @contextmanager
 def progress(title: str, total: int | None = None) -> Iterator[Advance]:
-    """A bar on a terminal; elsewhere a line on standard error from time to time, none for what is done quickly."""
-    if not err.is_terminal:
-        yield _lines(title, total)
-        return
+    """A bar on a terminal; elsewhere a line on standard error from time to time, none for what is done quickly.
+
+    Messages of the packages' loggers are shown beside it: what begins, in the parts that take long.
+    """
+    with _bar(title, total) if err.is_terminal else nullcontext(_lines(title, total)) as advance, _told(advance):
+        yield advance
+
+
+@contextmanager
+def _bar(title: str, total: int | None) -> Iterator[Advance]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (
@@ -123,12 +133,43 @@ def progress(title: str, total: int | None = None) -> Iterator[Advance]:
     )
     with Progress(*columns, console=err, transient=True) as bar:
         task = bar.add_task("", total=total, title=printable(title))
+        done = ""
 
         def advance(what: str, steps: int) -> None:
-            tail = what if len(what) <= MAX_STEP_CHARACTERS else f"…{what[1 - MAX_STEP_CHARACTERS :]}"
+            nonlocal done
+            done = what if steps else done
+            both = f"{done}, {what}"
+            shown = both if not steps and done and len(both) <= MAX_STEP_CHARACTERS else what
+            tail = shown if len(shown) <= MAX_STEP_CHARACTERS else f"…{shown[1 - MAX_STEP_CHARACTERS :]}"
             bar.update(task, advance=steps, description=printable(tail))
 
         yield advance
+
+
+@contextmanager
+def _told(advance: Advance) -> Iterator[None]:
+    """Inside, what the packages log is told as what begins."""
+    handler = _Phases(advance)
+    loggers = {logger: logger.level for logger in map(logging.getLogger, PHASES)}
+    for logger in loggers:
+        logger.addHandler(handler)
+        logger.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        for logger, level in loggers.items():
+            logger.removeHandler(handler)
+            logger.setLevel(level)
+
+
+class _Phases(logging.Handler):
+    def __init__(self, advance: Advance) -> None:
+        super().__init__(logging.INFO)
+        self._advance = advance
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if record.levelno == logging.INFO:
+            self._advance(record.getMessage(), 0)
 
 
 def _lines(title: str, total: int | None) -> Advance:

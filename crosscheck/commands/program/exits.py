@@ -38,15 +38,7 @@ class Command(TyperCommand):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """The options in groups: those of the command alone first, then what it shares with others."""
-        groups: dict[str, list[tuple[str, str]]] = {}
-        for parameter in self.get_params(ctx):
-            record = parameter.get_help_record(ctx)
-            if record is not None:
-                own = "Arguments" if parameter.param_type_name == "argument" else "Options"
-                groups.setdefault(getattr(parameter, "rich_help_panel", None) or own, []).append(record)
-        for heading, records in groups.items():
-            with formatter.section(heading):
-                formatter.write_dl(records)
+        write_options(self, ctx, formatter)
 
     def format_epilog(self, ctx: Any, formatter: Any) -> None:
         """The examples, and where the command takes functions, a list of these."""
@@ -70,6 +62,19 @@ class Command(TyperCommand):
             return super().invoke(ctx)
         finally:
             out.quiet = False
+
+
+def write_options(command: Any, ctx: Any, formatter: Any) -> None:
+    """The arguments and options under their headings, into a help."""
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for parameter in command.get_params(ctx):
+        record = parameter.get_help_record(ctx)
+        if record is not None:
+            own = "Arguments" if parameter.param_type_name == "argument" else "Options"
+            groups.setdefault(getattr(parameter, "rich_help_panel", None) or own, []).append(record)
+    for heading, records in groups.items():
+        with formatter.section(heading):
+            formatter.write_dl(records)
 
 
 def _with_empty_numbers(parameters: Sequence[Any], args: Sequence[str]) -> Iterator[str]:
@@ -99,6 +104,21 @@ def _refuse_odd_numbers(ctx: Any, parameter: Any, given: Any) -> None:
 
 class CommandGroup(TyperGroup):
     """The commands; every error ends here, as one line and an exit code. Ctrl-C is typer's: quiet, 130."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """The commands under their headings, then the options."""
+        self.format_commands(ctx, formatter)
+        write_options(self, ctx, formatter)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        width = formatter.width - 6 - max(map(len, self.commands))
+        groups: dict[str, list[tuple[str, str]]] = {}
+        for name in self.list_commands(ctx):
+            command: Any = self.commands[name]
+            groups.setdefault(command.rich_help_panel, []).append((name, command.get_short_help_str(width)))
+        for heading, rows in groups.items():
+            with formatter.section(heading):
+                formatter.write_dl(rows, col_max=len(max(self.commands, key=len)) + 2)
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         try:
@@ -133,11 +153,25 @@ class CommandGroup(TyperGroup):
             raise typer.Exit(INTERNAL_ERROR) from None
 
 
+REFUSED = "Invalid value: "
+"""How typer begins a refusal of the program's own."""
+
+
 def _printable(error: Any) -> Any:
-    """The error, where it is typer's with a message: that may repeat what was typed."""
+    """The error, where it is typer's with a message: that may repeat what was typed. It is told as all others are."""
     if hasattr(error, "message"):
         error.message = printable(bounded(error.message), keep="\n")
+    if hasattr(error, "format_message"):
+        error.show = lambda file=None: say(f"error: {_usage_error(error)}", "red")
     return error
+
+
+def _usage_error(error: Any) -> str:
+    """The message in one line; the help that explains options where it is typer that refuses them."""
+    said = " ".join(error.format_message().split())
+    if said.startswith(REFUSED) or getattr(error, "ctx", None) is None:
+        return said.removeprefix(REFUSED)
+    return f"{said[:1].lower()}{said[1:].removesuffix('.')}; see {error.ctx.command_path} --help"
 
 
 def refuse_closed_output() -> None:

@@ -57,6 +57,9 @@ def run(options: StudyOptions) -> None:
 
     Exit code 0: done; 2: bad input.
     """
+    from crosscheck.recordings.arrow import check_arrow
+
+    check_arrow("the tables of a study")  # before the modules that import it
     from crosscheck.distributing import versions as computing_versions
     from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study

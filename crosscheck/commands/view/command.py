@@ -109,19 +109,21 @@ def run(options: ViewOptions) -> None:
         return Figure(f"{Path(name).name}: {path.name}", robot, *recorded_motion(robot.model, recording))
 
     shown, findings = {}, list[RecordingFinding]()
-    with warnings_shown(), progress("view", len(robots) + len(runs)) as advance:
+    names = robots * (len(runs) if len(robots) == 1 and runs else 1)
+    with warnings_shown(), progress("view", len(robots) + len(names)) as advance:
         for name in robots:
+            advance(f"reading {Path(name).name}", 0)
             model = urdf.load(name, reading=reading)
             shown[name] = shown_robot(
                 name, model.with_actuated(actuated) if actuated else model, reading, options.faces
             )
             advance(name, 1)
-        names = robots * (len(runs) if len(robots) == 1 and runs else 1)
         figures = []
         for name, path in zip_longest(names, runs):
+            what = Path(name).name if path is None else str(path)
+            advance(f"computing loads of {what}", 0)
             figures.append(figure(name, path))
-            if path is not None:
-                advance(str(path), 1)
+            advance(what, 1)
     show_findings(findings)
     for each in figures:
         notes = (*each.notes, *each.robot.notes)

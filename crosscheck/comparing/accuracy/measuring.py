@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections import Counter
 from collections.abc import Mapping
 from contextlib import nullcontext
@@ -28,6 +29,8 @@ from graphdyn.equations import singular
 from graphdyn.layout import Array
 from urdf import Reading, ReadingKeywords
 from urdf.reading import AS_IT_STANDS
+
+log = logging.getLogger(__name__)
 
 COMPILED_FROM = 100
 """Random states from which the recursive method is compiled: exact values take longer than compiling then."""
@@ -146,7 +149,8 @@ class _Measurement:
             self.not_regular[case.name] += int((~regular).sum())
             solvable = every if regular.all() else MeasuredStates(every.states.rows(regular), source)
         mujoco = self._of_mujoco(every.states)
-        for quantity in self._quantities:
+        for number, quantity in enumerate(self._quantities, start=1):
+            log.info("%d of %d, %s", number, len(self._quantities), quantity.name)
             states, asked = (solvable, regular) if quantity.row.solves else (every, slice(None))
             answers = None if quantity.loaded else mujoco.get(quantity.row.mujoco or "")
             others = {} if answers is None else {MUJOCO: answers[asked]}

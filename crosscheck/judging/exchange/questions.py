@@ -111,6 +111,9 @@ def as_npz(asked: Sequence[Question]) -> bytes:
 
 def as_parquet(asked: Sequence[Question]) -> bytes:
     """Columns id, function, and one of lists for each argument, null where the function takes none."""
+    from crosscheck.recordings.arrow import check_arrow
+
+    check_arrow("questions as .parquet")
     import pyarrow as pa
     import pyarrow.parquet
 

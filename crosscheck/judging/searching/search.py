@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -26,6 +27,8 @@ from crosscheck.judging.slips.operations import Formulation
 from crosscheck.judging.slips.search import TORQUE_FORMULATIONS, fitting_slips
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+
+log = logging.getLogger(__name__)
 
 TRIAL_STATES = 2
 """Number of states of the experiments with which all faults are tried; the first, and one with whole turns added."""
@@ -99,13 +102,16 @@ class Search:
     def alone(self, base: Explanation) -> list[Explanation]:
         """Every explanation with one fault more, those that leave least first."""
         known = [*self._catalog.faults, *(self._from_answers(base) if self.is_of_torques else ())]
+        log.info("trying %d faults", len(known))
         if base.elements or len(known) > len(self._catalog.faults):
             residuals = self._tried.residuals([fault.change(base.code, NO_NUMBERS) for fault in known])
         else:
             residuals = self._of_faults()
         left = root_mean_square(residuals)
         kept = [known[k] for k in np.argsort(left, kind="stable")[:MAX_KEPT_FAULTS]]
+        log.info("fitting %d families of faults", len(self._catalog.families))
         fits = fitted(self._catalog.families, base.code, self._fitted, self.noise)
+        log.info("measuring what is left")
         best = sorted(fits, key=lambda fit: fit.left)[:MAX_KEPT_FAULTS]
         best = [sparse(fit, base.code, self.experiments, self.noise, self.bound) for fit in best]
         added = [*((fault, NO_NUMBERS) for fault in kept), *((fit.family, fit.numbers) for fit in best)]
@@ -172,6 +178,7 @@ class Search:
 
     def slips(self) -> list[Explanation]:
         """Every slip of the formulations that people write that gives the numbers of the first rows."""
+        log.info("looking for slips in %d formulations", len(self._catalog.formulations))
         slips = self._slips(self.all_rows)
         return self._measured([(((x, NO_NUMBERS),), x.change(self.own, NO_NUMBERS)) for x in slips], self.all_rows)
 
@@ -186,7 +193,8 @@ class Search:
         """
         found: list[Explanation] = []
         smallest = np.inf
-        for first in sorted(started, key=lambda x: x.size):
+        for number, first in enumerate(sorted(started, key=lambda x: x.size), start=1):
+            log.info("a second fault beside %d of %d", number, len(started))
             if first.size + 1 > smallest:
                 break
             found += self._refitted(self.alone(first)[:N_SECOND_FAULTS])

@@ -15,7 +15,7 @@ from crosscheck.recordings.formats.format import Format, refusing_damage
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable, in_words
 from crosscheck.recordings.virtual import RecordedMotion
-from graphdyn.errors import counted
+from graphdyn.errors import counted, not_installed
 from urdf.document import refuse_growing_yaml
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -35,9 +35,7 @@ def read_bag(path: Path, topic: str | None = None, joints: tuple[str, ...] | Non
         from rosbags.highlevel import AnyReader
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
-        raise BadRecordingFile(
-            f"{path}: to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"
-        ) from error
+        raise BadRecordingFile(f"{path}: {not_installed('rosbags', 'rosbag')}") from error
     with ExitStack() as opened:
         opened.enter_context(refusing_damage(path, "bag", "record it again, or give the whole folder"))
         if path.is_dir():
@@ -120,7 +118,7 @@ def write_mcap(recording: RecordedMotion, path: Path, metadata: Mapping[str, str
         from rosbags.rosbag2 import StoragePlugin, Writer
         from rosbags.typesys import Stores, get_typestore
     except ImportError as error:
-        raise BadRecordingFile(f"{path}: to write MCAP, install graphdyn with its extra 'rosbag'") from error
+        raise BadRecordingFile(f"{path}: {not_installed('rosbags', 'rosbag')}") from error
     store = get_typestore(Stores.ROS2_HUMBLE)
     state, header, stamp = (
         store.types[name] for name in (JOINT_STATE, "std_msgs/msg/Header", "builtin_interfaces/msg/Time")

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.recordings.arrow import check_arrow
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted, quoted
 from crosscheck.recordings.formats.csv_layout import HEAD_BYTES, Layout, cells_of_line, layout_of
 from crosscheck.recordings.formats.decimal_signs import ColumnSigns, DecimalSigns, refused, with_points
@@ -41,6 +42,7 @@ def read_csv(path: Path, delimiter: str | None = None, decimal: str | None = Non
 
     Raises BadRecordingFile if it is not a table of numbers, and OSError.
     """
+    check_arrow(path)
     content = content_of(path)
     head = content[:HEAD_BYTES].decode(errors="ignore")  # the last character may be cut off
     layout = layout_of(path, head, delimiter)

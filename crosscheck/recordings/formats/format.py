@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from crosscheck.recordings.arrow import check_arrow
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding, noted, reason
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import Cells, RecordedTable, cells_of_array, cells_of_column, in_words
@@ -236,6 +237,7 @@ def read_table(path: Path, mapping: ColumnMapping | None, joints: tuple[str, ...
 
 def tables(path: Path, mapping: ColumnMapping | None, rows: int) -> Iterator[RecordedTable]:
     """The file as tables of at most this number of rows. Raises BadRecordingFile, OSError."""
+    check_arrow(path)
     import pyarrow as pa
 
     if not path.exists():

@@ -8,6 +8,7 @@ from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.recordings.formats.format import MAX_EXPANDED_BYTES, Format, check_expanded, refusing_damage, table_of
 from crosscheck.recordings.formats.parsed_apart import arrays_apart
 from crosscheck.recordings.table import RecordedTable
+from graphdyn.errors import install_line
 
 
 def read_mat(path: Path) -> RecordedTable:
@@ -18,7 +19,7 @@ def read_mat(path: Path) -> RecordedTable:
             arrays, size = arrays_apart(path, MAX_EXPANDED_BYTES)
         except ModuleNotFoundError:
             raise BadRecordingFile(
-                f"{path}: of MATLAB version 7.3; save it with save('-v7'), or install graphdyn with its extra 'mat73'"
+                f"{path}: of MATLAB version 7.3; save it with save('-v7'), or run: {install_line('mat73')}"
             ) from None
         check_expanded(path, size)
         return table_of(path, arrays)

@@ -7,6 +7,7 @@ from itertools import accumulate
 from pathlib import Path
 from typing import Any
 
+from crosscheck.recordings.arrow import check_arrow
 from crosscheck.recordings.formats.format import Format, check_expanded, refusing_damage, table_of_columns
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.table import RecordedTable
@@ -21,6 +22,7 @@ def read_parquet(path: Path) -> RecordedTable:
 
 def parquet_table(path: Path) -> Any:
     """The Arrow table of a Parquet file. Raises BadRecordingFile, OSError."""
+    check_arrow(path)
     import pyarrow as pa
     from pyarrow import parquet
 

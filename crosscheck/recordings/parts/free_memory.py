@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import sys
 from functools import cache
 from typing import Any
 
@@ -12,9 +13,8 @@ def give_back_free_memory() -> None:
 
     Where the C library has no malloc_trim, as outside Linux, Arrow alone does.
     """
-    import pyarrow as pa
-
-    pa.default_memory_pool().release_unused()
+    if "pyarrow" in sys.modules:
+        sys.modules["pyarrow"].default_memory_pool().release_unused()
     trim = _trim()
     if trim is not None:
         trim(0)

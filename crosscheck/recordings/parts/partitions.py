@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from crosscheck.recordings.arrow import check_arrow
 from crosscheck.recordings.checks import Origin
 from crosscheck.recordings.errors import BadRecordingFile, RecordingFinding
 from crosscheck.recordings.formats.format import refusing_damage
@@ -105,6 +106,7 @@ def _number_order(file: Path) -> list[tuple[int, str]]:
 
 
 def _told(file: Path) -> tuple[int, list[str]]:
+    check_arrow(file)
     from pyarrow import parquet
 
     if file.suffix.lower() not in PARQUET_SUFFIXES:

@@ -15,6 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from crosscheck.recordings.arrow import check_arrow
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
 from graphdyn.layout import Array
@@ -90,6 +91,7 @@ def read_outcomes(folder: Path) -> StudyOutcomes:
 
     Raises InvalidInput where a record has no row of a method that others have, OSError where a file is missing.
     """
+    check_arrow(folder)
     from pyarrow.parquet import read_table
 
     results, scenarios, times = (

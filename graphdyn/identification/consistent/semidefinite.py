@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from graphdyn.errors import EstimationFailed
+from graphdyn.errors import EstimationFailed, not_installed
 from graphdyn.identification.consistent.coordinates import IDENTITY_COORDINATES, SYMMETRIC_BASIS, PriorCoordinates
 from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT, Metric
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -279,7 +279,6 @@ def solver_package() -> Any:
         import clarabel
     except ImportError as error:
         raise EstimationFailed(
-            f"physically consistent identification needs Clarabel ({error}); "
-            "install it with: pip install 'graphdyn[identify]'"
+            f"physically consistent identification: {not_installed('clarabel', 'identify')} ({error})"
         ) from error
     return clarabel

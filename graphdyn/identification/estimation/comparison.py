@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -17,6 +18,8 @@ from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.statistics.residual_statistics import ResidualStatistics, residual_statistics
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import pseudo_inertia_from_parameters
+
+log = logging.getLogger(__name__)
 
 CHECKED_POSES = 10_000
 POSES_PER_CHUNK = 256
@@ -61,7 +64,10 @@ def plausibility(
     x = np.asarray(parameters, dtype=float)
     torque_model = replace(torque_model, model=torque_model.model.opened)  # loops leave its motions inertia, too
     q, _ = torque_model.model.random_state(np.random.default_rng(seed), poses)
-    parts = [mass_matrices(torque_model, q[k : k + POSES_PER_CHUNK], x) for k in range(0, poses, POSES_PER_CHUNK)]
+    parts = []
+    for k in range(0, poses, POSES_PER_CHUNK):
+        log.info("mass matrix in pose %d of %d", k + 1, poses)
+        parts.append(mass_matrices(torque_model, q[k : k + POSES_PER_CHUNK], x))
     smallest = np.concatenate([np.linalg.eigvalsh(part)[..., 0] for part in parts])
     bodies = np.array([torque_model.inertial_parameters(row).reshape(-1, BODY_PARAMETERS) for row in x])
     real = np.linalg.eigvalsh(pseudo_inertia_from_parameters(bodies))[..., 0]
@@ -204,6 +210,7 @@ def _judged(
     judged = list(results)
     solved = [k for k, result in enumerate(results) if result.estimate is not None]
     if solved:
+        log.info("residuals of %d estimates", len(solved))
         parameters = np.array([results[k].estimate.parameters for k in solved])  # type: ignore[union-attr]
         training = residual_statistics(problem, parameters)
         ahead = [None] * len(solved) if held_out is None else residual_statistics(held_out, parameters)

@@ -19,6 +19,7 @@ from crosscheck.commands import app
 from crosscheck.reference.mujoco_model import MujocoModel, MujocoRefuses
 from crosscheck.reference.pinocchio_model import PinocchioModel, PinocchioRefuses
 from graphdyn import Body, InvalidInput, Joint, Placement, RobotModel, kr500
+from graphdyn.errors import not_installed
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +32,7 @@ class TestRefusals:
     def test_numbers(self, option):
         done = CliRunner().invoke(app, ["bench", option, "0"])
         assert done.exit_code == 2
-        assert f"Invalid value for '{option}'" in done.output
+        assert f"invalid value for '{option}'" in done.output
 
     def test_unknown_robot(self):
         done = CliRunner().invoke(app, ["bench", "--robot", "ur55"])
@@ -63,7 +64,7 @@ class TestRefusals:
         others = peers.Peers(states, tmp_path)
         found = others.contenders("inverse_dynamics", (1,))
         assert peers.CASADI_NAME not in {contender.name for contender in found}
-        assert others.left_out["casadi"] == "the package casadi is not installed: pip install 'graphdyn[peers]'"
+        assert others.left_out["casadi"] == not_installed("casadi", "peers")
 
     def test_no_c_compiler(self, states, tmp_path, monkeypatch):
         pytest.importorskip("casadi")

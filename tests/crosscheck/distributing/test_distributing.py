@@ -151,7 +151,7 @@ class TestRefusals:
 
     def test_no_dask(self, monkeypatch):
         monkeypatch.setitem(__import__("sys").modules, "distributed", None)
-        with self.refused(r"Dask is not installed \(.*\); pip install 'graphdyn\[distributed\]'"):
+        with self.refused(r"distributed is not installed \(.*\); run: python -m pip install 'graphdyn\[distributed\]'"):
             next(DaskWorkers("tcp://127.0.0.1:1").each(deadly, [1]))
 
     @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "127.0.0.1:x", "http://a b"])

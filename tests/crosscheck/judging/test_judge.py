@@ -214,8 +214,8 @@ class TestReferees:
         assert judgment.agrees
         assert judgment.references == ("graphdyn", "pinocchio")
         assert judgment.notes == (
-            "MuJoCo is not among the reference implementations: the package mujoco is not installed: "
-            "pip install 'graphdyn[mujoco]'",
+            "MuJoCo is not among the reference implementations: the package mujoco is not installed; run: "
+            "python -m pip install 'graphdyn[mujoco]'",
         )
 
     def test_what_mujoco_cannot_represent(self):

@@ -197,7 +197,7 @@ def test_without_the_extra(arm, monkeypatch):
     monkeypatch.setattr(xacro_files.importlib.util, "find_spec", lambda _name: None)
     with pytest.raises(
         urdf.XacroNotInstalled,
-        match=r"arm.urdf.xacro: a .xacro file needs an expander, which is not installed; pip install 'graphdyn\[x",
+        match=r"arm.urdf.xacro: .* needs the package xacro, which is not installed; run: .*'graphdyn\[xacro\]'",
     ):
         urdf.load(arm)
     assert urdf.inspect(arm).codes == ("xacro-not-installed",)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from graphdyn.errors import install_line
 from urdf.errors import MAX_QUOTED_NAMES, InvalidXacro, XacroNotInstalled, shortened
 
 MAX_CPU_SECONDS = 5
@@ -54,8 +55,8 @@ def expand(
     """
     _check_packages(path, packages)
     if importlib.util.find_spec("xacro") is None:
-        problem = "a .xacro file needs an expander, which is not installed"
-        remedy = "pip install 'graphdyn[xacro]', or expand the file yourself and give the URDF"
+        problem = "a .xacro file needs the package xacro, which is not installed"
+        remedy = f"run: {install_line('xacro')}, or expand the file yourself and give the URDF"
         raise XacroNotInstalled(problem, remedy, path=path)
     task = {
         "path": str(path.resolve()),

@@ -7,6 +7,7 @@ other.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from functools import cached_property
 
@@ -17,6 +18,8 @@ from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.data_quality.fits.bounded_fit import MIN_RESIDUAL, BoundedFit
 from graphdyn.identification.problem.torque_model import TorqueModel, structure
 from graphdyn.layout import Array
+
+log = logging.getLogger(__name__)
 
 ROUNDING_SHARE = 1e-8
 """Length of a column, relative to the longest, below which it is zero up to rounding."""
@@ -43,6 +46,7 @@ def free_misfits(motions: Sequence[Motion]) -> list[float]:
         stop = start + 1
         while stop < len(motions) and motions[stop][0] is model and (stop - start + 1) * len(first) <= ROWS_AT_ONCE:
             stop += 1
+        log.info("changed recording %d of %d", start + 1, len(motions))
         found += _of_one_model(model, motions[start:stop])
         start = stop
     return found

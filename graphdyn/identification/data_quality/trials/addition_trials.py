@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -19,6 +20,8 @@ from graphdyn.identification.data_quality.fits.held_out import held_out_squares
 from graphdyn.identification.data_quality.fits.size_deviation import covariance
 from graphdyn.identification.data_quality.trials.trials import MIN_HINT_GAIN, Part, cad_misfit, worth_from
 from graphdyn.layout import Array
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +49,7 @@ def tried_additions(part: Part, changed: float = 0.0) -> Iterator[AdditionTrial]
     few = part.screened
     best: dict[tuple[str, tuple[int, ...]], tuple[float, int]] = {}
     for k, addition in enumerate(additions(few.torque_model, few.fit, few.samples.tau, few.torque_rate)):
+        log.info("torque that may be added, %d", k + 1)
         gained = few.misfit - few.free_fit.misfit_with(addition.columns)
         best[addition.kind, addition.joints] = max(best.get((addition.kind, addition.joints), (0.0, k)), (gained, k))
     least = max(MIN_HINT_GAIN, worth_from(max((changed, *(gained for gained, _ in best.values())))))

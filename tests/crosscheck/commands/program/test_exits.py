@@ -1,5 +1,6 @@
 """Signals end the program with all its processes, and progress is told where nobody watches a bar."""
 
+import logging
 import os
 import shutil
 import signal
@@ -108,6 +109,17 @@ class TestProgressInLines:
                 clock[0] += console.PROGRESS_INTERVAL / 50
                 advance("x", 1)
         assert capsys.readouterr().err == ""
+
+    def test_what_is_logged_is_what_begins(self, clock, capsys):
+        """Only inside, and only what says what begins."""
+        logger = logging.getLogger("graphdyn.compiler.running")
+        with console.progress("ur5", 40):
+            clock[0] += 12
+            logger.debug("nothing")
+            logger.info("compiling %s", "mass_matrix")
+        logger.info("compiling more")
+        assert capsys.readouterr().err == "ur5: 0 of 40 after 12 s, compiling mass_matrix\n"
+        assert not logger.isEnabledFor(logging.INFO)
 
     def test_without_total_or_name(self, clock, capsys):
         with console.progress("ur5") as advance:

@@ -523,4 +523,4 @@ class TestProofs:
         result = show(path, "--proofs")
         assert result.exit_code == 2
         (said,) = result.stderr.splitlines()
-        assert said.startswith("error: exact values need python-flint, which is not installed; run: python -m pip")
+        assert said.startswith("error: exact values: the package python-flint is not installed; run: python -m pip")

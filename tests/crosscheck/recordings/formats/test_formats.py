@@ -332,7 +332,7 @@ def test_bags_without_stamps_without_efforts_without_joint_states(tmp_path, monk
     with pytest.raises(BadRecordingFile, match=r"is a folder, and no ROS 2 bag: it has no metadata.yaml; give a file$"):
         load_recording(tmp_path)
     monkeypatch.setitem(sys.modules, "rosbags.highlevel", None)
-    with pytest.raises(BadRecordingFile, match=r"to read ROS bags and MCAP, install graphdyn with its extra 'rosbag'"):
+    with pytest.raises(BadRecordingFile, match=r"rosbags is not installed; run: .* pip install 'graphdyn\[rosbag\]'"):
         load_recording(folder)
 
 

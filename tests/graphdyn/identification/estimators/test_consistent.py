@@ -418,7 +418,7 @@ class TestSolver:
 
     def test_missing_library(self, monkeypatch, poor):
         monkeypatch.setitem(sys.modules, "clarabel", None)
-        with pytest.raises(EstimationFailed, match=r"needs Clarabel .*pip install 'graphdyn\[identify\]'"):
+        with pytest.raises(EstimationFailed, match=r"clarabel is not installed; .*pip install 'graphdyn\[identify\]'"):
             ConsistentProblem(*poor, metric="pullback").solve()
 
     def test_imported_only_where_used(self):
