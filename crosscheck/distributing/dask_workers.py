@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from crosscheck.distributing.workers import Answer, Lost, NoWorkers, Task, differences, versions
+from graphdyn.display import short_repr
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -134,6 +135,7 @@ MAX_CHECKS_WITHOUT_WORKERS = 12
 
 
 @dataclass(frozen=True)
+@short_repr
 class DaskWorkers:
     """The workers of a Dask scheduler.
 
