@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,8 +14,13 @@ from crosscheck.comparing.conditioning import Conditioning
 from crosscheck.quantities import ComparedQuantity
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
+from graphdyn.display import Displayed, short_repr
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame
 from urdf import Reading
+
+if TYPE_CHECKING:
+    import pandas
 
 QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
 """Probabilities of QuantityResult.quantiles."""
@@ -51,6 +57,7 @@ class WorstState:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class QuantityResult:
     """One quantity over all routes, cases and samples.
 
@@ -86,8 +93,8 @@ class QuantityResult:
         return {f"{part:g}": float(ordered[rank]) for part, rank in zip(QUANTILES, ranks, strict=True)}
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison(OfReading):
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(OfReading, Displayed):
     """The verdict on one robot.
 
     robot: name or path as given
@@ -119,6 +126,38 @@ class Comparison(OfReading):
     conditioning: Conditioning
     identification: BaselineIdentification | None
     notes: tuple[str, ...]
+
+    def summary(self) -> str:
+        """The verdict, and how far from their bounds the errors are."""
+        results = list(self.quantities.values())
+        within = sum(result.agrees for result in results)
+        worst = max(results, key=lambda result: result.part_of_bound)
+        beyond = [result.quantity.name for result in results if not result.agrees]
+        lines = [
+            f"{self.robot} {'agrees' if self.agrees else 'DISAGREES'} with Pinocchio: {within} of {len(results)} "
+            f"quantities within their bounds, at {self.samples} random states and special ones (seed {self.seed})",
+            f"nearest to its bound: {worst.quantity.name}, {worst.max_relative_error:.1e} of "
+            f"{worst.quantity.tolerance.bound:.1e}"
+            if not beyond
+            else f"beyond their bounds: {', '.join(beyond)}",
+        ]
+        return "\n".join([*lines, *self.notes])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every quantity: whether it agrees, its error and bound, and where the error is largest.
+
+        Raises ImportError where pandas is missing.
+        """
+        results = list(self.quantities.values())
+        columns = {
+            "agrees": [result.agrees for result in results],
+            "error": [result.max_relative_error for result in results],
+            "bound": [result.quantity.tolerance.bound for result in results],
+            "part of bound": [result.part_of_bound for result in results],
+            "worst at": [result.worst.case if result.worst else None for result in results],
+            "route": [result.worst.route if result.worst else None for result in results],
+        }
+        return data_frame(columns, list(self.quantities), "quantity")
 
     @property
     def agrees(self) -> bool:

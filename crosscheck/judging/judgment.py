@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from crosscheck.judging.exact_errors import ExactErrors
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
+from graphdyn.display import Displayed, short_repr
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame
 from urdf import Reading
+
+if TYPE_CHECKING:
+    import pandas
 
 UNCOUPLED = "joints that others drive are judged as if they were independent"
 """A note about a robot with couplings: other codes see it so."""
@@ -54,6 +59,7 @@ class FailedState:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class JudgedFunction:
     """One function under test against every reference implementation ("reference").
 
@@ -167,6 +173,7 @@ class FittedNumber:
 
 
 @dataclass(frozen=True)
+@short_repr
 class Diagnosis:
     """What is wrong with a function under test, and the experiment that shows it.
 
@@ -197,8 +204,8 @@ class Diagnosis:
     numbers: tuple[FittedNumber, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Judgment(OfReading):
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgment(OfReading, Displayed):
     """The verdict on functions under test for one robot.
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
@@ -229,6 +236,29 @@ class Judgment(OfReading):
     precision: str = "double"
     external_wrenches: bool = False
     beyond_limits: bool = False
+
+    def summary(self) -> str:
+        """The verdict, the largest error of every function, and the diagnoses."""
+        head = f"{', '.join(self.functions)} on {self.robot}: {self.verdict} with {', '.join(self.references)}"
+        errors = [
+            f"{name}: largest error {max(map(np.max, function.errors.values())):.1e}, bound {function.bound:.1e}"
+            for name, function in self.functions.items()
+        ]
+        return "\n".join([head, *errors, *(f"{one.status}: {one.message}" for one in self.diagnoses), *self.notes])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every function and reference: verdict, largest error, bound.
+
+        Raises ImportError where pandas is missing.
+        """
+        rows = [(function, name) for function in self.functions.values() for name in function.errors]
+        columns = {
+            "reference": [name for _, name in rows],
+            "agrees": [bool((function.errors[name] <= function.bound).all()) for function, name in rows],
+            "largest error": [float(function.errors[name].max()) for function, name in rows],
+            "bound": [function.bound for function, _ in rows],
+        }
+        return data_frame(columns, [function.name for function, _ in rows], "function")
 
     @property
     def agrees(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,13 @@ from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.virtual import JOINT_UNITS
 from graphdyn import InvalidInput, VirtualRecording
+from graphdyn.display import Displayed
 from graphdyn.errors import counted
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame, joint_columns
+
+if TYPE_CHECKING:
+    import pandas
 
 MOTION_CHANNELS = ("q", "v", "a", "tau")
 RECORDED_JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
@@ -41,8 +46,8 @@ class Provenance:
     columns: ColumnMapping | None = field(default=None, compare=False, repr=False)
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Displayed):
     """N rows of a robot with n joints, at the joints (after the gears), SI units.
 
     joint_names, prismatic: names, and which joints slide         (n,)
@@ -113,6 +118,30 @@ class Recording:
             raise InvalidInput(
                 f"time {self.t[back[0] + 1]:g} s in row {back[0] + 1} does not increase inside its block"
             )
+
+    def summary(self) -> str:
+        """Files, rows, channels, and what was found."""
+        files = ", ".join(self.provenance.files) or "recording"
+        size = f"{counted(len(self.t), 'row')} of {counted(self.n_joints, 'joint')}"
+        size += f" in {counted(len(self.block_slices), 'block')}"
+        found = [f"{one.severity}: {one.message}" for one in self.findings]
+        return "\n".join(
+            [
+                f"{files}: {size}, {self.t[0]:g} to {self.t[-1]:g} s",
+                f"joints: {', '.join(self.joint_names)}",
+                f"channels: {', '.join(self.recorded(ALL_CHANNELS))}",
+                *self.provenance.steps,
+                *found,
+            ]
+        )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every time, with what was recorded of every joint, in columns such as "q shoulder", and its block.
+
+        Raises ImportError where pandas is missing.
+        """
+        channels = {name: getattr(self, name) for name in RECORDED_JOINT_CHANNELS}
+        return data_frame({"block": self.block, **joint_columns(channels, self.joint_names)}, self.t, "t")
 
     @property
     def n_joints(self) -> int:

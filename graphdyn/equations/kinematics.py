@@ -18,6 +18,7 @@ from graphdyn.arguments.choices import Method, is_recursive, with_keywords
 from graphdyn.compiler.batch import evaluate, request_of
 from graphdyn.compiler.programs import Request
 from graphdyn.compiler.running import has_paid
+from graphdyn.display import short_repr
 from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
@@ -26,6 +27,7 @@ from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, s
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MaximalState:
     """Placements and motions of all bodies; arrays have leading batch dimensions.
 
@@ -114,6 +116,12 @@ def maximal_state(
     same here.
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> state = graphdyn.maximal_state(model, q, v)
+    >>> state.position.shape, state.rotation.shape
+    ((6, 3), (6, 3, 3))
     """
     check_model(model)
     rest = np.zeros(model.nv)
@@ -255,6 +263,12 @@ def frame_placement(
     """Rotation (…, 3, 3) and position (…, 3) [m] in the world of a named frame (see RobotModel.frame).
 
     Raises UnknownFrame for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> rotation, position = graphdyn.frame_placement(model, q, "B6")
+    >>> bool(np.allclose(rotation @ rotation.T, np.eye(3)))
+    True
     """
     check_model(model)
     frame = model.frame(name)

@@ -16,6 +16,7 @@ from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.compiler.batch import check_threads
 from graphdyn.compiler.native import host_lanes
 from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
+from graphdyn.display import short_repr
 from graphdyn.equations.loops.dynamics import closed
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
@@ -47,6 +48,7 @@ from graphdyn.simulation.torques import (
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MeasurementNoise:
     """Standard deviations of independent normal noise on the q and v that a controller sees, new at every sample.
 
@@ -186,6 +188,7 @@ def _no_torque(t: float, q: Array, v: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Rollout:
     """Motions of R runs at K times; numbers that overflow stay in their run, as NaN or infinity.
 
@@ -252,6 +255,12 @@ def rollout(
 
     Raises InvalidInput; InconsistentState where loops are open. On the NumPy back end, steps are taken in Python,
     thousands of times slower.
+
+    >>> import graphdyn, numpy as np
+    >>> starts = np.linspace(-0.5, 0.5, 5)[:, None] * np.ones(6)  # five robots
+    >>> motions = graphdyn.rollout(graphdyn.kr500(), starts, np.zeros(6), step=0.01, duration=0.05)
+    >>> motions.q.shape  # runs, times, joints
+    (5, 6, 6)
     """
     check_model(model)
     check_threads(threads)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.display import Displayed, short_repr
 from graphdyn.equations.kinematics import MaximalState, maximal_state
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import base_motion, observed
@@ -16,12 +18,17 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.integration.events import Occurrence
 from graphdyn.simulation.plant import PlantConstants, refuse_loops
+from graphdyn.tables import data_frame, joint_columns
 from graphdyn.verbs.answers import InverseDynamics
 from graphdyn.verbs.dynamics import forward_dynamics, inverse_dynamics
 from graphdyn.verbs.energies import kinetic_energy, potential_energy
 
+if TYPE_CHECKING:
+    import pandas
+
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class EnergyBalance:
     """Energies at the times of a simulation (N,) each [J].
 
@@ -47,8 +54,8 @@ class EnergyBalance:
         return float(np.abs(self.error).max()) / largest if largest else 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Displayed):
     """A motion from simulate, at N times; joints in the order of the model.
 
     time                                                    (N,)    [s]
@@ -75,6 +82,24 @@ class Simulation:
 
     def __post_init__(self) -> None:
         check_model(self.model)
+
+    def summary(self) -> str:
+        """How long it lasted, and how far the joints went."""
+        lasted = f"{self.time[-1] - self.time[0]:g} s, {len(self.time)} rows"
+        reach = [
+            f"{name}: {low:.4g} to {high:.4g}"
+            for name, low, high in zip(self.joint_names, self.q.min(axis=0), self.q.max(axis=0), strict=True)
+        ]
+        ended = f", ended by {self.ended}" if self.ended else ""
+        return f"motion of {self.model.name}: {lasted}{ended}; q from … to …: {'; '.join(reach)}"
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every time, with q, v, a and tau of every joint, in columns such as "q shoulder".
+
+        Raises ImportError where pandas is missing.
+        """
+        channels = {"q": self.q, "v": self.v, "a": self.a, "tau": self.tau}
+        return data_frame(joint_columns(channels, self.joint_names), self.time, "time")
 
     @property
     def joint_names(self) -> tuple[str, ...]:

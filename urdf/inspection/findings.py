@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from lxml import etree
 
+from graphdyn.display import Displayed
+from graphdyn.errors import counted
+from graphdyn.tables import data_frame
 from urdf.document.elements import describe, file_of, line_of
 from urdf.errors import URDFError, one_line
 from urdf.inspection.remedies import OTHER_READERS, REMEDIES
+
+if TYPE_CHECKING:
+    import pandas
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 """Severities in this order: urdf.load refuses the file; it loads, but its dynamics are doubtful; good to know."""
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
+
+MAX_SUMMARIZED = 6
+"""Findings that the text of an inspection tells."""
 
 NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close", "infinitesimal-mobility")
 """Codes of the findings that leave a robot fit for kinematics only."""
@@ -42,13 +51,19 @@ class Finding:
     file: str | None = None
 
     @property
+    def place(self) -> str:
+        """Such as "arm.xacro, line 3: "; empty where the line is not known."""
+        file = f"{self.file}, " if self.file else ""
+        return f"{file}line {self.line}: " if self.line else ""
+
+    @property
     def text(self) -> str:
         """Element and message in one sentence."""
         return self.message if self.element is None else f"{self.element}: {self.message}"
 
 
-@dataclass(frozen=True)
-class Inspection:
+@dataclass(frozen=True, repr=False)
+class Inspection(Displayed):
     """All findings of one file.
 
     robot: path or name as given; path: of the file, None where there is none
@@ -58,6 +73,21 @@ class Inspection:
     robot: str
     path: str | None
     findings: tuple[Finding, ...]
+
+    def summary(self) -> str:
+        """The verdict, and the kinds of findings by severity."""
+        counts = ", ".join(counted(self.count(severity), severity) for severity in SEVERITIES)
+        worst = [f"{one.place}{one.text} [{one.code}]" for one in self.findings if one.severity != "note"]
+        more = [f"and {len(worst) - MAX_SUMMARIZED} more"] if len(worst) > MAX_SUMMARIZED else []
+        return "\n".join([f"{self.robot}: {self.verdict}; {counts}", *worst[:MAX_SUMMARIZED], *more])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every finding: severity, code, file, line, element, message and remedy.
+
+        Raises ImportError where pandas is missing.
+        """
+        names = ("severity", "code", "file", "line", "element", "message", "remedy")
+        return data_frame({name: [getattr(one, name) for one in self.findings] for name in names})
 
     @property
     def verdict(self) -> Verdict:
