@@ -138,13 +138,13 @@ def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recor
 
 
 def _sentence(missing: int, by_verdict: Mapping[str, int]) -> str:
-    """What is worst. by_verdict: files of each verdict, the worst first"""
+    """by_verdict: files of each verdict, the worst first"""
     number = missing + sum(by_verdict.values())
-    if missing:
-        return f"{missing} of {number} robot files could not be inspected."
-    verdict, files = next(iter(by_verdict.items()))
-    which = f"All {number}" if files == number else f"{files} of {number}"
-    return f"{which} robot files {'is' if files == 1 else 'are'} {FILE_VERDICTS[verdict][1]}."
+    parts = [f"{n} {'is' if n == 1 else 'are'} {FILE_VERDICTS[verdict][1]}" for verdict, n in by_verdict.items()]
+    parts += [f"{missing} could not be inspected"] if missing else []
+    if len(parts) == 1:
+        return f"Of {number} robot files, all {parts[0].split(' ', 1)[1]}."
+    return f"Of {number} robot files, {', '.join(parts[:-1])} and {parts[-1]}."
 
 
 def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> Section:
