@@ -30,6 +30,7 @@ from graphdyn.excitation import (
 )
 from graphdyn.identification import one_thread
 from graphdyn.layout import Array
+from graphdyn.model import unit_of
 from urdf import Reading
 
 log = logging.getLogger(__name__)
@@ -181,4 +182,5 @@ def assumed_noise(model: RobotModel) -> tuple[Array, str]:
             TORQUE_NOISE_SHARE * sizes,
             f"{100 * TORQUE_NOISE_SHARE:g} % of the torque that the bodies of the file take in random states",
         )
-    return np.ones(len(joints)), "1 N m or N, because the file states neither efforts nor masses"
+    unit = unit_of(joints, "N m", "N")
+    return np.ones(len(joints)), f"1 {unit}, because the file states neither efforts nor masses"

@@ -21,6 +21,7 @@ from crosscheck.report.report import (
     Block,
     Code,
     Column,
+    Facts,
     Hover,
     Note,
     Notes,
@@ -36,6 +37,7 @@ from crosscheck.report.report import (
 from crosscheck.report.report import Group as BlockGroup
 from crosscheck.viewing.page import file_text, policy_hash, script_hashes
 from crosscheck.viewing.page import page as stage_page
+from crosscheck.viewing.scene import compressed
 
 MAX_NOTE_LENGTH = 240
 """Characters from which a note is folded."""
@@ -45,6 +47,9 @@ MAX_NOTES_PER_CODE = 3
 
 MAX_CELL_LENGTH = 90
 """Characters of a cell from which the rows of its table are stacked on narrow screens."""
+
+PACKED_FROM = 8_000
+"""Characters from which a part that is closed at first is kept compressed until it is opened."""
 
 MAX_NAME_LENGTH = 28
 """Characters from which the name in a table is cut (style.css), so that hovering has to show the whole."""
@@ -93,6 +98,15 @@ def _all(blocks: Sequence[Block]) -> Iterator[Block]:
 
 def _stage_page(stage: Stage) -> str:
     return stage_page(", ".join(figure.name for figure in stage.figures), stage.figures)
+
+
+def _pack(part: str) -> str:
+    return compressed(part.encode())
+
+
+def _printed_folded(block: Block) -> bool:
+    """Whether paper shows it although it is closed: it is never compressed, which would take a moment to undo."""
+    return isinstance(block, Table | Notes | Facts)
 
 
 def _kind(block: Block) -> str:
@@ -166,9 +180,10 @@ def environment() -> Environment:
         width=_width,
         note_groups=_note_groups,
         page_blocks=lambda blocks: list(shown(blocks, "page")),
+        pack=_pack,
         zip=zip,
     )
-    environment.tests.update(verdict=_is_verdict)
+    environment.tests.update(verdict=_is_verdict, printed_folded=_printed_folded)
     environment.globals.update(
         SYMBOLS=VERDICT_SYMBOLS,
         hover=_hover,
@@ -177,5 +192,6 @@ def environment() -> Environment:
         plot_picture=plot_picture,
         stage_page=_stage_page,
         MAX_NOTE_LENGTH=MAX_NOTE_LENGTH,
+        PACKED_FROM=PACKED_FROM,
     )
     return environment

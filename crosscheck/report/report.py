@@ -39,11 +39,15 @@ NO_VALUE = "–"
 
 @dataclass(frozen=True)
 class Verdict:
-    """words: "agrees", "DISAGREES", "use entropic", …; reason: in a sentence or two, "" where the words say it all."""
+    """words: "agrees", "DISAGREES", …; reason: in a sentence or two, "" where the words say it all.
+
+    sentence: the headline of a page, where the words alone are no sentence
+    """
 
     state: State
     words: str
     reason: str = ""
+    sentence: str = ""
 
 
 @dataclass(frozen=True)
@@ -277,13 +281,17 @@ class Group(Block):
 
 @dataclass(frozen=True)
 class Section:
-    """key: its anchor on the page, unique in the report; sheet: begins a new sheet in print"""
+    """key: its anchor on the page, unique in the report; sheet: begins a new sheet in print
+
+    folded: under these words on the page the blocks are closed until they are opened; "" where they are open
+    """
 
     key: str
     title: str
     blocks: tuple[Block, ...]
     verdict: Verdict | None = None
     sheet: bool = False
+    folded: str = ""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from crosscheck.report.pictures.stick_figure import pose_text, stick_figure
 from crosscheck.report.report import Column, RobotPicture, Row, Table
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from graphdyn.model import unit_of
 from urdf.reading import Chain
 
 
@@ -17,6 +18,12 @@ def reading_text(locked: Mapping[str, float], chain: Chain = None) -> str:
     cut = f" from {chain[0]} to {chain[1]}" if chain else ""
     held = ", ".join(f"{joint} = {value:g}" for joint, value in locked.items())
     return f"{cut}, locked: {held}" if held else cut
+
+
+def joint_units(model: RobotModel) -> str:
+    """Units of positions, velocities and torques or forces, in a line."""
+    pairs = (("rad", "m"), ("rad/s", "m/s"), ("N m", "N"))
+    return ", ".join(unit_of(model.joints, *pair) for pair in pairs)
 
 
 def robot_picture(model: RobotModel, name: str, q: Array | None = None) -> RobotPicture:

@@ -49,11 +49,16 @@ class LoadedMotion:
 
 @dataclass(frozen=True, eq=False)
 class ShownRobot:
-    """A robot and its shapes; one of them may be in several figures. notes: what its viewer should know."""
+    """A robot and its shapes; one of them may be in several figures.
+
+    notes: what its viewer should know
+    collision: shapes that are shown on demand, none where the file states none
+    """
 
     model: RobotModel
     shapes: tuple[BodyShape, ...]
     notes: tuple[str, ...] = ()
+    collision: tuple[BodyShape, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

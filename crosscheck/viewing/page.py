@@ -23,10 +23,11 @@ PLAYER = Path(__file__).parent / "player"
 VENDOR = Path(__file__).parents[1] / "vendor"
 
 SCRIPT_LIBRARIES = (VENDOR / "three.iife.min.js", VENDOR / "uPlot.iife.min.js")
-PLAYER_SCRIPTS = tuple(
-    PLAYER / f"{name}.js"
-    for name in ("numbers", "libraries", "mechanics", "arrows", "figure", "stage", "curves", "panel", "player")
+SCRIPT_NAMES = (
+    *("numbers", "libraries", "mechanics", "arrows", "figure", "stage", "curves"),
+    *("panel", "link", "marks", "picture", "player"),
 )
+PLAYER_SCRIPTS = tuple(PLAYER / f"{name}.js" for name in SCRIPT_NAMES)
 STYLE_SHEETS = (VENDOR / "uPlot.min.css", PLAYER / "player.css")
 
 

@@ -17,8 +17,11 @@ STAND_IN_COLOR = (0.55, 0.63, 0.71, 1.0)
 
 CYLINDER_SIDES = 24
 
-MIN_THICKNESS, MAX_THICKNESS = 0.012, 0.06
-"""Radius of a cylinder, as parts of the length of the longest arm."""
+MIN_THICKNESS, MAX_THICKNESS = 0.02, 0.05
+"""Radius of a cylinder, as parts of its own length."""
+
+COLLISION_FACES_SHARE = 0.25
+"""Triangles of collision shapes, as a part of those of the shapes."""
 
 MIN_LINK_SHARE = 1e-3
 """Joints nearer to each other than this part of that length are not linked."""
@@ -31,7 +34,7 @@ def stand_ins(model: RobotModel) -> tuple[BodyShape, ...]:
     """
     size = reach(model)
     return tuple(
-        BodyShape(body, *_cylinder(end, _radius(model, body, end, size)), STAND_IN_COLOR)
+        BodyShape(body, *_cylinder(end, _radius(model, body, end)), STAND_IN_COLOR)
         for body, end in _edges(model)
         if np.linalg.norm(end) > MIN_LINK_SHARE * size
     )
@@ -61,13 +64,14 @@ def _edges(model: RobotModel) -> Iterator[tuple[int, Array]]:
             yield number, farthest if farthest.any() else 2 * body.center_of_mass
 
 
-def _radius(model: RobotModel, number: int, end: Array, size: float) -> float:
+def _radius(model: RobotModel, number: int, end: Array) -> float:
     """A homogeneous cylinder has the moment m r² / 2 about its axis."""
+    length = float(np.linalg.norm(end))
     if number == 0 or model.bodies[number - 1].mass == 0:
-        return MIN_THICKNESS * size
-    body, axis = model.bodies[number - 1], end / np.linalg.norm(end)
+        return MIN_THICKNESS * length
+    body, axis = model.bodies[number - 1], end / length
     squared = 2 * float(axis @ body.inertia @ axis) / body.mass
-    return float(np.clip(np.sqrt(max(squared, 0.0)), MIN_THICKNESS * size, MAX_THICKNESS * size))
+    return float(np.clip(np.sqrt(max(squared, 0.0)), MIN_THICKNESS * length, MAX_THICKNESS * length))
 
 
 def _cylinder(end: Array, radius: float) -> tuple[Array, NDArray[np.intp]]:
@@ -92,8 +96,26 @@ def shown_robot(source: str, model: RobotModel, reading: Reading, faces: int) ->
     Raises the errors of urdf.shapes.
     """
     shapes = urdf.shapes(source, faces=faces, reading=reading)
+    collision = urdf.shapes(
+        source, geometry="collision", faces=max(1, round(COLLISION_FACES_SHARE * faces)), reading=reading
+    )
+    placed = _placed(model, shapes)
+    notes = [f"{shape.link}: {shape.file or 'a shape'} is not shown: {shape.reason}" for shape in shapes.missing]
+    if not placed:
+        notes.insert(0, "cylinders from joint to joint, in place of shapes")
+    told = {(shape.link, shape.file) for shape in shapes.missing}
+    notes += [
+        f"{shape.link}: the collision shape {shape.file or ''} is not shown: {shape.reason}"
+        for shape in collision.missing
+        if (shape.link, shape.file) not in told
+    ]
+    return ShownRobot(model, placed or stand_ins(model), tuple(notes), _placed(model, collision))
+
+
+def _placed(model: RobotModel, shapes: urdf.Shapes) -> tuple[BodyShape, ...]:
+    """The shapes in the link axes of their bodies."""
     numbers = {name: number for number, name in enumerate((model.base_name, *model.body_names))}
-    placed = tuple(
+    return tuple(
         BodyShape(
             numbers[shape.body],
             shape.vertices @ shape.placement.rotation.T + shape.placement.translation,
@@ -102,7 +124,3 @@ def shown_robot(source: str, model: RobotModel, reading: Reading, faces: int) ->
         )
         for shape in shapes.meshes
     )
-    notes = [f"{shape.link}: {shape.file or 'a shape'} is not shown: {shape.reason}" for shape in shapes.missing]
-    if not placed:
-        notes.insert(0, "cylinders from joint to joint, in place of shapes")
-    return ShownRobot(model, placed or stand_ins(model), tuple(notes))

@@ -90,6 +90,7 @@ def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
         "matrix": degrees_of_freedom.matrix.tolist(),
         "offset": degrees_of_freedom.offset.tolist(),
         "shapes": [_shape(shape, store) for shape in robot.shapes],
+        "collision": [_shape(shape, store) for shape in robot.collision],
     }
 
 
@@ -141,6 +142,7 @@ def _body(body: Body) -> dict[str, Any]:
         "name": body.name,
         "mass": body.mass,
         "center": body.center_of_mass.tolist(),
+        "inertia": body.inertia.ravel().tolist(),
         "ellipsoid": ellipsoid and {"axes": ellipsoid[0].tolist(), "rotation": ellipsoid[1].ravel().tolist()},
     }
 

@@ -12,6 +12,7 @@ from graphdyn.model.inertia import (
     pseudo_inertia_from_parameters,
 )
 from graphdyn.model.loops import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, loop_spaces
+from graphdyn.model.parts import unit_of
 from graphdyn.model.robot_model import STANDARD_GRAVITY, check_model
 from graphdyn.model.spatial import apply, cos_beta, cross, rotation_about, skew, solve
 
@@ -39,4 +40,5 @@ __all__ = [
     "rotation_about",
     "skew",
     "solve",
+    "unit_of",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Integral, Real
@@ -193,6 +194,12 @@ def as_floats(who: str, name: str, value: ArrayLike, shape: tuple[int, ...]) -> 
 def read_only(array: Array) -> Array:
     array.setflags(write=False)
     return array
+
+
+def unit_of(joints: Iterable[Joint], turning: str, sliding: str) -> str:
+    """The unit of a quantity of these joints: that of those that turn, that of those that slide, or both with "or"."""
+    units = dict.fromkeys(sliding if joint.is_prismatic else turning for joint in joints)
+    return " or ".join(unit for unit in (turning, sliding) if unit in units) or turning
 
 
 def unit_axis(who: str, axis: Array) -> Array:

@@ -116,12 +116,32 @@ def bench_report(found: Benchmark) -> Report:
 
 
 def _verdict(found: Benchmark) -> Verdict:
+    """A disagreement; or that ratios are not to be trusted; or that all is well."""
     if found.agrees:
-        return Verdict("agrees", "agrees", "Every answer of graphdyn is within its bound of Pinocchio's.")
+        agrees = "Every answer of graphdyn is within its bound of Pinocchio's."
+        every = [c for _, comparisons in _groups(found) for c in comparisons]
+        doubtful = sum(not c.trusted for c in every)
+        if doubtful:
+            words = f"not to be trusted: {doubtful} of {len(every)} ratios"
+            sentence = f"{doubtful} of {len(every)} ratios are not to be trusted."
+            return Verdict("undecided", words, f"Measure on a quiet machine. {agrees}", sentence)
+        return Verdict("agrees", "agrees", "All ratios can be trusted.", agrees)
     wrong = ", ".join(measured.title for measured in found.works if not measured.agrees)
     return Verdict(
-        "disagrees", "DISAGREES", f"An answer of graphdyn is further from Pinocchio's than its bound: {wrong}."
+        "disagrees",
+        "DISAGREES",
+        f"An answer is further from Pinocchio's than its bound: {wrong}.",
+        "graphdyn and Pinocchio disagree.",
     )
+
+
+def _groups(found: Benchmark) -> list[tuple[str, tuple[SpeedRatio, ...]]]:
+    """Titles of works, and their ratios."""
+    identification = found.identification
+    return [
+        *((measured.title, measured.comparisons) for measured in found.works),
+        (f"identification, {counted(identification.samples, 'sample')}", _comparisons(identification)),
+    ]
 
 
 def facts(found: Benchmark) -> Iterator[tuple[str, str]]:
@@ -198,11 +218,7 @@ def _reasons(found: Benchmark, every: Sequence[SpeedRatio]) -> Iterator[str]:
 
 
 def _ratios(found: Benchmark) -> tuple[Block, ...]:
-    identification = found.identification
-    groups = [
-        *((measured.title, measured.comparisons) for measured in found.works),
-        (f"identification, {counted(identification.samples, 'sample')}", _comparisons(identification)),
-    ]
+    groups = _groups(found)
     every = [c for _, comparisons in groups for c in comparisons]
     faster = sum(c.ratio.median > 1 for c in every)
     table = Table(

@@ -94,7 +94,8 @@ def taken_over(path: Path, robots: Sequence[str], samples: int, seed: int) -> di
         raise InvalidInput(
             f"--resume: {path} is not a file of the format '{CrosscheckRecord.format}'; name another, or delete it"
         )
-    if earlier.get("versions") != versions():
+    there = earlier.get("versions")
+    if not isinstance(there, dict) or any(there.get(name) != number for name, number in versions().items()):
         return {}
     wanted = {"samples": samples, "seed": seed, "locked": {}, "chain": None}
     renamed = (_renamed(record) for record in earlier["robots"] if _is_whole(record))

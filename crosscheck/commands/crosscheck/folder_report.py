@@ -154,7 +154,14 @@ def _verdict(rows: Sequence[RobotSummary]) -> Verdict:
         "there was nothing to compare."
     )
     said = {REFUSED: "incomplete", KINEMATICS_ONLY: "no robot disagrees"}.get(words, words)
-    return Verdict(state, said, f"{counts(rows)}. {meaning}")
+    number, robots = sum(row.verdict == words for row in rows), counted(len(rows), "robot")
+    sentence = {
+        DISAGREES: f"graphdyn and Pinocchio disagree on {number} of {robots}.",
+        REFUSED: f"{number} of {robots} could not be compared.",
+        KINEMATICS_ONLY: f"No robot disagrees, but {number} of {robots} could be compared in kinematics only.",
+        AGREES: f"graphdyn and Pinocchio agree on {robots}.",
+    }[words]
+    return Verdict(state, said, f"{counts(rows)}. {meaning}", sentence)
 
 
 def _why_not_all(rows: Sequence[RobotSummary]) -> str:

@@ -12,7 +12,8 @@ from crosscheck.commands.crosscheck.robot_report import robot_section
 from crosscheck.comparing.comparison import Comparison, QuantityResult
 from crosscheck.quantities import COMPARED, COUPLED, LOOPED
 from crosscheck.report.error_tables import ERROR_FORMAT, error_text, verdict_of
-from crosscheck.report.report import Column, Facts, Note, Notes, Prose, Report, Row, Section, Table, Verdict
+from crosscheck.report.report import Column, Facts, Note, Notes, Prose, Report, Row, Section, State, Table, Verdict
+from graphdyn.errors import counted
 
 TITLE = "graphdyn against Pinocchio"
 
@@ -37,6 +38,7 @@ def crosscheck_report(comparisons: Sequence[Comparison], failures: Sequence[Mapp
 
 def _verdict(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, Any]]) -> Verdict:
     agreeing = sum(comparison.agrees for comparison in comparisons)
+    sentence = _sentence(comparisons, agreeing, failures)
     if not comparisons:
         reason = "Nothing was compared."
     elif len(comparisons) == 1:
@@ -48,8 +50,21 @@ def _verdict(comparisons: Sequence[Comparison], failures: Sequence[Mapping[str, 
     if failures:
         reason += f" {len(failures)} could not be compared."
     if agreeing < len(comparisons):
-        return Verdict("disagrees", "DISAGREES", reason)
-    return Verdict("undecided", "incomplete", reason) if failures else Verdict("agrees", "agrees", reason)
+        return Verdict("disagrees", "DISAGREES", reason, sentence)
+    state: State = "undecided" if failures else "agrees"
+    return Verdict(state, "incomplete" if failures else "agrees", reason, sentence)
+
+
+def _sentence(comparisons: Sequence[Comparison], agreeing: int, failures: Sequence[Mapping[str, str]]) -> str:
+    if len(comparisons) == 1 and not failures:
+        name = Path(comparisons[0].robot).name
+        return f"graphdyn and Pinocchio {'agree' if agreeing else 'disagree'} on {name}."
+    wrong, number = len(comparisons) - agreeing, len(comparisons) + len(failures)
+    if wrong:
+        return f"graphdyn and Pinocchio disagree on {wrong} of {counted(number, 'robot')}."
+    if failures:
+        return f"{len(failures)} of {counted(number, 'robot')} could not be compared."
+    return f"graphdyn and Pinocchio agree on all {number} robots."
 
 
 def _verdicts(comparisons: Sequence[Comparison], keys: Sequence[str]) -> Table:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 from crosscheck.comparing.comparison import Comparison, QuantityResult
@@ -37,8 +38,14 @@ READER_NOTE = "Pinocchio's reader wrote: "
 """Begins the notes of what Pinocchio printed while it read the file."""
 
 
+N_NEAREST = 10
+"""Quantities that a page shows unasked: those that disagree, or of all, those nearest to their bounds."""
+
+
 def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Section:
-    """detailed: the terminal shows every quantity; otherwise it has them side by side with those of other robots"""
+    """detailed: the terminal shows every quantity; otherwise it has them side by side with those of other robots, and
+    the page shows no more of one that agrees than is asked for
+    """
     name = Path(comparison.robot).name
     notes = (*_not_compared(comparison), *map(_note, comparison.notes))
     return Section(
@@ -48,7 +55,7 @@ def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Sectio
             robot_picture(comparison.model, name),
             Group((_compared(comparison), joints_table(comparison.model)), on=("page",)),
             Group((_conditioning(comparison), _base_parameters(comparison)), on=("page",)),
-            quantities_table(comparison, terminal=detailed),
+            *quantities_tables(comparison, terminal=detailed),
             *(Prose(line, on=("text",)) for line in _conditioning_lines(comparison)),
             Notes(notes, title="Notes"),
             *_distribution(comparison),
@@ -56,6 +63,7 @@ def robot_section(comparison: Comparison, key: str, *, detailed: bool) -> Sectio
         ),
         verdict_of(comparison.agrees, reason=_what(comparison)),
         sheet=True,
+        folded=f"{name}: picture, joints, every quantity, worst states" if comparison.agrees and not detailed else "",
     )
 
 
@@ -139,8 +147,26 @@ def _note(text: str) -> Note:
     return Note(text, "pinocchio-reader" if text.startswith(READER_NOTE) else "")
 
 
-def quantities_table(comparison: Comparison, *, terminal: bool) -> Table:
-    """Every quantity; terminal: there too."""
+def quantities_tables(comparison: Comparison, *, terminal: bool) -> tuple[Block, ...]:
+    """On the page those nearest to their bounds, or farthest beyond, and folded every quantity; terminal: there too."""
+    every = quantities_table(comparison)
+    if len(every.rows) <= N_NEAREST:
+        return (replace(every, on=("text", "page") if terminal else ("page",)),)
+    results = comparison.quantities
+    worst = sorted(range(len(results)), key=lambda k: list(results.values())[k].part_of_bound, reverse=True)[:N_NEAREST]
+    said = "nearest to their bounds" if comparison.agrees else "farthest beyond their bounds, or nearest to them"
+    few = replace(
+        every,
+        rows=tuple(every.rows[k] for k in worst),
+        caption=f"The {N_NEAREST} quantities {said}: largest relative errors",
+        on=("page",),
+    )
+    title = f"Every quantity: {len(every.rows)}"
+    return (*([replace(every, on=("text",))] if terminal else []), few, replace(every, title=title, folded=True))
+
+
+def quantities_table(comparison: Comparison) -> Table:
+    """Every quantity."""
     rows = []
     for name, result in comparison.quantities.items():
         quantity, verdict = result.quantity, verdict_of(result.agrees)
@@ -161,9 +187,8 @@ def quantities_table(comparison: Comparison, *, terminal: bool) -> Table:
             ),
         ),
         tuple(rows),
-        title="" if terminal else "Every quantity",
         caption="Largest relative errors over all routes and states",
-        on=("text", "page") if terminal else ("page",),
+        on=("page",),
     )
 
 
@@ -173,7 +198,10 @@ def _distribution(comparison: Comparison) -> tuple[Block, ...]:
     bounded = [result for result in results if result.quantity.tolerance.bound and result.worst]
     nearest = sorted(bounded, key=lambda result: result.part_of_bound, reverse=True)[:N_PLOTTED]
     return (
-        distribution([SpreadRow(r.quantity.name, r.errors, r.quantity.tolerance.bound) for r in results]),
+        replace(
+            distribution([SpreadRow(r.quantity.name, r.errors, r.quantity.tolerance.bound) for r in results]),
+            folded=comparison.agrees,
+        ),
         *over_states(
             {result.quantity.name: result.errors / result.quantity.tolerance.bound for result in nearest},
             1.0,

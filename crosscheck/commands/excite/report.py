@@ -36,6 +36,7 @@ from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import joint_torques
 from graphdyn.errors import counted
 from graphdyn.excitation import CHECK_RATE, LIMIT_KINDS, ExcitationPlan, FourierBasis, sample_times
+from graphdyn.model import unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -131,19 +132,23 @@ def _verdict(found: Excited) -> Verdict:
         most = max(found.hits, key=lambda hit: hit.poses)
         margin = found.collisions.margin if found.collisions else 0.0
         words, near = ("LINKS COME TOO NEAR", f" nearer than {1000 * margin:g} mm") if margin else ("LINKS COLLIDE", "")
-        return Verdict("disagrees", words, f"{most.name}{near} in {most.poses} of the poses at 1 kHz")
+        return Verdict(
+            "disagrees", words, f"{most.name}{near} in {most.poses} of the poses at 1 kHz", f"{words.capitalize()}."
+        )
     if found.violated:
         worst = max(found.violated, key=lambda usage: usage.used)
         return Verdict(
             "disagrees",
             "VIOLATES LIMITS",
             f"{worst.kind} of {worst.name}: {100 * worst.used:.4g} % of its limit",
+            "The motion violates limits.",
         )
     verdicts = found.plan.verdicts
     words = ", ".join(
         f"{verdicts.count(word)} {meaning}" for word, meaning in _DETERMINATIONS.items() if word in verdicts
     )
-    return Verdict("agrees", "keeps all limits", f"of {len(verdicts)} base parameters: {words}")
+    reason = f"of {len(verdicts)} base parameters: {words}"
+    return Verdict("agrees", "keeps all limits", reason, "The motion keeps all limits.")
 
 
 _DETERMINATIONS = {"well": "well determined", "roughly": "roughly", "not": "not"}
@@ -156,11 +161,12 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
     if found.motions[0].seed is None:
         shape = "as given"
     seconds = " + ".join(f"{motion.course.duration:g}" for motion in found.motions)
+    noise = f"{', '.join(f'{x:.3g}' for x in problem.noise)} {unit_of(problem.torque_model.model.joints, 'N m', 'N')}"
     size = counted(problem.torque_model.model.n_bodies, "joint")
     facts = [
         ("robot", f"{found.robot}: {size}{reading_text(found.locked, found.chain)}"),
         ("motion", f"{seconds} s, {shape}"),
-        ("noise", f"{', '.join(f'{x:.3g}' for x in problem.noise)} N m or N: {found.noise_words}; {problem.rate:g} Hz"),
+        ("noise", f"{noise}: {found.noise_words}; {problem.rate:g} Hz"),
         ("minimized", found.criterion),
         ("geometric mean σ", f"{100 * plan.geometric_mean:.3g} % of what is unknown before the experiment"),
     ]
@@ -211,7 +217,7 @@ def _curves(found: Excited, motion: PlannedMotion) -> Plot:
     model = found.problem.torque_model.model
     times = sample_times(motion.course.duration, CURVE_RATE)
     q, v, a, _ = motion.course.motion(times)
-    names = model.independent_joints
+    names, unit = model.independent_joints, partial(unit_of, model.joints)
 
     def series(values: Any) -> tuple[Series, ...]:
         return tuple(Series(name, values[:, j], color=j) for j, name in enumerate(names))
@@ -220,10 +226,10 @@ def _curves(found: Excited, motion: PlannedMotion) -> Plot:
         times,
         "t [s]",
         (
-            Panel("position", series(q), "rad or m"),
-            Panel("velocity", series(v), "rad/s or m/s"),
-            Panel("acceleration", series(a), "rad/s² or m/s²"),
-            Panel("torque of the bodies", series(joint_torques(model, q, v, a)), "N m or N"),
+            Panel("position", series(q), unit("rad", "m")),
+            Panel("velocity", series(v), unit("rad/s", "m/s")),
+            Panel("acceleration", series(a), unit("rad/s²", "m/s²")),
+            Panel("torque of the bodies", series(joint_torques(model, q, v, a)), unit("N m", "N")),
         ),
         f"Positions, velocities, accelerations and torques of {model.name} over {motion.course.duration:g} s",
         on=("page",),

@@ -85,9 +85,10 @@ def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
     told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:MAX_REASONS]
     more = [f"and {len(file.reasons) - len(told)} more"] if len(file.reasons) > len(told) else []
     reason = f"{_counts(file)}: {'; '.join([*told, *more])}" if told else f"{meaning} ({_counts(file)})"
-    verdict = Verdict(state, words, reason)
+    verdict = Verdict(state, words, reason, f"The file is {words}.")
     if missing.notes:
-        verdict = Verdict("disagrees", f"{words}; {len(missing.notes)} more could not be inspected", reason)
+        words += f"; {len(missing.notes)} more could not be inspected"
+        verdict = Verdict("disagrees", words, reason, f"The file is {words}.")
     return Report(
         Path(file.robot).name,
         verdict,
@@ -122,7 +123,12 @@ def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recor
     )
     return Report(
         f"{len(inspected)} robot files",
-        Verdict(state, ", ".join(number), f"In the folder {folder}." if folder else ""),
+        Verdict(
+            state,
+            ", ".join(number),
+            f"In the folder {folder}." if folder else "",
+            _sentence(len(missing.notes), {verdict: len(files) for verdict, files in by_verdict.items()}),
+        ),
         (
             *([Section("missing", "", (missing,))] if missing.notes else []),
             *(_of_verdict(verdict, files, folder) for verdict, files in by_verdict.items()),
@@ -130,6 +136,16 @@ def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recor
         ),
         record=record,
     )
+
+
+def _sentence(missing: int, by_verdict: Mapping[str, int]) -> str:
+    """by_verdict: files of each verdict, the worst first"""
+    number = missing + sum(by_verdict.values())
+    parts = [f"{n} {'is' if n == 1 else 'are'} {FILE_VERDICTS[verdict][1]}" for verdict, n in by_verdict.items()]
+    parts += [f"{missing} could not be inspected"] if missing else []
+    if len(parts) == 1:
+        return f"Of {number} robot files, all {parts[0].split(' ', 1)[1]}."
+    return f"Of {number} robot files, {', '.join(parts[:-1])} and {parts[-1]}."
 
 
 def _of_verdict(verdict: str, files: Sequence[urdf.Inspection], folder: str) -> Section:

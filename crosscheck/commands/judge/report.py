@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -44,7 +45,7 @@ def judge_report(judgment: Judgment) -> Report:
     )
     return Report(
         f"Your functions on {Path(judgment.robot).name}",
-        verdict_of(judgment.agrees, judgment.decided, _reason(judgment)),
+        replace(verdict_of(judgment.agrees, judgment.decided, _reason(judgment)), sentence=_sentence(judgment)),
         (
             *([Section("diagnoses", "What is wrong", diagnoses)] if diagnoses else []),
             Section(
@@ -57,6 +58,16 @@ def judge_report(judgment: Judgment) -> Report:
         ),
         record=partial(record, judgment),
     )
+
+
+def _sentence(judgment: Judgment) -> str:
+    if not judgment.decided:
+        return "The reference implementations disagree."
+    functions = judgment.functions.values()
+    faulty = [function.name for function in functions if function.decided and not function.agrees]
+    if faulty:
+        return f"{', '.join(faulty)} {'is' if len(faulty) == 1 else 'are'} wrong."
+    return f"Your function{'s agree' if len(functions) > 1 else ' agrees'} with the reference implementations."
 
 
 def _reason(judgment: Judgment) -> str:

@@ -158,9 +158,10 @@ def _verdict(checks: tuple[Check, ...]) -> Verdict:
     wrong = sum(not check.agrees for check in checks)
     if not wrong:
         words = "Every number that the text determines is reproduced within its bound."
-        return Verdict("agrees", "every check holds", f"{words} {REFERENCE_NOTE}")
+        return Verdict("agrees", "every check holds", f"{words} {REFERENCE_NOTE}", "Every check holds.")
     words = "Not every number is within its bound: see What holds."
-    return Verdict("disagrees", f"{wrong} of {len(checks)} checks DO NOT HOLD", f"{words} {REFERENCE_NOTE}")
+    number = f"{wrong} of {len(checks)} checks"
+    return Verdict("disagrees", f"{number} DO NOT HOLD", f"{words} {REFERENCE_NOTE}", f"{number} do not hold.")
 
 
 def _checks(checks: tuple[Check, ...]) -> Table:

@@ -17,12 +17,15 @@ def payload_report(found: IdentifiedPayload) -> Report:
     load = found.load
     mass = f"{load.mass:.4g} ± {load.mass_deviation:.2g} kg"
     if found.rejection_reasons:
-        verdict = Verdict("disagrees", "not determined", "; ".join(found.rejection_reasons))
+        verdict = Verdict(
+            "disagrees", "not determined", "; ".join(found.rejection_reasons), "The load is not determined."
+        )
     elif found.mass_given:
         number = int(found.gains.determined.sum())
-        verdict = Verdict("agrees", f"{number} of {len(found.joints)} gains", f"from a load of {load.mass:.4g} kg")
+        words = f"{number} of {len(found.joints)} gains"
+        verdict = Verdict("agrees", words, f"from a load of {load.mass:.4g} kg", f"{words} are determined.")
     else:
-        verdict = Verdict("agrees", mass, f"carried by {found.link}")
+        verdict = Verdict("agrees", mass, f"carried by {found.link}", f"The load has a mass of {mass}.")
     facts = Facts((("recordings", ", ".join(found.names)), ("known", found.known)))
     sections = (
         Section("load", f"The load on {found.link}", (facts, _load(found), *_notes(found))),

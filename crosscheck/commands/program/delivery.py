@@ -48,10 +48,10 @@ def deliver(
 def _write(report: Report, options: JsonOptions | None) -> None:
     if isinstance(options, ReportOptions) and options.html_file is not None:
         from crosscheck.report.html import page
-        from crosscheck.report.records.record import versions
+        from crosscheck.report.records.record import taking_part
 
         told = replace(report, warnings=tuple(warned))
-        options.html_file.write(page(told, command_line(), versions()).encode())
+        options.html_file.write(page(told, command_line(), taking_part()).encode())
     if options is not None and options.json_file is not None and report.record is not None:
         options.json_file.write(json_content(report.record(command_line())))
 

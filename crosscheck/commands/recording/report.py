@@ -37,10 +37,17 @@ QUANTITY_NAMES = {
 
 def recording_report(found: RecognizedLog, following: str) -> Report:
     """following: the command that uses the mapping"""
-    verdict = Verdict("agrees", "recognized", f"{counted(found.rows, 'row')}; the mapping is complete.")
+    verdict = Verdict(
+        "agrees", "recognized", f"{counted(found.rows, 'row')}; the mapping is complete.", "The columns are recognized."
+    )
     if found.open:
         left = " and ".join(choice.quantity for choice in found.open)
-        verdict = Verdict("undecided", "not yet", f"{counted(found.rows, 'row')}; left to be said: {left}.")
+        verdict = Verdict(
+            "undecided",
+            "not yet",
+            f"{counted(found.rows, 'row')}; left to be said: {left}.",
+            "Some columns are not recognized.",
+        )
     sections = [
         Section("columns", "The columns", (_columns(found), _others(found), *_left(found))),
         Section("mapping", "The mapping", (Code(found.mapping), *_following(found, following))),

@@ -35,9 +35,10 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
-from crosscheck.report.robot_parts import reading_text, robot_picture
+from crosscheck.report.robot_parts import joint_units, reading_text, robot_picture
 from graphdyn import RobotModel
 from graphdyn.errors import counted
+from graphdyn.model import unit_of
 
 VECTOR_FORMAT: dict[str, Any] = {"kind": "vector", "form": vector_text}
 RESULTS: dict[Result, State] = {"proven": "agrees", "disproven": "disagrees", "not proven": "undecided"}
@@ -156,7 +157,14 @@ def _couplings(model: RobotModel) -> list[Block]:
         for c in model.couplings
     ]
     columns = (Column("joint", "name"), Column("driven as", "name"), Column("offset", **NUMBER_FORMAT))
-    return [Table(columns, tuple(rows), title="Couplings", caption="rad or m; q, v and τ have no entries for them")]
+    return [
+        Table(
+            columns,
+            tuple(rows),
+            title="Couplings",
+            caption=f"{unit_of(model.joints, 'rad', 'm')}; q, v and τ have no entries for them",
+        )
+    ]
 
 
 def _limits(model: RobotModel) -> Table:
@@ -168,7 +176,7 @@ def _limits(model: RobotModel) -> Table:
             for number, joint in enumerate(model.joints, start=1)
         ),
         title="Limits, damping and friction",
-        caption="rad or m, …/s, N m or N",
+        caption=joint_units(model),
         repeated=2,
     )
 

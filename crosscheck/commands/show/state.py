@@ -10,6 +10,7 @@ import numpy as np
 import graphdyn
 from crosscheck.report.plain_text import ZERO_COMPONENT_SHARE, vector_text
 from crosscheck.report.report import Column, Facts, Group, Row, Section, Table
+from crosscheck.report.robot_parts import joint_units
 from graphdyn import (
     InvalidInput,
     Placement,
@@ -218,7 +219,7 @@ def _joints(state: StateDescription, model: RobotModel) -> Table:
             Row((number, name, *values))
             for number, (name, values) in enumerate(zip(model.independent_joints, rows.tolist(), strict=True), start=1)
         ),
-        caption="rad or m, …/s, N m or N" + (", of the motors" if model.chords else ""),
+        caption=joint_units(model) + (", of the motors" if model.chords else ""),
         repeated=2,
     )
 

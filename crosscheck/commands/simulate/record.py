@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -40,6 +40,30 @@ class SimulatedJoint:
     largest_torque: float
     largest_force: float
     largest_moment: float
+
+
+@dataclass(frozen=True)
+class PassedLimit:
+    """A limit of the file that the motion passes.
+
+    joint: its name
+    prismatic: it slides
+    kind: of the limit: position, velocity or effort
+    limit: as in the file [rad or m, …/s, N m or N]
+    farthest: what is farthest beyond it; of velocities and efforts the size   [as limit]
+    time: of the first row beyond it [s]
+    """
+
+    joint: str
+    prismatic: bool
+    kind: Literal["position", "velocity", "effort"]
+    limit: float
+    farthest: float
+    time: float
+
+
+PASSED_SHARE = 1e-6
+"""A limit is passed by more than this part of it, of positions at least by as many rad or m: stops are approximate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +107,28 @@ class SimulatedRun(OfReading):
             for j, joint in enumerate(motion.model.joints)
         ]
 
+    @property
+    def passed_limits(self) -> list[PassedLimit]:
+        """Joint by joint: positions, velocities, efforts."""
+        found = []
+        for joint, q, v, tau in zip(self.motion.model.joints, *(x.T for x in of_all_joints(self.motion)), strict=True):
+            limits = joint.limits
+            sides: tuple[tuple[Literal["position", "velocity", "effort"], float | None, float, Array], ...] = (
+                ("position", limits.lower, -1.0, q),
+                ("position", limits.upper, 1.0, q),
+                ("velocity", limits.velocity, 1.0, np.abs(v)),
+                ("effort", limits.effort, 1.0, np.abs(tau)),
+            )
+            for kind, limit, sign, values in sides:
+                if limit is None:
+                    continue
+                room = PASSED_SHARE * max(abs(limit), 1.0 if kind == "position" else 0.0)
+                beyond = sign * (values - limit) > room
+                if beyond.any():
+                    farthest, first = sign * float((sign * values).max()), float(self.motion.time[np.argmax(beyond)])
+                    found.append(PassedLimit(joint.name, joint.is_prismatic, kind, float(limit), farthest, first))
+        return found
+
 
 def of_all_joints(motion: Simulation) -> tuple[Array, Array, Array]:
     """q, v and tau (N, n_bodies), those of joints that others drive included."""
@@ -113,6 +159,7 @@ class SimulateRecord(CommandRecord, of=SimulatedRun, leave_out=("motion", "readi
     energy_drift: float = attribute("motion.energy.drift")
     closure_error: float
     joints = attribute()
+    passed_limits = attribute()
 
 
 def record(run: SimulatedRun, command: Sequence[str]) -> dict[str, Any]:

@@ -10,11 +10,26 @@ from typing import Any
 import numpy as np
 
 from crosscheck.commands.simulate.record import SimulatedRun, of_all_joints, record
-from crosscheck.report.report import Block, Column, Facts, Group, Panel, Plot, Report, Row, Section, Series, Table
+from crosscheck.report.report import (
+    Block,
+    Column,
+    Facts,
+    Group,
+    Note,
+    Notes,
+    Panel,
+    Plot,
+    Report,
+    Row,
+    Section,
+    Series,
+    Table,
+)
 from crosscheck.report.robot_parts import reading_text, robot_picture
 from graphdyn import RobotModel, Simulation
 from graphdyn.errors import counted
 from graphdyn.layout import Array
+from graphdyn.model import unit_of
 
 MAX_SHOWN_ROWS = 2000
 """Rows of a curve at most: more would be invisible."""
@@ -26,7 +41,7 @@ def simulate_report(run: SimulatedRun) -> Report:
         f"{name}, simulated",
         None,
         (
-            Section("motion", "", (*_overview(run, model), _loads(run))),
+            Section("motion", "", (*_overview(run, model), _passed(run), _loads(run))),
             Section("curves", "Curves", (_curves(motion),)),
         ),
         record=partial(record, run),
@@ -51,11 +66,27 @@ def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
     return robot_picture(model, name), Group((Facts(tuple(facts)),))
 
 
+UNITS = {"position": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N m", "N")}
+"""Of limits of joints that turn, and that slide."""
+
+
+def _passed(run: SimulatedRun) -> Notes:
+    """The limits of the file that the motion passes."""
+    notes = []
+    for one in run.passed_limits:
+        unit = UNITS[one.kind][one.prismatic]
+        reached = f"its {one.kind} reaches {one.farthest:.4g} {unit}"
+        passed = f"it passes the limit of {one.limit:.4g} {unit} at {one.time:.4g} s"
+        notes.append(Note(f"{reached}; {passed}", where=one.joint, state="undecided"))
+    return Notes(tuple(notes), title="Limits that the motion passes")
+
+
 def _what_closes(model: RobotModel) -> str:
     return "joints and loops" if model.chords else "joints"
 
 
 def _loads(run: SimulatedRun) -> Table:
+    unit = partial(unit_of, run.motion.model.joints)
     number: dict[str, Any] = {"kind": "number", "form": ".4g"}
     loads = ("largest_velocity", "largest_torque", "largest_force", "largest_moment")
     cells = attrgetter("number", "name", "lowest", "highest", *loads)
@@ -63,10 +94,10 @@ def _loads(run: SimulatedRun) -> Table:
         (
             Column("no.", "number"),
             Column("joint", "name"),
-            Column("q from", unit="rad or m", **number),
-            Column("to", unit="rad or m", **number),
-            Column("|v|", unit="…/s", **number),
-            Column("|τ|", unit="N m or N", meaning="of the actuator", **number),
+            Column("q from", unit=unit("rad", "m"), **number),
+            Column("to", unit=unit("rad", "m"), **number),
+            Column("|v|", unit=unit("rad/s", "m/s"), **number),
+            Column("|τ|", unit=unit("N m", "N"), meaning="of the actuator", **number),
             Column("force", unit="N", meaning="that the joint transmits", **number),
             Column("moment", unit="N m", meaning="about the joint, that of the actuator included", **number),
         ),
@@ -79,7 +110,7 @@ def _loads(run: SimulatedRun) -> Table:
 
 def _curves(motion: Simulation) -> Plot:
     rows = np.unique(np.linspace(0, len(motion.time) - 1, min(MAX_SHOWN_ROWS, len(motion.time))).astype(int))
-    energy, (q, v, tau) = motion.energy, of_all_joints(motion)
+    energy, (q, v, tau), unit = motion.energy, of_all_joints(motion), partial(unit_of, motion.model.joints)
 
     def series(values: Array) -> tuple[Series, ...]:
         return tuple(Series(name, values[rows, j], color=j) for j, name in enumerate(motion.model.joint_names))
@@ -94,9 +125,9 @@ def _curves(motion: Simulation) -> Plot:
         motion.time[rows],
         "t [s]",
         (
-            Panel("position", series(q), "rad or m"),
-            Panel("velocity", series(v), "rad/s or m/s"),
-            Panel("torque of the actuators", series(tau), "N m or N"),
+            Panel("position", series(q), unit("rad", "m")),
+            Panel("velocity", series(v), unit("rad/s", "m/s")),
+            Panel("torque of the actuators", series(tau), unit("N m", "N")),
             Panel("energy", energies, "J"),
         ),
         f"Positions, velocities, torques and energies of {motion.model.name} over {motion.time[-1]:g} s",

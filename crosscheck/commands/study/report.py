@@ -114,13 +114,14 @@ def _verdict(found: StudySummary) -> Verdict:
     words = f"{counted(len(found.outcomes.methods), 'method')} on {counted(records, 'record')}"
     ranking = found.rankings.get(("torques", HEADLINE_ERROR))
     if ranking is None:
-        return Verdict("plain", words)
+        return Verdict("plain", words, sentence=f"{words} were compared.")
     what = f"by {ERRORS_IN_WORDS[HEADLINE_ERROR]}, of methods that measure torques"
     leaders = ", ".join(ranking.leaders)
     if len(ranking.leaders) == len(ranking.methods):
-        return Verdict("plain", words, f"None is better than the first, {ranking.methods[0]}, or worse: {what}.")
+        even = f"{words}: none is better than the others."
+        return Verdict("plain", words, f"None is better than the first, {ranking.methods[0]}, or worse: {what}.", even)
     alone = "is better than all others" if len(ranking.leaders) == 1 else "lead without a significant difference"
-    return Verdict("plain", words, f"{leaders} {alone}, {what}, over all scenarios.")
+    return Verdict("plain", words, f"{leaders} {alone}, {what}, over all scenarios.", f"{leaders} {alone}.")
 
 
 def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]]) -> Iterator[Block]:

@@ -19,6 +19,7 @@ from crosscheck.judging.searching.found_fault import FoundFault
 from graphdyn import RobotModel, inverse_dynamics
 from graphdyn.errors import first_of
 from graphdyn.layout import Array
+from graphdyn.model import unit_of
 
 SAME_LEVEL = 1e-6
 """Relative distance of answers that are one level: those that are solved for have the rounding of the solution."""
@@ -116,8 +117,8 @@ def _torques(given: Answered) -> FoundFault | None:
     left = float(given.errors(expected).max())
     if left > given.bound:
         return None
-    what = "the given torques"
-    return _fault(what, levels, lambda k: repr(states.model.joint_names[k]), "N m or N", left, given)
+    what, unit = "the given torques", unit_of(states.model.joints, "N m", "N")
+    return _fault(what, levels, lambda k: repr(states.model.joint_names[k]), unit, left, given)
 
 
 def _levels(answer: Array, ours: Array, room_of_state: Array) -> Levels | None:

@@ -18,6 +18,7 @@ from crosscheck.judging.faults.terms import RIGID_BODY_REMEDY, gravity, joint_te
 from crosscheck.judging.judgment import FittedNumber
 from graphdyn import RobotModel
 from graphdyn.layout import Array
+from graphdyn.model import unit_of
 
 MIN_EQUAL_ANSWERS = 2
 """Answers of one size, the largest, from which on it may be a limit."""
@@ -44,7 +45,8 @@ FRICTION_LAWS: dict[str, tuple[Law, tuple[str, ...], int]] = {
     "tanh": (_tanh, ("viscous", "dry", "width of tanh"), 3),
     "Stribeck": (_stribeck, ("viscous", "dry", "width of tanh", "Stribeck torque", "Stribeck velocity"), 5),
 }
-FRICTION_UNITS = ("N m s/rad or N s/m", "N m or N", "rad/s or m/s", "N m or N", "rad/s or m/s")
+FRICTION_UNITS = (("N m s/rad", "N s/m"), ("N m", "N"), ("rad/s", "m/s"), ("N m", "N"), ("rad/s", "m/s"))
+"""Of joints that turn, and of those that slide."""
 
 
 def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
@@ -57,9 +59,16 @@ def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:
     if len(which):
         said = ", ".join(f"'{model.joint_names[k]}' at {level[k]:.6g}" for k in which)
         numbers = tuple(
-            FittedNumber(f"largest torque, {model.joint_names[k]}", float(level[k]), np.inf, "N m or N") for k in which
+            FittedNumber(
+                f"largest torque, {model.joint_names[k]}",
+                float(level[k]),
+                np.inf,
+                unit_of([model.joints[k]], "N m", "N"),
+            )
+            for k in which
         )
-        message = f"torques are clipped, at a limit: {said} N m or N"
+        unit = unit_of([model.joints[k] for k in which], "N m", "N")
+        message = f"torques are clipped, at a limit: {said} {unit}"
         yield CodeFault.of(
             "clipped",
             message,
@@ -91,9 +100,9 @@ def smooth_friction(model: RobotModel, v: Array, deviation: Array, bound: float)
         if left > bound:
             continue
         numbers = tuple(
-            FittedNumber(f"{label}, {model.joint_names[k]}", float(x), 0.0, unit)
+            FittedNumber(f"{label}, {model.joint_names[k]}", float(x), 0.0, unit_of([model.joints[k]], *units))
             for k in which
-            for label, x, unit in zip(labels, found[:, k], FRICTION_UNITS, strict=False)
+            for label, x, units in zip(labels, found[:, k], FRICTION_UNITS, strict=False)
             if x != 0
         )
         shown = "; ".join(

@@ -110,7 +110,7 @@ function draw(figure, k) {
 
 // Drawn when near the window, the first ones before the first frame: a page of many plots opens at once.
 const NEAR = 600;
-const figures = [...document.querySelectorAll("figure.plot")];
+const figures = [];
 const watcher = new IntersectionObserver((seen) => {
   for (const { isIntersecting, target } of seen) {
     if (!isIntersecting) continue;
@@ -118,11 +118,15 @@ const watcher = new IntersectionObserver((seen) => {
     draw(target, figures.indexOf(target));
   }
 }, { rootMargin: `${NEAR}px` });
-figures.forEach((figure, k) => {
-  const { top, bottom } = figure.getBoundingClientRect();
-  if (bottom > 0 && top < innerHeight + NEAR) draw(figure, k);
-  else watcher.observe(figure);
-});
+function found(place) {
+  for (const figure of place.querySelectorAll("figure.plot")) {
+    const { top, bottom } = figure.getBoundingClientRect();
+    if (bottom > 0 && top < innerHeight + NEAR) draw(figure, figures.push(figure) - 1);
+    else watcher.observe(figures[figures.push(figure) - 1]);
+  }
+}
+found(document);
+document.addEventListener("unpacked", (event) => found(event.target));
 const again = () => figures.forEach((figure, k) => figure.plot && draw(figure, k));
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", again);
 // A window of another width: the plots keep their zoom and the curves that are on.

@@ -28,6 +28,8 @@ from __future__ import annotations
 
 import json
 import math
+import platform
+import sys
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from functools import cache
@@ -48,6 +50,20 @@ def versions() -> dict[str, str]:
     from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION
 
     return {**{name: version(name) for name in REPORTED_LIBRARIES}, "pinocchio": PINOCCHIO_VERSION}
+
+
+FURTHER_LIBRARIES = {
+    name: {"flint": "python-flint"}.get(name, name)
+    for name in ("mujoco", "clarabel", "cvxpy", "casadi", "jax", "flint", "xacro", "distributed")
+}
+"""Packages by the names of their modules that take part in some calls: references, solvers, readers."""
+
+
+def taking_part() -> dict[str, str]:
+    """Versions of everything that has taken part so far in this process, and the platform."""
+    further = {package: version(package) for name, package in FURTHER_LIBRARIES.items() if name in sys.modules}
+    here = {"python": platform.python_version(), "platform": f"{platform.system()} {platform.machine()}"}
+    return {**versions(), "llvmlite": version("llvmlite"), **further, **here}
 
 
 class Keywords:
@@ -132,7 +148,7 @@ def written(record: type[Record], result: object = None, **said: Any) -> dict[st
     """The fields of a record: those that are said, versions, no warnings yet, and the others from a result."""
     inside = _records_inside(record)  # type: ignore[arg-type]  # mypy takes the class for an instance
     if "versions" in record.paths:
-        said["versions"] = versions()
+        said["versions"] = taking_part()
     if "warnings" in record.paths:
         said.setdefault("warnings", [])
     values = {name: said[name] if name in said else _found(result, path) for name, path in record.paths.items()}

@@ -1,7 +1,7 @@
 // One robot on the stage: its shapes, what can be shown besides, and its loads at one instant.
 "use strict";
 
-const COLORS = { force: 0xd0342c, moment: 0x2c62d0, torque: 0xe08a00, center: 0xf0b400, ellipsoid: 0x2a9d6c, axis: 0x00929b, chord: 0x8a4fbf };
+const COLORS = { force: 0xd0342c, moment: 0x2c62d0, torque: 0xe08a00, center: 0xf0b400, ellipsoid: 0x2a9d6c, axis: 0x00929b, chord: 0x8a4fbf, collision: 0x8fb339, chosen: 0x7a4a00 };
 const CREASE = 0.6;  // angle from which an edge is drawn sharp [rad]
 
 const matrixOf = ({ rotation: R, translation: t }) =>
@@ -14,7 +14,10 @@ class Figure {
     this.place = new THREE.Group();
     this.bodies = [robot.base, ...robot.bodies].map(() => new THREE.Group());
     for (const body of this.bodies) { body.matrixAutoUpdate = false; this.place.add(body); }
-    this.layers = { shapes: robot.shapes.map((shape) => this.addShape(shape, array)) };
+    this.layers = {
+      shapes: robot.shapes.map((shape) => this.addShape(shape, array)),
+      collision: robot.collision.map((shape) => this.addShape({ ...shape, color: null }, array)),
+    };
     this.follow(motion, array);
   }
 
@@ -31,13 +34,18 @@ class Figure {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(places, 3));
     geometry.setIndex(new THREE.BufferAttribute(faces, 1));
-    const [red, green, blue, opacity] = shape.color;
-    const color = new THREE.Color().setRGB(red, green, blue, "srgb");
+    const [red, green, blue, opacity] = shape.color ?? [0, 0, 0, 0.45];
+    const color = shape.color ? new THREE.Color().setRGB(red, green, blue, "srgb") : new THREE.Color(COLORS.collision);
     const material = new THREE.MeshLambertMaterial({ color, side: THREE.DoubleSide, opacity, transparent: opacity < 1 });
     const mesh = new THREE.Mesh(THREE.toCreasedNormals(geometry, CREASE), material);
-    mesh.userData.opacity = opacity;
+    Object.assign(mesh.userData, { opacity, body: shape.body });
     this.bodies[shape.body].add(mesh);
     return mesh;
+  }
+
+  // The shapes of a body stand out; of none for -1.
+  mark(number) {
+    for (const mesh of [...this.layers.shapes, ...this.layers.collision]) mesh.material.emissive.setHex(mesh.userData.body === number ? COLORS.chosen : 0);
   }
 
   // All else that can be shown, in sizes that suit the stage: size is the half of what it shows [m].

@@ -4,6 +4,7 @@
 // Key, name in the panel, switched on at first, and the layers of a figure that it shows.
 const SWITCHES = [
   ["b", "robot", true, ["shapes"]],
+  ["k", "collision shapes", false, ["collision"]],
   ["n", "joint names", false, []],
   ["f", "link frames", false, ["frames"]],
   ["a", "joint axes", false, ["axes"]],
@@ -14,6 +15,7 @@ const SWITCHES = [
   ["t", "actuator torques", true, ["torques", "slide"]],
   ["l", "loops", true, ["chords"]],
 ];
+const MOST_REASONS = 3;  // why sliders cannot be moved, that are told
 const REACH = { prismatic: 0.5 };  // of sliders without limits [m]; π rad of others
 
 const html = (name, properties = {}, ...children) => {
@@ -29,8 +31,24 @@ function sliderRange(joint, position) {
   return [Math.min(lower, position), Math.max(upper, position)];
 }
 
+const TAIL = 8;  // characters of the end of a name that is too long, which are shown
+
+// A name whose middle is left out where there is no room: joints often differ in the end alone.
+function elided(name) {
+  const cut = Math.max(0, name.length - TAIL);
+  return html("span", { className: "elided" }, html("span", {}, name.slice(0, cut)), html("span", {}, name.slice(cut)));
+}
+
+// Why a joint cannot be moved by hand; "" where it can. closing: a server closes loops
+function fixedBecause(robot, j, closing) {
+  const drivers = robot.independent.filter((_, k) => robot.matrix[j][k] !== 0).map((i) => robot.joints[i].name);
+  if (!robot.independent.includes(j)) return `${robot.joints[j].name} is driven by ${drivers.join(" and ")}`;
+  if (robot.chords.length > 0 && !closing) return "a joint moved by hand would open the loops; graphdyn view without --html closes them again";
+  return "";
+}
+
 // A row per joint of the figure; those that others drive, and those of robots with loops, unless a server closes them,
-// cannot be moved by hand. move(q, name) is called with positions set by hand, and the joint that was moved.
+// cannot be moved by hand: why tells. move(q, name) is called with positions set by hand, and the joint that was moved.
 class JointRows {
   constructor(element, figure, live, move) {
     this.figure = figure;
@@ -39,7 +57,8 @@ class JointRows {
     this.scale = Math.max(LEAST * robot.usual[kind], ...loads[kind]) || 1;
     this.rows = robot.joints.map((joint, j) => {
       const k = robot.independent.indexOf(j), slides = joint.kind === "prismatic";
-      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: k < 0 || (robot.chords.length > 0 && !(live && figure.duration === 0)) });
+      const reason = fixedBecause(robot, j, live && figure.duration === 0);
+      const slider = html("input", { type: "range", step: "any", ariaLabel: joint.name, disabled: reason !== "", title: reason });
       const range = sliderRange(joint, k < 0 ? 0 : figure.start[k]);
       [slider.min, slider.max] = range;
       const q = html("output"), tau = html("output");
@@ -50,11 +69,13 @@ class JointRows {
       });
       const swatch = html("i", { className: `c${Math.max(k, 0) % CURVE_COLORS}` });
       element.append(html("tr", {},
-        html("th", { scope: "row", title: joint.name }, ...(k < 0 ? [] : [swatch]), joint.name), html("td", {}, slider),
+        html("th", { scope: "row", title: joint.name }, ...(k < 0 ? [] : [swatch]), elided(joint.name)), html("td", {}, slider),
         html("td", { className: "number" }, q), html("td", { className: "unit" }, slides ? "m" : "rad"),
         html("td", { className: "number" }, tau), html("td", { className: "unit" }, k < 0 ? "" : slides ? "N" : "N m")));
-      return { slider, q, tau, k };
+      return { slider, q, tau, k, reason };
     });
+    const reasons = [...new Set(this.rows.map(({ reason }) => reason).filter(Boolean))];
+    this.why = reasons.length ? `Gray sliders: ${reasons.slice(0, MOST_REASONS).join("; ")}${reasons.length > MOST_REASONS ? "; …" : ""}.` : "";
   }
 
   show(instant) {

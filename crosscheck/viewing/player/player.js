@@ -24,7 +24,14 @@ async function main() {
 
   const scales = () => ({ force: base.force * sizes.force, moment: base.moment * sizes.moment, torque: base.torque });
   const curves = new Curves($("chart"), seek);
-  const switches = SWITCHES.filter(([, name]) => name !== "loops" || figures.some((figure) => figure.robot.chords.length));
+  const absent = { loops: (robot) => !robot.chords.length, "collision shapes": (robot) => !robot.collision.length };
+  const switches = SWITCHES.filter(([, name]) => !figures.every(({ robot }) => absent[name]?.(robot)));
+  const link = new LinkNumbers($("told"), $("body"), stage, (figure) => {
+    if (figure === state.selected) return;
+    $("figure").selectedIndex = figures.indexOf(figure);
+    select(figure);
+    state.dirty = true;
+  });
   const keys = makeSwitches($("switches"), switches, shown, sizes, applySwitches);
 
   function applySwitches() {
@@ -43,6 +50,7 @@ async function main() {
   function draw() {
     for (const figure of figures) figure.show(figure.instant(state.t), scales());
     rows.show(state.selected.shown);
+    link.show();
     curves.at(state.t);
     $("time").value = state.t;
     $("now").textContent = `${state.t.toFixed(2)} s`;
@@ -60,6 +68,9 @@ async function main() {
     state.selected = figure;
     $("rows").replaceChildren();
     rows = new JointRows($("rows"), figure, scene.live, move);
+    $("why").textContent = rows.why;
+    link.offer(figure);
+    showMarks($("marks"), figure, duration, seek);
     $("notes").replaceChildren(...figure.notes.map((note) => html("li", {}, note)));
     $("noted").hidden = figure.notes.length === 0;
     $("noted").open = figure.notes.length <= NOTES;
@@ -169,6 +180,9 @@ async function main() {
 
   $("play").addEventListener("click", toggle);
   $("fit").addEventListener("click", () => stage.whole());
+  const save = () => savePicture(stage, scene.title);
+  $("save").addEventListener("click", save);
+  $("save").hidden = !stage.renderer;
   $("speed").append(...SPEEDS.map((speed) => html("option", { value: speed, selected: speed === 1 }, `${speed}×`)));
   $("speed").addEventListener("change", () => { state.speed = Number($("speed").value); });
   $("quantity").addEventListener("change", () => { curves.show(state.selected, $("quantity").selectedIndex); draw(); });
@@ -184,6 +198,7 @@ async function main() {
   const actions = {
     " ": ["play, pause", toggle], ArrowLeft: [`back ${STEP} s`, () => seek(state.t - STEP)], ArrowRight: [`on ${STEP} s`, () => seek(state.t + STEP)],
     Home: ["to the start", () => seek(0)], 0: ["whole view", () => stage.whole()],
+    p: ["save the picture", save],
     ...Object.fromEntries(switches.map(([key, name]) => [key, [name, keys[key]]])),
   };
   const named = { " ": "space", ArrowLeft: "←", ArrowRight: "→" };

@@ -174,7 +174,9 @@ function legendRow(kind, width, value, meaning) {
   bar.className = kind;
   if (width) bar.style.width = `${width}px`;
   number.textContent = value;
-  row.append(bar, number, ` ${meaning}`);
+  const words = document.createElement("span");
+  words.textContent = meaning;
+  row.append(bar, number, words);
   return row;
 }
 

@@ -114,7 +114,8 @@ class TestSaid:
         assert ratio_text(first.ratio.median) in words
         assert "measured on 300 samples and extrapolated in proportion to 600" in words
         assert f"kr500 3 bodies {SAMPLES} random states seed 0" in words
-        assert words.startswith("Benchmark on kr500 agrees")
+        assert words.startswith("Benchmark on kr500 ")
+        assert "Every answer of graphdyn is within its bound" in words
         faster = sum(c.ratio.median > 1 for measured in found.works for c in measured.comparisons)
         faster += sum(ratio.median > 1 for _, ratio in found.identification.comparisons)
         assert f"Above 1× graphdyn is faster as in {faster} of " in words
@@ -174,7 +175,9 @@ class TestSaid:
                 assert (series.y[drawn] <= series.high[drawn]).all()
 
     def test_a_quiet_machine(self, found):
-        text = as_text(bench_report(quiet(found)))
+        report = bench_report(quiet(found))
+        text = as_text(report)
+        assert report.verdict.state == "agrees"
         assert "Not to be trusted" not in text
         assert "Other programs used the caches" not in text
 
@@ -202,6 +205,8 @@ class TestSaid:
         marked = sum(c.threads > 1 for c in still.works[0].comparisons)
         every = sum(len(x.comparisons) for x in still.works) + 2
         assert f"Not to be trusted: {marked} of {every} ratios (marked ?)" in text
+        assert bench_report(busy).verdict.state == "undecided"
+        assert text.startswith(f"Benchmark on kr500: not to be trusted: {marked} of {every} ratios\n")
         assert "the machine was busy before the benchmark began: 12 programs on 2 cores" in text
         assert "inverse dynamics: runs on one thread had a core for 62% of the time, so that wall times are too" in text
         assert len(re.findall(r"\? [\d.]+×", text)) == marked

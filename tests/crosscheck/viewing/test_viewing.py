@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from robots.mesh_files import one_link, visual
 from scipy.spatial.transform import Rotation
+from shown.pages import opened
 
 import graphdyn
 import urdf
@@ -408,7 +409,7 @@ class TestCommand:
             assert set(re.search('script-src ([^"]*)"', text)[1].split()) == hashes
             assert len(inside) < LARGEST_STAGE
             found = json.loads(re.search('id="scene">(.*?)</script>', inside)[1])["figures"]
-            assert ("Stick figure of" in text) == (len(found) > 1)
+            assert ("Stick figure of" in opened(text)) == (len(found) > 1)
             return found
 
         return figures

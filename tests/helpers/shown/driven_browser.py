@@ -44,7 +44,7 @@ class DrivenBrowser:
         )  # fmt: skip
         for end in (to_browser, from_browser):
             os.close(end)
-        self._buffer, self._number, self._session = b"", 0, None
+        self._buffer, self._number, self._session, self._loaded = b"", 0, None, False
         self.complaints, self.requests = [], []
         (tab,) = [t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page"]
         self._session = self.call("Target.attachToTarget", targetId=tab["targetId"], flatten=True)["sessionId"]
@@ -85,6 +85,8 @@ class DrivenBrowser:
     def _note(self, event):
         what = event.get("params", {})
         match event.get("method"):
+            case "Page.loadEventFired":
+                self._loaded = True
             case "Runtime.consoleAPICalled" if what["type"] in ("error", "warning", "assert"):
                 self.complaints.append(" ".join(str(part.get("value")) for part in what["args"]))
             case "Runtime.exceptionThrown":
@@ -96,10 +98,24 @@ class DrivenBrowser:
 
     def open(self, address):
         """Load a page, and wait until its player is ready."""
+        self.load(address, READY)
+
+    def load(self, address, ready):
+        """Load a page, and wait for a promise."""
         self.complaints.clear()
         self.requests.clear()
+        self._loaded = False
         self.call("Page.navigate", url=address)
-        self.value(READY)
+        while not self._loaded:
+            self._note(self._message())
+        self.value(ready)
+
+    def appear(self, width, height=800, scale=1, dark=False):
+        """Show pages in a window of this size [px], light or dark."""
+        scheme = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
+        self.call("Emulation.setEmulatedMedia", features=scheme)
+        size = {"width": width, "height": height, "deviceScaleFactor": scale}
+        self.call("Emulation.setDeviceMetricsOverride", **size, mobile=width < 600)
 
     def value(self, expression):
         """Of a JavaScript expression in the page; a promise is awaited."""
@@ -110,14 +126,6 @@ class DrivenBrowser:
         return answer["result"].get("value")
 
     def screenshot(self, path, width, height, scale=1, dark=False):
-        scheme = [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]
-        self.call("Emulation.setEmulatedMedia", features=scheme)
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=scale,
-            mobile=width < 600,
-        )
+        self.appear(width, height, scale, dark)
         self.value("new Promise((done) => setTimeout(done, 300))")
         path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", format="png")["data"]))

@@ -5,6 +5,7 @@ import json
 import math
 import re
 from base64 import b64decode
+from gzip import decompress
 
 import numpy as np
 from lxml import etree
@@ -31,6 +32,14 @@ def complaints(text):
     etree.fromstring(text.encode(), parser)
     known = {"ERR_HTML_UNKNOWN_TAG", "HTML_UNKNOWN_TAG"}
     return [error.message for error in parser.error_log if error.type_name not in known]
+
+
+def opened(text):
+    """The page with all that is compressed until it is opened, as the browser shows it then."""
+    packed = re.compile(r'<div class="packed" data-packed="([^"]*)">.*?</div>', re.DOTALL)
+    while found := packed.search(text):
+        text = text.replace(found[0], decompress(b64decode(found[1])).decode())
+    return text
 
 
 def text_rows(text):
@@ -71,7 +80,7 @@ def rows(text, caption):
 
 def snippets(text):
     """The Python of the page, in its order; the last block is the command."""
-    return [html.unescape(code) for code in re.findall(r"<pre><code>(.*?)</code></pre>", text, re.DOTALL)][:-1]
+    return [html.unescape(code) for code in re.findall(r"<pre[^>]*><code>(.*?)</code></pre>", text, re.DOTALL)][:-1]
 
 
 def executed(code, capsys, **names):

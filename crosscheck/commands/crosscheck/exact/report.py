@@ -73,8 +73,10 @@ def _verdict(measured: Sequence[TrueErrors], failures: Sequence[Mapping[str, Any
     if failures:
         reason += f" {len(failures)} could not be measured."
     if agreeing < len(measured):
-        return Verdict("disagrees", "DISAGREES", reason)
-    return Verdict("undecided", "incomplete", reason) if failures else Verdict("agrees", "agrees", reason)
+        return Verdict("disagrees", "DISAGREES", reason, "A code errs by more than its bound.")
+    if failures:
+        return Verdict("undecided", "incomplete", reason, "Some robots could not be measured.")
+    return Verdict("agrees", "agrees", reason, "No code errs by more than its bounds.")
 
 
 def eps_text(x: float) -> str:

@@ -12,6 +12,7 @@ from crosscheck.commands.identify.rehearsal.record import record
 from crosscheck.identifying import Outcome, Rehearsal
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Prose, Report, Row, Section, Table, Verdict
 from graphdyn.errors import counted
+from graphdyn.model import unit_of
 
 DEVIATION: dict[str, Any] = {"kind": "number", "form": ".2g"}
 
@@ -28,11 +29,15 @@ def rehearsal_report(found: Rehearsal) -> Report:
             "disagrees",
             f"{missing} of {told.structural_rank} base parameters stay unknown",
             f"{found.motion} does not determine them; {_remedy(found)}",
+            f"{missing} of {told.structural_rank} base parameters stay unknown.",
         )
     elif not found.outcomes:
-        verdict = Verdict("disagrees", "no method has a result", "; ".join(found.failures.values()))
+        verdict = Verdict(
+            "disagrees", "no method has a result", "; ".join(found.failures.values()), "No method has a result."
+        )
     else:
-        verdict = Verdict("agrees", f"all {told.rank} base parameters", f"are determined by {found.motion}")
+        words, reason = f"all {told.rank} base parameters", f"are determined by {found.motion}"
+        verdict = Verdict("agrees", words, reason, f"The motion determines {words}.")
     sections = (
         Section("links", "What will be known of the links", (_facts(found), *_links(found))),
         Section("parameters", "What will be known of the base parameters", tuple(_parameters(found))),
@@ -56,7 +61,7 @@ def _facts(found: Rehearsal) -> Facts:
         (
             ("motion", f"{found.motion}, {found.duration:g} s, recorded at {conditions.rate:g} Hz"),
             ("residual", residual),
-            ("positions", f"noise of {conditions.position_noise:g} rad or m"),
+            ("positions", f"noise of {conditions.position_noise:g} {unit_of(found.subject.model.joints, 'rad', 'm')}"),
             ("friction", f"each parameter {100 * conditions.friction:g} % of the torque of its joint, ± 50 %"),
             (
                 "file",

@@ -11,6 +11,7 @@ from crosscheck.identifying.results.parameters import base_rows
 from crosscheck.report.report import Column, Note, Notes, Prose, Row, Section, Table
 from graphdyn.identification import MethodResult
 from graphdyn.identification.currents import gain_deviations
+from graphdyn.model import unit_of
 
 SCALED_TOGETHER = (
     "the gain of {joints} is not determined: it scales together with the parameters of all links that this joint "
@@ -20,9 +21,10 @@ SCALED_TOGETHER = (
 
 def gains_section(found: FittedCurrents) -> Section:
     """Gain, deviation and residuals of every joint, and what is not determined."""
+    unit = unit_of(found.subject.model.joints, "N m", "N")
     columns = (
         Column("joint", "name"),
-        Column("gain", "number", form=".5g", meaning="torque [N m or N] per unit of the recorded column"),
+        Column("gain", "number", form=".5g", meaning=f"torque [{unit}] per unit of the recorded column"),
         Column("σ", "number", form=".2g"),
         Column("σ", "number", "%", ".2g", meaning="relative"),
         *(Column(f"‖e‖/‖c‖ {name}", "number", "%", ".3g", "residual over moving rows") for name in found.names),

@@ -18,6 +18,7 @@ from crosscheck.report.report import NO_VALUE, Column, Note, Notes, Picture, Row
 from graphdyn.errors import counted
 from graphdyn.identification import ResidualStatistics
 from graphdyn.layout import Array
+from graphdyn.model import unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -163,7 +164,7 @@ def _remarks(candidates: Sequence[Candidate]) -> list[Note]:
 def _errors(found: Identified, which: str, statistics: Mapping[str, ResidualStatistics | None]) -> Table:
     """RMS over all rows, and relative errors, per joint. statistics: by name of the candidate"""
     slow = which == "fitted" and bool(np.any(np.asarray(found.preparation.min_speed) > 0))
-    unit = "N m or N" if any(joint.is_prismatic for joint in found.torque_model.model.joints) else "N m"
+    unit = unit_of(found.torque_model.model.joints, "N m", "N")
     rows = []
     for name, of_rows in statistics.items():
         if of_rows is not None:

@@ -64,8 +64,15 @@ def _verdict(found: Identified) -> Verdict:
     chosen = found.recommendation
     if chosen.name is None:
         reason = _without_reasons(found)
-        return Verdict("disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.")
-    return Verdict("agrees", f"recommended method: {chosen.name}", f"It is {chosen.reason}.")
+        return Verdict(
+            "disagrees", "no usable model", f"{reason[0].upper()}{reason[1:]}.", "No method gives a usable model."
+        )
+    return Verdict(
+        "agrees",
+        f"recommended method: {chosen.name}",
+        f"It is {chosen.reason}.",
+        f"The model of the method “{chosen.name}” is recommended.",
+    )
 
 
 def _without_reasons(found: Identified) -> str:

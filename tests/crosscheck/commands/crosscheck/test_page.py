@@ -16,14 +16,14 @@ from faults.judged_functions import DIAGNOSIS, judged, judgment, judgment_page
 from lxml import etree
 from planting import compared
 from shown.browser import CHROMIUM, too_wide
-from shown.pages import COMMAND, balanced, comparison_page, complaints, parsed, rows
+from shown.pages import COMMAND, balanced, comparison_page, complaints, opened, parsed, rows, snippets
 
 import crosscheck
 import urdf
 from crosscheck.report.records.record import versions
 
-LARGEST = 410_000
-"""Characters of the page of one small robot: a third are the programs that reproduce its quantities."""
+LARGEST, LARGEST_FURTHER = 300_000, 120_000
+"""Bytes of the page of one small robot, and of every further robot that agrees."""
 
 
 @pytest.fixture(scope="module")
@@ -114,9 +114,10 @@ class TestComparison:
 
 
 class TestForm:
-    def test_well_formed(self, page):
-        assert complaints(page) == []
-        assert balanced(page)
+    @pytest.mark.parametrize("text", [lambda page: page, opened], ids=["closed", "opened"])
+    def test_well_formed(self, page, text):
+        assert complaints(text(page)) == []
+        assert balanced(text(page))
 
     def test_ids_are_unique_and_references_lead_somewhere(self, small_comparison, wrong_comparison):
         text = comparison_page([small_comparison, wrong_comparison], COMMAND)
@@ -133,7 +134,7 @@ class TestForm:
         assert not root.xpath("//link | //img | //iframe | //script[@src] | //style[contains(., '@import')]")
 
     def test_semantics(self, page):
-        root = parsed(page)
+        root = parsed(opened(page))
         assert root.get("lang") == "en"
         assert len(root.xpath("//h1")) == 1
         assert all(table.find("caption") is not None for table in root.iter("table"))
@@ -155,8 +156,18 @@ class TestForm:
             assert comparison_page([small_comparison], COMMAND) == page
             assert matplotlib.rcParams["font.size"] == 30
 
-    def test_size(self, page):
+    def test_size(self, page, small_comparison):
         assert len(page.encode()) < LARGEST
+        two, three = (len(comparison_page(n * [small_comparison], COMMAND).encode()) for n in (2, 3))
+        assert three - two < LARGEST_FURTHER
+
+    def test_what_is_compressed_is_all_there(self, small_comparison):
+        """Of one robot programs and picture; of several that agree everything below their verdicts."""
+        one, two = (comparison_page(n * [small_comparison], COMMAND) for n in (1, 2))
+        assert len(snippets(one)) == 1
+        assert len(snippets(opened(one))) == sum(bool(r.worst) for r in small_comparison.quantities.values())
+        assert "Joints and bodies" not in two
+        assert opened(two).count("<summary>Joints and bodies</summary>") == 2
 
     def test_names_are_escaped(self, tree):
         name = "<b>\"arm\" & 'co'</b><script>alert(1)</script>"

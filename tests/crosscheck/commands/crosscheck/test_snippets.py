@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from long_check import few
 from planting import PLANTED, SAMPLES, SEED, with_body
-from shown.pages import COMMAND, comparison_page, executed, snippets
+from shown.pages import COMMAND, comparison_page, executed, opened, snippets
 
 import urdf
 from crosscheck.comparing.comparison import WorstState
@@ -42,7 +42,7 @@ class TestSnippets:
 
     def test_the_first_of_the_page_shows_the_disagreement(self, wrong_comparison, tree, plant, capsys):
         """A RobotModel was compared: the reader puts it into `model`."""
-        code, *others = snippets(comparison_page([wrong_comparison], COMMAND))
+        code, *others = snippets(opened(comparison_page([wrong_comparison], COMMAND)))
         results = [result for result in wrong_comparison.quantities.values() if result.worst]
         assert len(others) == len(results) - 1
         worst = max(results, key=lambda result: result.max_relative_error / (result.quantity.tolerance.bound or 1))

@@ -214,7 +214,7 @@ class TestRobot:
         page, record = shown
         moving = [joint for joint in arm.joints if joint.get("type") != "fixed"]
         table = pages.table(page, "from body → to body")
-        (limits,) = [rows for rows in pages.all_tables(page, "rad or m, …/s, N m or N") if len(rows[0]) == 8]
+        (limits,) = [rows for rows in pages.all_tables(page, "rad or m, rad/s or m/s, N m or N") if len(rows[0]) == 8]
         names = ("base", *BODIES)
         for k, joint in enumerate(moving):
             placement, axis = arm.placement(joint), numbers(joint.find("axis"), "xyz")
@@ -278,7 +278,7 @@ class TestState:
         gravity, bias = arm.gravity_torque(Q), arm.bias_torque(Q, V)
         assert state["gravity_torque"] == pytest.approx(gravity)
         assert state["bias_torque"] == pytest.approx(bias, rel=SLOPES)
-        (rows,) = [rows for rows in pages.all_tables(page, "rad or m, …/s, N m or N") if len(rows[0]) == 6]
+        (rows,) = [rows for rows in pages.all_tables(page, "rad or m, rad/s or m/s, N m or N") if len(rows[0]) == 6]
         for k, row in enumerate(rows):
             assert row[:2] == [str(k + 1), JOINTS[k]]
             assert read(" ".join(row[2:])) == pytest.approx([Q[k], V[k], gravity[k], bias[k]], rel=2e-5)
