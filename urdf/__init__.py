@@ -54,6 +54,8 @@ from urdf.reading.written import (
     WrittenRobot,
     written,
 )
+from urdf.writing.mjcf.patching import Patch, patch_mjcf
+from urdf.writing.mjcf.saving import save_mjcf
 from urdf.writing.repaired_file import REPAIRED_CODES, RepairedFile, repair
 from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
@@ -86,6 +88,7 @@ __all__ = [
     "MissingShape",
     "MujocoNotInstalled",
     "NotATree",
+    "Patch",
     "Reading",
     "ReadingKeywords",
     "RepairWarning",
@@ -114,9 +117,11 @@ __all__ = [
     "fused_links",
     "inspect",
     "load",
+    "patch_mjcf",
     "repair",
     "robots",
     "save",
+    "save_mjcf",
     "shapes",
     "update",
     "written",

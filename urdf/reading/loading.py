@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from graphdyn import Body, Frame, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.layout import Array
+from urdf.document.document import Document
 from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.opening import Given
 from urdf.document.tree import joints_in_order
@@ -56,15 +57,20 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     """
     how = Reading.of(load, reading)
     document, reduced, parsed = parsed_source(source, how)
-    model = build(parsed, document.gravity)
-    if document.mjcf is not None:
-        armature = document.mjcf.armature
-        joints = [replace(joint, armature=armature.get(joint.name, 0.0)) for joint in model.joints]
-        model = replace(model, joints=tuple(joints))
+    model = armed(build(parsed, document.gravity), document)
     between = document.mjcf.between if document.mjcf is not None else frozenset()
     warn(parsed, model.gravity if how.gravity is None else None, document.complaints or (), between)
     warn_of_unbound(parsed, unbound_dependents(reduced, model))
     return model if how.gravity is None else model.with_gravity(how.gravity)
+
+
+def armed(model: RobotModel, document: Document) -> RobotModel:
+    """The model with the armature that an MJCF file states."""
+    if document.mjcf is None or not document.mjcf.armature:
+        return model
+    armature = document.mjcf.armature
+    joints = tuple(replace(joint, armature=armature.get(joint.name, 0.0)) for joint in model.joints)
+    return replace(model, joints=joints)
 
 
 def fused_links(source: Given, **reading: Unpack[ReadingKeywords]) -> dict[str, tuple[int, Array]]:

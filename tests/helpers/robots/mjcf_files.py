@@ -258,7 +258,7 @@ def without_meshes(path):
 class Rigid:
     """The rigid-body dynamics of MuJoCo's model: no springs, damping, friction, limits and equalities; armature stays.
 
-    Arrays have the order of the joints with these names; joint_K is number K, without a name.
+    Arrays have the order of the joints with these names; joint_K is that of number K without a name.
     """
 
     def __init__(self, native, joints):
@@ -266,7 +266,8 @@ class Rigid:
         native.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT
         native.jnt_stiffness[:] = 0
         native.dof_damping[:] = 0
-        found = [native.joint(int(name[6:]) if name.startswith("joint_") else name) for name in joints]
+        named = {native.joint(number).name or f"joint_{number}": native.joint(number) for number in range(native.njnt)}
+        found = [named[name] for name in joints]
         self.positions = np.array([joint.qposadr[0] for joint in found])
         self.columns = np.array([joint.dofadr[0] for joint in found])
         self.armature = native.dof_armature[self.columns]

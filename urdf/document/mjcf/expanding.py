@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from lxml import etree
 
+from graphdyn.layout import Array
 from urdf.document.connections.loops import Unread
 from urdf.document.mjcf.bodies import Tree
 from urdf.document.mjcf.constraints import constraint_elements, held_and_coupled
@@ -67,6 +69,34 @@ def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: boo
         tuple(notes(native, whole, use_geoms)),
         frozenset(tree.between),
         native.from_geoms,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Compiled:
+    """What of an MJCF file its URDF does not show.
+
+    body_of: name of the body that a joint moves; anchor: of the joint in that body (3,) [m]; both by joint
+    last: joints next to their body, the others of which stand between it and them
+    changed_inertials: settings of <compiler> by which inertials are not those of the file
+    """
+
+    body_of: Mapping[str, str]
+    anchor: Mapping[str, Array]
+    last: frozenset[str]
+    changed_inertials: tuple[str, ...]
+
+
+def compiled_mjcf(path: Path, content: bytes, root: etree._Element) -> Compiled:
+    """The file as MuJoCo compiles it. Arguments and errors as in expand_mjcf."""
+    native = compiled(merged(path, content, root), use_geoms=False)
+    model = native.model
+    names, bodies = [model.joint(j).name for j in range(model.njnt)], [int(b) for b in model.jnt_bodyid]
+    return Compiled(
+        {name: model.body(body).name for name, body in zip(names, bodies, strict=True)},
+        {name: np.array(model.jnt_pos[j]) for j, name in enumerate(names)},
+        frozenset(name for j, name in enumerate(names) if bodies[j + 1 : j + 2] != [bodies[j]]),
+        native.changed_inertials,
     )
 
 
