@@ -1,5 +1,7 @@
 """Eight robots in MJCF, which together have every form that is read, and what MuJoCo computes for them."""
 
+import warnings
+
 import mujoco
 import numpy as np
 
@@ -132,12 +134,12 @@ EQUALITIES = """\
     <body name="crank">
       <inertial pos="0.1 0 0" mass="1" diaginertia="0.001 0.01 0.01"/>
       <joint name="crank" axis="0 0 1"/>
-      <body name="rod" pos="0.2 0 0">
+      <body name="rod" pos="0.2 0 0" euler="0 0 40">
         <inertial pos="0.25 0 0" mass="1.2" diaginertia="0.001 0.02 0.02"/>
         <joint name="rod" axis="0 0 1"/>
       </body>
     </body>
-    <body name="rocker" pos="0.5 0 0">
+    <body name="rocker" pos="0.5 -0.3 0">
       <inertial pos="0.1 0 0" mass="0.8" diaginertia="0.001 0.01 0.01"/>
       <joint name="rocker" axis="0 0 1"/>
     </body>
@@ -247,7 +249,13 @@ def written(folder, name):
 
 def without_meshes(path):
     """MuJoCo's own model of a file, without the parts that need mesh files."""
-    spec = mujoco.MjSpec.from_file(str(path))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of deprecated attributes
+        spec = mujoco.MjSpec.from_file(str(path))
+        return _compiled(spec)
+
+
+def _compiled(spec):
     if spec.meshes:
         for kind in ("sensors", "actuators", "tendons", "pairs", "geoms", "materials", "textures", "meshes"):
             for element in list(getattr(spec, kind)):
@@ -256,14 +264,16 @@ def without_meshes(path):
 
 
 class Rigid:
-    """The rigid-body dynamics of MuJoCo's model: no springs, damping, friction, limits and equalities; armature stays.
+    """The rigid-body dynamics of MuJoCo's model: no springs, damping, friction, limits, equalities and actuators;
+    armature stays.
 
     Arrays have the order of the joints with these names; joint_K is that of number K without a name.
     """
 
     def __init__(self, native, joints):
         self.native, self.data = native, mujoco.MjData(native)
-        native.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_CONTACT
+        bits = mujoco.mjtDisableBit
+        native.opt.disableflags |= bits.mjDSBL_CONSTRAINT | bits.mjDSBL_CONTACT | bits.mjDSBL_ACTUATION
         native.jnt_stiffness[:] = 0
         native.dof_damping[:] = 0
         named = {native.joint(number).name or f"joint_{number}": native.joint(number) for number in range(native.njnt)}

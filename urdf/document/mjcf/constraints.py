@@ -62,16 +62,13 @@ def held_and_coupled(native: Native, whole: Merged) -> tuple[dict[int, float], d
 
 
 def constraint_elements(native: Native, whole: Merged, tree: Tree) -> Iterator[tuple[etree._Element, Place]]:
-    """One <loop> per connect and weld, and the motors of a robot that has some. Raises UnsupportedConstraint."""
+    """One <loop> per connect and weld, and the motors of a robot that has some."""
     model, kinds = native.model, native.mujoco.mjtEq
     loops = False
     for k in _active(native):
         kind = int(model.eq_type[k])
         if kind == int(kinds.mjEQ_JOINT):
             continue
-        if kind not in (int(kinds.mjEQ_CONNECT), int(kinds.mjEQ_WELD)):
-            problem = "is neither of joints nor a connect or weld"
-            raise _refused(native, whole, k, problem, 'leave it out, or make it active="false"')
         welds = kind == int(kinds.mjEQ_WELD) and model.eq_data[k][TORQUE_SCALE] != 0
         name, ends = _name(native, k), _ends(native, k, tree)
         loop = etree.Element("loop", name=name, type="fixed" if welds else "spherical")

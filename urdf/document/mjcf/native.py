@@ -8,19 +8,23 @@ mesh files do not matter.
 from __future__ import annotations
 
 import re
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 from urdf.document.mjcf.merging import Merged
-from urdf.errors import InvalidMJCF, MujocoNotInstalled, UnsupportedJoint, shortened
+from urdf.errors import InvalidMJCF, MujocoNotInstalled, UnsupportedConstraint, UnsupportedJoint, shortened
 
 _LEFT_OUT = (
     *("keys", "sensors", "actuators", "tendons", "pairs", "excludes", "tuples", "skins", "texts", "numerics"),
     *("cameras", "lights", "materials", "textures"),
 )
 """Lists of MjSpec that the dynamics of the bodies do not need."""
+
+_READ_EQUALITIES = ("mjEQ_JOINT", "mjEQ_CONNECT", "mjEQ_WELD")
 
 FROM_GEOMS = 1
 """compiler inertiafromgeom="true": geoms replace every <inertial>."""
@@ -68,18 +72,21 @@ class Native:
 def compiled(whole: Merged, use_geoms: bool) -> Native:
     """The robot. use_geoms: bodies without <inertial> get that of their geoms
 
-    Raises MujocoNotInstalled, InvalidMJCF with what MuJoCo says, UnsupportedJoint for free and ball joints.
+    Raises MujocoNotInstalled, InvalidMJCF with what MuJoCo says, UnsupportedJoint for free and ball joints,
+    UnsupportedConstraint for equalities of tendons and the like.
     """
     mujoco = _library(whole.path)
-    try:
-        spec = mujoco.MjSpec.from_string(whole.text)
-    except (ValueError, mujoco.FatalError) as error:
-        raise _refused(whole, error) from error
+    spec = _quiet(mujoco, whole, lambda: mujoco.MjSpec.from_string(whole.text))
     _name_all(spec)
     lines = _lines(spec)
     for joint in spec.joints:
         if joint.type in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
             raise _no_joint(whole, joint, joint.type == mujoco.mjtJoint.mjJNT_FREE)
+    for equality in list(spec.equalities):
+        if int(equality.type) not in [int(getattr(mujoco.mjtEq, name)) for name in _READ_EQUALITIES]:
+            if equality.active:
+                raise _no_equality(whole, equality)
+            spec.delete(equality)
     actuators, tendons = _actuators(mujoco, spec), _tendons(spec)
     for kind in _LEFT_OUT:
         for element in list(getattr(spec, kind, ())):
@@ -90,10 +97,7 @@ def compiled(whole: Merged, use_geoms: bool) -> Native:
     spec.memory = -1
     if whole.path.parent.is_dir():
         spec.modelfiledir = str(whole.path.resolve().parent)
-    try:
-        model = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise _refused(whole, error) from error
+    model = _quiet(mujoco, whole, spec.compile)
     settings = {
         "settotalmass": compiler.settotalmass > 0,
         "boundmass": compiler.boundmass > 0,
@@ -114,6 +118,16 @@ def _library(path: Path) -> Any:
     return mujoco
 
 
+def _quiet(mujoco: Any, whole: Merged, work: Callable[[], Any]) -> Any:
+    """What MuJoCo answers, without its warnings, which are about deprecated attributes. Raises InvalidMJCF."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return work()
+    except (ValueError, mujoco.FatalError) as error:
+        raise _refused(whole, error) from error
+
+
 def _refused(whole: Merged, error: Exception) -> InvalidMJCF:
     said = " ".join(str(error).split())
     line = re.search(r"line(?: number)?\s*[=:]?\s*(\d+)", said, re.IGNORECASE)
@@ -131,6 +145,13 @@ def _no_joint(whole: Merged, joint: Any, is_free: bool) -> UnsupportedJoint:
     else:
         problem, remedy = "is a ball joint", "replace it by three hinges in the same body"
     return UnsupportedJoint(problem, remedy, code="unsupported-joint", path=path, line=line, element=what)
+
+
+def _no_equality(whole: Merged, equality: Any) -> UnsupportedConstraint:
+    path, line = whole.place("equality", equality.name, equality.info)
+    problem, remedy = "is neither of joints nor a connect or weld", 'leave it out, or make it active="false"'
+    element = f"equality '{shortened(equality.name)}'"
+    return UnsupportedConstraint(problem, remedy, path=path, line=line, element=element)
 
 
 def _name_all(spec: Any) -> None:
