@@ -14,7 +14,7 @@ from crosscheck.report.plain_text import printable
 from graphdyn import RobotModel
 from graphdyn.errors import counted
 
-MJCF = "mjcf"
+_MJCF = "mjcf"
 
 
 class MJCFFormat:
@@ -23,7 +23,7 @@ class MJCFFormat:
 
 def target(name: str) -> OutputFile:
     """The file of this name, or the format, which is no file that could be in the way."""
-    return cast(OutputFile, MJCFFormat()) if name == MJCF else OutputFile(name)
+    return cast(OutputFile, MJCFFormat()) if name == _MJCF else OutputFile(name)
 
 
 def refuse_options(is_mjcf: bool, destination: OutputFile | None, patch: Path | None) -> None:

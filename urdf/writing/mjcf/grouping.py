@@ -29,7 +29,7 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False)
-class Group:
+class MovedBody:
     """A body of MuJoCo.
 
     number: of the body in the model; inside: that of the body on which it stands, 0 for the ground
@@ -42,7 +42,7 @@ class Group:
     axes: tuple[Axis, ...]
 
 
-def groups(model: RobotModel) -> list[Group]:
+def groups(model: RobotModel) -> list[MovedBody]:
     """The bodies, parents first. Raises CannotSave with the names of all that MuJoCo would refuse."""
     carried = {frame.body for frame in model.frames}
     carried |= {body for chord in model.chords for body in (chord.body_i, chord.body_j)}
@@ -76,7 +76,7 @@ def _refused(body: Body) -> str:
     return "; ".join(problems)
 
 
-def _group(model: RobotModel, number: int, merged: set[int]) -> Group:
+def _group(model: RobotModel, number: int, merged: set[int]) -> MovedBody:
     placement, inside = Placement(), number
     axes: list[Axis] = []
     while True:
@@ -86,4 +86,4 @@ def _group(model: RobotModel, number: int, merged: set[int]) -> Group:
         placement = joint.placement @ placement
         inside = joint.inside
         if inside not in merged:
-            return Group(number, inside, placement, tuple(reversed(axes)))
+            return MovedBody(number, inside, placement, tuple(reversed(axes)))

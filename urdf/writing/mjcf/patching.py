@@ -21,7 +21,7 @@ from urdf.reading.parsing import build, parsed_source
 from urdf.reading.reading import AS_IT_STANDS
 from urdf.writing.in_place import editable
 from urdf.writing.mjcf.grouping import refuse_impossible
-from urdf.writing.mjcf.places import Edit, places, with_edits
+from urdf.writing.mjcf.positions import Edit, positions, with_edits
 from urdf.writing.mjcf.saving import mjcf_inertial
 
 PLACEMENT_TOLERANCE = 1e-6
@@ -73,7 +73,7 @@ def patch_mjcf(model: RobotModel, source: str | PathLike[str], destination: str 
     old = armed(build(parsed, document.gravity), document)
     native = compiled_mjcf(path, data, root_of(path, data))
     wanted = _wanted(model, old, path)
-    found = places(data)
+    found = positions(data)
     edits: list[Edit] = []
     joints: list[str] = []
     notes: list[str] = []

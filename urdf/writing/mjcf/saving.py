@@ -17,7 +17,7 @@ from graphdyn.model import check_model
 from urdf.document.files import write_whole
 from urdf.document.numbers import text
 from urdf.errors import CannotSave, shortened
-from urdf.writing.mjcf.grouping import Axis, Group, groups
+from urdf.writing.mjcf.grouping import Axis, MovedBody, groups
 
 WORLD = "world"
 
@@ -78,7 +78,7 @@ def _root(model: RobotModel) -> etree._Element:
     return root
 
 
-def _body(parent: etree._Element, model: RobotModel, group: Group) -> etree._Element:
+def _body(parent: etree._Element, model: RobotModel, group: MovedBody) -> etree._Element:
     body = model.bodies[group.number - 1]
     element = etree.SubElement(parent, "body", name=body.name)
     _place(element, group.placement)

@@ -1,4 +1,4 @@
-"""Where bodies and joints stand in the bytes of an MJCF file, and new numbers there: no other byte changes."""
+"""Positions of bodies and joints in the bytes of an MJCF file, and new numbers there: no other byte changes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Edit = tuple[int, int, bytes]
 
 
 @dataclass(eq=False)
-class Places:
+class Positions:
     """Positions by name.
 
     inertials: begin, end and indent of the <inertial> of a body, or of the place for one
@@ -51,9 +51,9 @@ class Places:
 _NAME = re.compile(rb"<[^\s/>]+")
 
 
-def places(data: bytes) -> Places:
+def positions(data: bytes) -> Positions:
     """The positions in a document that loads, in an encoding that contains ASCII."""
-    found = Places(data)
+    found = Positions(data)
     path: list[tuple[str, str]] = []
     parser = expat.ParserCreate()
 
