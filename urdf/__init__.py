@@ -17,6 +17,7 @@ from urdf.errors import (
     InvalidLock,
     InvalidLoop,
     InvalidMimic,
+    InvalidMJCF,
     InvalidNumber,
     InvalidRepair,
     InvalidRobot,
@@ -25,6 +26,7 @@ from urdf.errors import (
     MimicJointWarning,
     MissingEntry,
     MissingInertialWarning,
+    MujocoNotInstalled,
     NotATree,
     RepairWarning,
     RobotNotFound,
@@ -52,6 +54,8 @@ from urdf.reading.written import (
     WrittenRobot,
     written,
 )
+from urdf.writing.mjcf.patching import Patch, patch_mjcf
+from urdf.writing.mjcf.saving import save_mjcf
 from urdf.writing.repaired_file import REPAIRED_CODES, RepairedFile, repair
 from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
@@ -70,6 +74,7 @@ __all__ = [
     "InvalidChain",
     "InvalidLock",
     "InvalidLoop",
+    "InvalidMJCF",
     "InvalidMimic",
     "InvalidNumber",
     "InvalidRepair",
@@ -81,7 +86,9 @@ __all__ = [
     "MissingEntry",
     "MissingInertialWarning",
     "MissingShape",
+    "MujocoNotInstalled",
     "NotATree",
+    "Patch",
     "Reading",
     "ReadingKeywords",
     "RepairWarning",
@@ -110,9 +117,11 @@ __all__ = [
     "fused_links",
     "inspect",
     "load",
+    "patch_mjcf",
     "repair",
     "robots",
     "save",
+    "save_mjcf",
     "shapes",
     "update",
     "written",

@@ -143,6 +143,18 @@ class XacroNotInstalled(InvalidXacro):
     default_code = "xacro-not-installed"
 
 
+class InvalidMJCF(URDFError):
+    """An MJCF file that MuJoCo refuses, or that includes what it must not."""
+
+    default_code = "invalid-mjcf"
+
+
+class MujocoNotInstalled(InvalidMJCF):
+    """An MJCF file, where MuJoCo, which reads it, is not installed."""
+
+    default_code = "mujoco-not-installed"
+
+
 class InvalidRepair(URDFError):
     """A repair= that urdf.load does not know."""
 

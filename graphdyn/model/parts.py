@@ -95,7 +95,8 @@ class Joint:
     inside: number of the inside body, 0 for the ground
     placement: the joint frame in the link frame of the inside body
     axis: p, in joint axes, normalized at construction      (3,)
-    limits, damping, friction: kept, not part of the rigid dynamics; damping [N m s/rad or N s/m], friction [N m or N]
+    limits, damping, friction, armature: kept, not part of the rigid dynamics; damping [N m s/rad or N s/m],
+        friction [N m or N], armature: inertia of rotor and gear as seen at the joint [kg m² or kg]
 
     At q = 0 the link frame of body j coincides with the joint frame.
     """
@@ -108,13 +109,14 @@ class Joint:
     limits: JointLimits = JointLimits()
     damping: float = 0.0
     friction: float = 0.0
+    armature: float = 0.0
 
     def __post_init__(self) -> None:
         who = f"joint '{self.name}'"
         if self.kind not in JOINT_KINDS:
             raise InvalidModel(f"{who}: kind '{self.kind}' cannot be represented; use one of {', '.join(JOINT_KINDS)}")
         check_type(who, "inside", self.inside, Integral)
-        freeze(self, who, axis=(3,), damping=(), friction=())
+        freeze(self, who, axis=(3,), damping=(), friction=(), armature=())
         check_type(who, "placement", self.placement, Placement)
         check_type(who, "limits", self.limits, JointLimits)
         for name, value in dataclasses.asdict(self.limits).items():

@@ -4,7 +4,7 @@ from urdf.document.catalog import locate
 from urdf.document.document import UNNAMED_SOURCES
 from urdf.document.files import write_whole
 from urdf.document.numbers import NUMBER, finite_number, rpy_from_rotation
-from urdf.document.opening import content_of, path_of
+from urdf.document.opening import content_of, is_expanded, path_of
 from urdf.document.xacro.yaml_limits import refuse_growing_yaml
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "UNNAMED_SOURCES",
     "content_of",
     "finite_number",
+    "is_expanded",
     "locate",
     "path_of",
     "refuse_growing_yaml",

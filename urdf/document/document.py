@@ -5,7 +5,7 @@ The parser's own guards stay on: libxml2 refuses entity expansion, nesting beyon
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 from lxml import etree
 
 from graphdyn.model import STANDARD_GRAVITY
+from urdf.document.connections.loops import Unread
 from urdf.document.elements import line_of
 from urdf.document.lines import number_lines, place_elements
 from urdf.errors import MalformedXML, TooLarge
@@ -44,6 +45,7 @@ class Document:
 
     path: as messages give it; gravity: that goes with it (3,) [m/s²]
     complaints: warnings of the expander of .xacro files, None where the file was not expanded
+    mjcf: what an MJCF file says beyond its URDF, None for other files
     """
 
     path: Path
@@ -51,6 +53,21 @@ class Document:
     robot: etree._Element
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
     complaints: tuple[str, ...] | None = None
+    mjcf: BeyondURDF | None = None
+
+
+@dataclass(frozen=True)
+class BeyondURDF:
+    """What an MJCF file says and URDF cannot.
+
+    armature: by joint [kg m² or kg]; unread: what is no part of the model
+    between: links without mass between several joints of one body; computed: bodies with the inertia of their geoms
+    """
+
+    armature: Mapping[str, float]
+    unread: tuple[Unread, ...]
+    between: frozenset[str]
+    computed: tuple[str, ...]
 
 
 def parsed(
@@ -66,6 +83,19 @@ def parsed(
 
     Raises MalformedXML where yourdfpy would fall back on a parser that guesses, and TooLarge.
     """
+    robot = root_of(path, content, encoding)
+    if places is not None:
+        place_elements(robot, path, places)
+    name = etree.QName(robot).localname
+    if robot.prefix is not None or name != "robot":
+        written = name if robot.prefix is None else f"{robot.prefix}:{name}"
+        problem, remedy = f"the root element is <{written}>, not <robot>", "give a URDF file"
+        raise MalformedXML(problem, remedy, code="not-a-robot", path=path, line=line_of(robot))
+    return Document(path, content, robot)
+
+
+def root_of(path: Path, content: bytes, encoding: str | None = None) -> etree._Element:
+    """The root element of a document, with its lines. Raises as parsed does, for roots of all names alike."""
     parser = etree.XMLParser(
         resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False, encoding=encoding
     )
@@ -76,16 +106,8 @@ def parsed(
     _check_document_type(path, robot)
     if robot.xpath(f"boolean(//*[@*[{MAX_ATTRIBUTES + 1}]])"):
         raise TooLarge(f"an element has more than {MAX_ATTRIBUTES} attributes", "remove what is not URDF", path=path)
-    if places is None:
-        number_lines(robot, content, encoding)
-    else:
-        place_elements(robot, path, places)
-    name = etree.QName(robot).localname
-    if robot.prefix is not None or name != "robot":
-        written = name if robot.prefix is None else f"{robot.prefix}:{name}"
-        problem, remedy = f"the root element is <{written}>, not <robot>", "give a URDF file"
-        raise MalformedXML(problem, remedy, code="not-a-robot", path=path, line=line_of(robot))
-    return Document(path, content, robot)
+    number_lines(robot, content, encoding)
+    return robot
 
 
 def check_size(content: bytes, path: Path) -> None:

@@ -9,17 +9,33 @@ from os.path import isfile
 from pathlib import Path
 from typing import IO
 
+from lxml import etree
+
 from graphdyn.display import short_repr
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.catalog import locate
-from urdf.document.document import BYTES, MAX_URDF_BYTES, STREAM, TEXT, Document, check_size, parsed
+from urdf.document.document import (
+    BYTES,
+    MAX_URDF_BYTES,
+    STREAM,
+    TEXT,
+    BeyondURDF,
+    Document,
+    check_size,
+    parsed,
+    root_of,
+)
+from urdf.document.mjcf import expand_mjcf, is_mjcf
 from urdf.document.xacro.files import expand
-from urdf.errors import InvalidXacro, MalformedXML, RobotNotFound
+from urdf.errors import InvalidXacro, MalformedXML, RobotNotFound, URDFError
 
 Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
 """A string is XML if it begins with "<", or has one and several lines and is no file; else it is a name or a path."""
 
 UTF8 = "utf-8"
+
+MJCF_TAG = b"mujoco"
+"""What every MJCF file in an encoding that contains ASCII has in its bytes."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +50,13 @@ class Xacro:
     packages: Mapping[str, str | PathLike[str]] = field(default_factory=dict)
 
 
-def open_document(given: Given, xacro: Xacro | None = None) -> Document:
-    """The document of a source; a file whose name ends with .xacro is expanded first.
+def open_document(given: Given, xacro: Xacro | None = None, use_geoms: bool = False) -> Document:
+    """The document of a source; a file whose name ends with .xacro is expanded first, an MJCF file read by MuJoCo.
 
-    Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled; OSError.
+    use_geoms: bodies of an MJCF file without <inertial> get that of their geoms
+
+    Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled, InvalidMJCF, MujocoNotInstalled,
+    UnsupportedJoint, UnsupportedConstraint; OSError.
     """
     path, content, gravity = _read(given)
     encoding = UTF8 if isinstance(content, str) else None
@@ -55,12 +74,38 @@ def open_document(given: Given, xacro: Xacro | None = None) -> Document:
         problem = "xacro arguments and packages are given, but not a file that ends with .xacro"
         remedy = "leave them out, or give the .xacro file"
         raise InvalidXacro(problem, remedy, path=path)
+    if MJCF_TAG in content:
+        root = root_of(path, content, encoding)
+        if is_mjcf(root):
+            return _of_mjcf(path, content, root, use_geoms)
     return replace(parsed(path, content, encoding), gravity=gravity)
 
 
+def _of_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) -> Document:
+    expansion = expand_mjcf(path, content, root, use_geoms)
+    expanded = parsed(path, expansion.text, UTF8, expansion.places)
+    beyond = BeyondURDF(expansion.armature, expansion.unread, expansion.between, expansion.computed)
+    return replace(expanded, gravity=expansion.gravity, mjcf=beyond)
+
+
+def is_expanded(path: Path) -> bool:
+    """Whether a file is .xacro or MJCF, of which a URDF is made before it is read. Raises OSError."""
+    if path.suffix.lower() == ".xacro":
+        return True
+    with path.open("rb") as file:
+        content = file.read(MAX_URDF_BYTES + 1)
+    try:
+        return MJCF_TAG in content and is_mjcf(root_of(path, content))
+    except URDFError:  # which reading it reports
+        return False
+
+
 def content_of(path: Path, xacro: Xacro | None = None) -> bytes:
-    """The bytes of a file; for a .xacro file, of its expansion. Raises as open_document does."""
-    return open_document(path, xacro).content if path.suffix.lower() == ".xacro" else path.read_bytes()
+    """The bytes of a file; for a .xacro file, of its expansion, for an MJCF file of the URDF that it says.
+
+    Raises as open_document does.
+    """
+    return open_document(path, xacro).content if is_expanded(path) else path.read_bytes()
 
 
 def path_of(given: Given) -> Path:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from lxml import etree
@@ -24,12 +24,14 @@ class Source:
     """A file and its <robot> element, without namespaces, comments and everything that is not read.
 
     extensions: what of the rest affects dynamics; drawings: what of the rest draws the robot
+    from_geoms: bodies of an MJCF file whose inertia is computed from geoms; None for other files
     """
 
     path: Path
     robot: etree._Element
     extensions: Extensions
     drawings: Drawings
+    from_geoms: tuple[str, ...] | None = None
 
     @property
     def links(self) -> list[etree._Element]:
@@ -54,9 +56,11 @@ def reduced(document: Document) -> Source:
             problem = f"the robot has {number} {what}s, more than {MAX_LINKS}"
             raise TooLarge(problem, "give a smaller robot", path=document.path)
     beside, drawn = extensions(robot, document.path), drawings(robot)
+    if document.mjcf is not None:
+        beside = replace(beside, unread=(*beside.unread, *document.mjcf.unread))
     _reduce(robot)
     etree.cleanup_namespaces(robot)
-    return Source(document.path, robot, beside, drawn)
+    return Source(document.path, robot, beside, drawn, None if document.mjcf is None else document.mjcf.computed)
 
 
 def _reduce(element: etree._Element) -> None:

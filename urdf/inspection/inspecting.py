@@ -31,7 +31,7 @@ from urdf.loops.closing import all_closures, closure_faults, stated_beside
 from urdf.reading.checks import faults
 from urdf.reading.parsing import build, parse
 from urdf.reading.reading import Reading, ReadingKeywords
-from urdf.reading.repairing import repair
+from urdf.reading.repairing import repair, uses_geoms
 
 MAX_FINDINGS = 1000
 """Largest number of findings that a stage reports."""
@@ -77,7 +77,9 @@ def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[Read
     try:
         path = path_of(source)
         with np.errstate(all="ignore"):  # numbers may be as large as the largest double
-            return report(asked, str(path), list(_findings(open_document(source, how.xacro), meshes, how)))
+            return report(
+                asked, str(path), list(_findings(open_document(source, how.xacro, uses_geoms(how.repair)), meshes, how))
+            )
     except URDFError as error:
         found = refusal(error)
     except OSError as error:

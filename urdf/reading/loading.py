@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from graphdyn import Body, Frame, InvalidInput, Joint, Placement, RobotModel
 from graphdyn.layout import Array
+from urdf.document.document import Document
 from urdf.document.elements import GEOMETRIES, Geometry
 from urdf.document.opening import Given
 from urdf.document.tree import joints_in_order
@@ -29,7 +30,8 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     """The robot of a URDF file, or of the catalog by name ("ur5", "kr500": see urdf.robots).
 
     source: name, path, XML as text or bytes, or an open file; a string is XML if it begins with "<" or has several
-        lines. A path that ends with .xacro is expanded, which needs the extra graphdyn[xacro]
+        lines. A path that ends with .xacro is expanded, which needs the extra graphdyn[xacro]; XML whose root is
+        <mujoco> is MJCF, read by MuJoCo (extra graphdyn[mujoco]), with its gravity and the armature of its joints
     reading: chain, lock, mimic, loops, repair, gravity and xacro as keywords, explained at urdf.Reading; or one
         reading=urdf.Reading(…)
 
@@ -47,8 +49,9 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
 
     Raises URDFError (RobotNotFound, MalformedXML, TooLarge, MissingEntry, DuplicateEntry, InvalidNumber,
     UnsupportedJoint, UnsupportedConstraint, InvalidLoop, NotATree, InvalidChain, InvalidLock, InvalidMimic,
-    InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled) with file, line and element, also for every value that
-    would have to be guessed, and InvalidModel for a gravity that is not three finite numbers.
+    InvalidRepair, InvalidRobot, InvalidXacro, XacroNotInstalled, InvalidMJCF, MujocoNotInstalled) with file, line and
+    element, also for every value that would have to be guessed, and InvalidModel for a gravity that is not three finite
+    numbers.
     Warns MissingInertialWarning, ZeroMassWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning,
     ChainWarning, RepairWarning, XacroWarning, UnboundJointWarning.
 
@@ -63,10 +66,20 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     """
     how = Reading.of(load, reading)
     document, reduced, parsed = parsed_source(source, how)
-    model = build(parsed, document.gravity)
-    warn(parsed, model.gravity if how.gravity is None else None, document.complaints or ())
+    model = armed(build(parsed, document.gravity), document)
+    between = document.mjcf.between if document.mjcf is not None else frozenset()
+    warn(parsed, model.gravity if how.gravity is None else None, document.complaints or (), between)
     warn_of_unbound(parsed, unbound_dependents(reduced, model))
     return model if how.gravity is None else model.with_gravity(how.gravity)
+
+
+def armed(model: RobotModel, document: Document) -> RobotModel:
+    """The model with the armature that an MJCF file states."""
+    if document.mjcf is None or not document.mjcf.armature:
+        return model
+    armature = document.mjcf.armature
+    joints = tuple(replace(joint, armature=armature.get(joint.name, 0.0)) for joint in model.joints)
+    return replace(model, joints=joints)
 
 
 def fused_links(source: Given, **reading: Unpack[ReadingKeywords]) -> dict[str, tuple[int, Array]]:

@@ -27,6 +27,7 @@ from urdf.reading.cutting import Cut, cut, locked_values
 from urdf.reading.fusing import Assembly, assemble
 from urdf.reading.reading import Reading
 from urdf.reading.repairing import repair as mend
+from urdf.reading.repairing import uses_geoms
 
 if TYPE_CHECKING:
     import yourdfpy
@@ -58,7 +59,7 @@ class Parsed:
 
 def parsed_source(given: Given, reading: Reading) -> tuple[Document, Source, Parsed]:
     """A source through all stages, with its elements as they are after repairs and cuts. Raises as load does."""
-    document = open_document(given, reading.xacro)
+    document = open_document(given, reading.xacro, uses_geoms(reading.repair))
     source = reduced(document)
     return document, source, parse(source, stated_beside(reading.loops, document.path), reading)
 

@@ -10,12 +10,15 @@ from lxml import etree
 from urdf.document.elements import describe, line_said
 from urdf.document.numbers import MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
-from urdf.errors import InvalidRepair
+from urdf.errors import InvalidRepair, shortened
 from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
 from urdf.reading.slots import exchange_slots
 
 AXIS_LENGTH_TOLERANCE = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""
+
+GEOMS = "geoms"
+"""The repair that MuJoCo makes while it reads the file."""
 
 RIGHT_ANGLE = math.pi / 2
 MAX_TRUNCATION, EXACT_TOLERANCE = 2e-3, 1e-12
@@ -34,6 +37,7 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     InertialsFromMeshes: links get inertials that are computed from their shapes
     "angles": truncated multiples of π/2 in rpy get all digits
     "axis": axes whose length differs from 1 by less than AXIS_LENGTH_TOLERANCE get unit length
+    "geoms": bodies of an MJCF file without <inertial> have got that of their geoms (open_document, uses_geoms)
     "limits": lower and upper limits of position that are reversed are exchanged
     "slots": tensors that no body has, and that one exchange of two entries, or one sign, makes possible, are corrected
     """
@@ -55,6 +59,11 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
         if isinstance(one, InertialsFromMeshes):
             changes += inertials_from_meshes(source, one)
     return changes
+
+
+def uses_geoms(wanted: Iterable[Repair]) -> bool:
+    """Whether inertials are to be computed from the geoms of an MJCF file."""
+    return not isinstance(wanted, Repair) and GEOMS in tuple(wanted)
 
 
 def _said(wanted: Repair) -> str:
@@ -103,6 +112,14 @@ def _axes(source: Source) -> Iterator[str]:
             yield f"{line_said(element)}: {describe(element)}: length {length:.9g} made 1"
 
 
+def _geoms(source: Source) -> Iterator[str]:
+    if source.from_geoms is None:
+        problem, remedy = f"'{GEOMS}' is for MJCF files", f"give urdf.InertialsFromMeshes(…) (--repair {FROM_MESHES}=…)"
+        raise InvalidRepair(problem, remedy, path=source.path)
+    for name in source.from_geoms:
+        yield f"body '{shortened(name)}': inertial computed from its geoms"
+
+
 def _limits(source: Source) -> Iterator[str]:
     for joint in source.joints:
         crossed, limit = crossed_limits(joint), joint.find("limit")
@@ -116,6 +133,7 @@ def _limits(source: Source) -> Iterator[str]:
 REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {
     "angles": _angles,
     "axis": _axes,
+    GEOMS: _geoms,
     "limits": _limits,
     "slots": exchange_slots,
 }

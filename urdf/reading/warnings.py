@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 
 import numpy as np
 
@@ -38,10 +38,11 @@ GRAVITY_TILT_TOLERANCE = 1e-9
 """Relative difference of gravity between the axes of the base link and of the root beyond which the base is tilted."""
 
 
-def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> None:
+def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str], between: Container[str] = ()) -> None:
     """Issue the warnings, at the line that called load.
 
     gravity: of the model, None where the caller gave it (3,) [m/s²]; complaints: warnings of the expander of .xacro
+    between: links without mass that are meant to have none, between joints of one body of an MJCF file
     """
     _tell(XacroWarning, parsed, "expanding the file: ", complaints)
     unread = [_at(unread, str(parsed.path)) for unread in parsed.unread[:MAX_QUOTED_NAMES]]
@@ -71,7 +72,7 @@ def warn(parsed: Parsed, gravity: Array | None, complaints: Sequence[str]) -> No
         mimics,
         "; lock= (--lock) locks them",
     )
-    massless = [f"'{name}'" for names in assembly.massless for name in names]
+    massless = [f"'{name}'" for names in assembly.massless for name in names if name not in between]
     after = "; their mass is zero and forward dynamics are not determined"
     _tell(MissingInertialWarning, parsed, "moving links without <inertial>: ", massless, after)
     weightless = [f"'{name}'" for names in assembly.weightless for name in names]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
 from lxml import etree
 
+from urdf.document.opening import is_expanded
 from urdf.errors import CannotUpdate
 
 _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
@@ -18,12 +19,15 @@ _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
 _LINE_START = re.compile(rb"[ \t]*$")
 
 
-def refuse_xacro(path: Path) -> None:
+def refuse_expanded(path: Path) -> None:
     """Raises CannotUpdate."""
     if path.suffix.lower() == ".xacro":
         raise CannotUpdate(
             "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
         )
+    if is_expanded(path):
+        remedy = "urdf.patch_mjcf (graphdyn export --to mjcf --patch) writes new inertials into it"
+        raise CannotUpdate("the file is MJCF, not URDF", remedy, path=path)
 
 
 def editable(path: Path) -> bytes:
@@ -66,17 +70,17 @@ def inertial_spans(data: bytes) -> dict[str, Span]:
         at = parser.CurrentByteIndex
         if path[1:] == ["link"]:
             link = attributes.get("name", "")
-            tag = _tag(data, at)
+            tag = tag_at(data, at)
             closed = tag.endswith(b"/>")
             place = at if closed else at + len(tag)
-            spans[link] = Span(place, at + len(tag), closed, _indent(data, at) + b"  ")
+            spans[link] = Span(place, at + len(tag), closed, indent_before(data, at) + b"  ")
         elif path[1:] == ["link", "inertial"]:
-            spans[link] = Span(at, at, False, _indent(data, at))
+            spans[link] = Span(at, at, False, indent_before(data, at))
 
     def end(_name: str) -> None:
         at = parser.CurrentByteIndex
         if path[1:] == ["link", "inertial"]:
-            spans[link] = Span(spans[link].start, at + len(_tag(data, at)), False, spans[link].indent)
+            spans[link] = Span(spans[link].start, at + len(tag_at(data, at)), False, spans[link].indent)
         path.pop()
 
     parser.StartElementHandler, parser.EndElementHandler = start, end
@@ -84,13 +88,14 @@ def inertial_spans(data: bytes) -> dict[str, Span]:
     return spans
 
 
-def _tag(data: bytes, at: int) -> bytes:
+def tag_at(data: bytes, at: int) -> bytes:
+    """The whole tag that begins there."""
     found = _TAG.match(data, at)
     assert found is not None
     return found.group()
 
 
-def _indent(data: bytes, at: int) -> bytes:
+def indent_before(data: bytes, at: int) -> bytes:
     """The blanks before a tag, if nothing else stands before it on its line."""
     line = data[data.rfind(b"\n", 0, at) + 1 : at]
     return line if _LINE_START.match(line) else b""
@@ -113,6 +118,12 @@ def with_inertials(data: bytes, edits: list[tuple[Span, etree._Element]]) -> byt
     return data
 
 
+def attributes_in(tag: bytes) -> Iterator[tuple[str, int, int]]:
+    """Name of each attribute of a tag, and begin and end of its value there."""
+    for found in _ATTRIBUTE.finditer(tag):
+        yield found[1].decode(), found.start(2) + 1, found.end(2) - 1
+
+
 _ATTRIBUTE = re.compile(rb"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 
 
@@ -129,10 +140,10 @@ def with_attributes(data: bytes, changes: Mapping[int, Mapping[str, str]]) -> by
         nonlocal number
         number += 1
         at = parser.CurrentByteIndex
-        for found in _ATTRIBUTE.finditer(_tag(data, at)) if number in changes else ():
-            value = changes[number].get(found[1].decode())
+        for name, begin, end in attributes_in(tag_at(data, at)) if number in changes else ():
+            value = changes[number].get(name)
             if value is not None:
-                edits.append((at + found.start(2) + 1, at + found.end(2) - 1, value.encode()))
+                edits.append((at + begin, at + end, value.encode()))
 
     parser.StartElementHandler = start
     parser.Parse(data, True)

@@ -17,7 +17,7 @@ from urdf.errors import InvalidRepair
 from urdf.reading.repairing import REPAIRS, Repair
 from urdf.reading.repairing import repair as repair_elements
 from urdf.reading.slots import candidates
-from urdf.writing.in_place import editable, inertial_spans, refuse_xacro, with_attributes, with_inertials
+from urdf.writing.in_place import editable, inertial_spans, refuse_expanded, with_attributes, with_inertials
 
 REPAIRED_CODES = {
     "axis-not-normalized": "axis",
@@ -61,7 +61,7 @@ def repair(
     if not wanted:
         raise InvalidRepair("no repair is named", f"known: {', '.join((*REPAIRS, *REPAIRED_CODES))}")
     path, _ = locate(source)
-    refuse_xacro(path)
+    refuse_expanded(path)
     document = open_document(path, None)
     elements = [element for element in document.robot.iter() if isinstance(element.tag, str)]
     before = [dict(element.attrib) for element in elements]

@@ -20,7 +20,7 @@ from urdf.document.numbers import inertial_element
 from urdf.errors import CannotUpdate, one_line
 from urdf.reading.loading import fused_links, load
 from urdf.reading.reading import Reading, ReadingKeywords
-from urdf.writing.in_place import editable, inertial_spans, refuse_xacro, with_inertials
+from urdf.writing.in_place import editable, inertial_spans, refuse_expanded, with_inertials
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def update(
     """
     how = Reading.of(update, reading).without_computed_inertials
     path, _ = locate(source)
-    refuse_xacro(path)
+    refuse_expanded(path)
     model = load(source, reading=how)
     wanted = _checked(parameters, model.n_bodies, path)
     shares = fused_links(source, reading=how)

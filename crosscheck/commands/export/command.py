@@ -1,14 +1,16 @@
-"""`graphdyn export`: the rigid-body model of a robot as plain numbers, and its functions in C."""
+"""`graphdyn export`: the rigid-body model of a robot as plain numbers or MJCF, and its functions in C."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Annotated
+from pathlib import Path
+from typing import Annotated, Literal
 
 import typer
 
 from crosscheck.commands.export.code import FunctionCodeOptions, export_code, refuse_unfit
+from crosscheck.commands.export.mjcf import MJCFFormat, export_mjcf, refuse_options, target
 from crosscheck.commands.program.console import warn, warnings_shown
 from crosscheck.commands.program.delivery import json_content
 from crosscheck.commands.program.options import EXAMPLES
@@ -18,6 +20,8 @@ from graphdyn import RobotModel
 EPILOG = f"""{EXAMPLES}  graphdyn export ur5 --to ur5.c
   graphdyn export arm.urdf --lock gripper --to arm.m
   graphdyn export arm.urdf --chain base_link tool0 --to arm.json
+  graphdyn export arm.urdf --to mjcf --out arm.xml
+  graphdyn export better.urdf --to mjcf --patch arm.xml --out better.xml
   graphdyn export arm.urdf --c arm_c
   graphdyn export arm.urdf --c arm_c --functions joint_torques,frame_jacobian --frame tool0 --reference local
   graphdyn export arm.urdf --c arm_c --functions all --precision single --no-check
@@ -34,11 +38,41 @@ class ExportOptions(FunctionCodeOptions):
         OutputFile | None,
         typer.Option(
             "--to",
-            metavar="FILE",
-            parser=OutputFile,
-            help="Write the model to FILE, which ends in .json, .c, .h or .m, or - for JSON on standard output.",
+            metavar="FILE|mjcf",
+            parser=target,
+            help="Write the model to FILE, which ends in .json, .c, .h or .m, or - for JSON on standard output; mjcf: "
+            "as MJCF, to the file of --out.",
         ),
     ] = None
+    out: Annotated[
+        OutputFile | None,
+        typer.Option("--out", metavar="FILE.xml", parser=OutputFile.robot, help="The file of --to mjcf."),
+    ] = None
+    patch: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.xml",
+            help="With --to mjcf: a copy of this MJCF file with inertials, armature, damping and friction of ROBOT, in "
+            "which no other byte differs (docs/mjcf.md).",
+        ),
+    ] = None
+    mimic: Annotated[
+        Literal["coupled", "independent", "locked"] | None,
+        typer.Option(
+            show_default="independent; coupled for MJCF",
+            help="Mimic joints follow their joint, are joints of their own, or are locked.",
+        ),
+    ] = None  # type: ignore[assignment]  # __post_init__ makes it one of the words
+
+    @property
+    def is_mjcf(self) -> bool:
+        """Whether MJCF is to be written."""
+        return isinstance(self.to, MJCFFormat)  # the parser of --to makes it
+
+    def __post_init__(self) -> None:
+        """The default of mimic."""
+        if self.mimic is None:
+            object.__setattr__(self, "mimic", "coupled" if self.is_mjcf else "independent")
 
 
 def run(options: ExportOptions) -> None:
@@ -51,12 +85,17 @@ def run(options: ExportOptions) -> None:
     --c writes a folder of functions such as inverse dynamics, compiled for this robot: C99 that needs no library,
     allocates nothing and keeps nothing between calls. Where there is a C compiler, they are tested against the
     equations and judged before they are written.
+
+    --to mjcf writes the robot for MuJoCo: inertials, joints with damping, friction, armature and limits, motors,
+    couplings, loops, sites, every number with all digits. With --patch it writes only inertials, damping, friction and
+    armature, into a copy of an existing file.
     """
     if options.to is None and options.folder is None:
         raise typer.BadParameter(
             "nothing to write; give --to FILE for the model, --c FOLDER for functions in C, or both"
         )
-    if options.to is not None:
+    refuse_options(options.is_mjcf, options.out, options.patch)
+    if options.to is not None and not options.is_mjcf:
         _refuse_ending(options.to)
     if options.folder is not None:
         refuse_unfit(options, options.folder)
@@ -64,7 +103,10 @@ def run(options: ExportOptions) -> None:
 
     with warnings_shown():
         model = urdf.load(options.robot, reading=options.reading)
-    if options.to is not None:
+    if options.is_mjcf and options.out is not None:
+        with warnings_shown():
+            export_mjcf(model, options.robot, options.out.path, options.patch)
+    elif options.to is not None:
         _export_model(options, options.to, model)
     if options.folder is not None:
         export_code(options, options.folder, model)

@@ -32,7 +32,7 @@ class InspectOptions(ReadingOptions, FindingOptions, ReportOptions):
         list[str],
         typer.Argument(
             metavar="FILE|NAME|FOLDER...",
-            help="URDF or .xacro files, names (`graphdyn robots`), or folders, searched for *.urdf.",
+            help="URDF, .xacro or MJCF files, names (`graphdyn robots`), or folders, searched for *.urdf.",
             autocompletion=robot_names,
         ),
     ]

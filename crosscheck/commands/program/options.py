@@ -40,12 +40,17 @@ def command_line() -> list[str]:
 
 RobotArgument = Annotated[
     str,
-    typer.Argument(metavar="ROBOT", help="Name (`graphdyn robots`), URDF or .xacro file.", autocompletion=robot_names),
+    typer.Argument(
+        metavar="ROBOT", help="Name (`graphdyn robots`), URDF, .xacro or MJCF file.", autocompletion=robot_names
+    ),
 ]
 RobotOption = Annotated[
     str,
     typer.Option(
-        "--robot", metavar="ROBOT", help="Name (`graphdyn robots`), URDF or .xacro file.", autocompletion=robot_names
+        "--robot",
+        metavar="ROBOT",
+        help="Name (`graphdyn robots`), URDF, .xacro or MJCF file.",
+        autocompletion=robot_names,
     ),
 ]
 SamplesOption = Annotated[int, typer.Option(min=1, metavar="N", help="Random states per robot.")]

@@ -41,7 +41,9 @@ class ViewOptions(ReadingOptions, RecordingOptions):
     robots: Annotated[
         list[str],
         typer.Argument(
-            metavar="ROBOT...", help="Names (`graphdyn robots`), URDF or .xacro files.", autocompletion=robot_names
+            metavar="ROBOT...",
+            help="Names (`graphdyn robots`), URDF, .xacro or MJCF files.",
+            autocompletion=robot_names,
         ),
     ]
     play: Annotated[

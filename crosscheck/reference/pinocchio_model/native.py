@@ -15,7 +15,7 @@ import pinocchio as pin
 from graphdyn import Body, GraphDynError, Placement, RobotModel
 from graphdyn.layout import Array
 from urdf import Xacro
-from urdf.document import content_of
+from urdf.document import content_of, is_expanded
 
 
 @contextmanager
@@ -55,8 +55,8 @@ class PinocchioRefuses(GraphDynError, ValueError):
 
 
 def read(path: Path, xacro: Xacro | None = None) -> pin.Model:
-    """Pinocchio's own reading of a URDF file; a .xacro file is expanded. Raises what Pinocchio raises."""
-    if path.suffix.lower() == ".xacro":
+    """Pinocchio's own reading of a URDF file; of a .xacro or MJCF file, its expansion. Raises what Pinocchio raises."""
+    if is_expanded(path):
         return pin.buildModelFromXML(content_of(path, xacro).decode())
     return pin.buildModelFromUrdf(str(path))
 

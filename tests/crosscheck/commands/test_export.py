@@ -319,3 +319,28 @@ class TestCode:
         done = program(*options)
         assert done.code == BAD_INPUT
         assert "false does not compile the code: exit code 1; name another one in CC" in " ".join(done.err.split())
+
+
+class TestMJCF:
+    def test_in_full_and_as_a_patch(self, program, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "mjcf").mkdir()
+        done = program("export", "ur5", "--to", "mjcf", "--out", "ur5.xml")
+        assert (done.code, done.out.strip()) == (0, "ur5 as MJCF in ur5.xml")
+        done = program("export", "ur5", "--to", "mjcf", "--patch", "ur5.xml", "--out", "new.xml")
+        said = "new.xml: ur5.xml with new inertials of 0 bodies, new damping, friction or armature of 0 joints"
+        assert (done.code, done.out.strip()) == (0, said)
+        assert (tmp_path / "new.xml").read_bytes() == (tmp_path / "ur5.xml").read_bytes()
+
+    @pytest.mark.parametrize(
+        ("arguments", "said"),
+        [
+            (("--to", "mjcf"), "--to mjcf: name the file with --out FILE.xml"),
+            (("--to", "mjcf", "--out", "a.urdf"), "--out a.urdf: end the name in .xml"),
+            (("--to", "a.json", "--out", "a.xml"), "--out and --patch are for --to mjcf"),
+        ],
+    )
+    def test_options_that_do_not_fit(self, program, arguments, said):
+        done = program("export", "ur5", *arguments)
+        assert done.code == BAD_INPUT
+        assert said in " ".join(done.err.replace("│", " ").split())

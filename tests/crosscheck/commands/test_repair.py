@@ -73,7 +73,7 @@ def test_nothing_to_repair(program, crossed):
         ([], "give --take NAME for each repair, or --list to see what could be repaired"),
         (["--list", "--take", "axis"], "give --take NAME for each repair, or --list"),
         (["--take", "axis"], "--take needs --out FILE, for the repaired copy"),
-        (["--take", "x", "--out", "out.urdf"], "no repair is called 'x'; known: angles, axis, limits"),
+        (["--take", "x", "--out", "out.urdf"], "no repair is called 'x'; known: angles, axis, geoms, limits"),
         (["--take", "inertials-from-meshes=x", "--out", "o.urdf"], "--take inertials-from-meshes=x: give inertials-"),
     ],
 )

@@ -335,6 +335,8 @@ def test_every_code_has_a_case():
         "xacro-complaint",
         "xacro-expanded",
         "xacro-not-installed",
+        "invalid-mjcf",
+        "mujoco-not-installed",
         "xml-limits",
     }
     assert written <= {*CASES, *DOCUMENTS, *elsewhere}

@@ -1,0 +1,5 @@
+"""MJCF files, read by MuJoCo itself, as URDF."""
+
+from urdf.document.mjcf.expanding import Compiled, MJCFExpansion, compiled_mjcf, expand_mjcf, is_mjcf
+
+__all__ = ["Compiled", "MJCFExpansion", "compiled_mjcf", "expand_mjcf", "is_mjcf"]
