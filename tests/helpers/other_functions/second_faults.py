@@ -50,7 +50,7 @@ TORQUES = (
     text("bias_torque", "(ω × r) × ω", "newton_euler", "cross(w[i], cross(w[i], r[j]))", "cross(cross(w[i], r[j]), w[i])", f"(ω × \\(ω × r\\)|centripetal).*{OPPOSITE}"),
     arguments("gravity_torque", "positions shifted by one joint", lambda q: (np.roll(q, 1),), "order|shift|position.*(another|next|before|other) joint|exchang"),
     arguments("static_torque", "first row taken for the base", lambda q, w: (q, np.vstack([w[1:], 0 * w[:1]])), f"(external|load).*{SHIFTED}|{SHIFTED}.*(external|load)"),
-    text("power", "torques at v = 0", "power", "inverse_dynamics(arm, q, v, a)", "inverse_dynamics(arm, q, 0 * v, a)", f"(velocit|Coriolis|c\\(q, v\\)|\\bv\\b).*{OUT}"),
+    text("power", "torques at v = 0", "power", "inverse_dynamics(arm, q, v, a)", "inverse_dynamics(arm, q, 0 * v, a)", f"(velocit|Coriolis|c\\(q, v\\)|\\bv\\b).*{OUT}|centripetal.*{OUT}.*ω × q̇ p.*{OUT}.*ω × I ω.*{OUT}"),
     text("joint_wrenches", "moment of the outer link not turned", "newton_euler", "m[i] + R[j] @ m[j]", "m[i] + m[j]", "(moment|\\bm\\b|\\bn\\b|\\bM\\b|\\bμ\\b).*(not turned|axes)"),
     text("multipliers", "moment in axes of the inside link", "multipliers", "turn(p, q[j]) @ m[j]", "arm.rotations[j] @ turn(p, q[j]) @ m[j]", f"(moment|λ_4|λ_5|t_1|t_2).*({AXES}|{INSIDE})"),
 )  # fmt: skip
