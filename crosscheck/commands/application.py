@@ -39,8 +39,8 @@ from crosscheck.commands.study import command as study
 from crosscheck.commands.vectors import command as vectors
 from crosscheck.commands.view import command as view
 
-NAME = "graphdyn"
-"""Of the program, however it was started."""
+PROGRAM_NAME = "graphdyn"
+"""The name of the program, however it was started."""
 
 CODE, ROBOTS, RECORDINGS, PROGRAM = "Dynamics code", "Robot files", "Recordings", "The paper and the program"
 """Headings of the help."""
@@ -131,7 +131,7 @@ def _commands() -> Any:
 
 def run() -> None:
     """The command that was typed. Errors are handled in crosscheck.commands.program.exits."""
-    _commands()(prog_name=NAME)
+    _commands()(prog_name=PROGRAM_NAME)
 
 
 own_process.program = run

@@ -2,7 +2,7 @@
 
 Plain codes of every function of the table in docs/judge.md (tests/helpers/other_functions), in which mistakes of
 people are planted, mistakes that show at special states alone (--special), and mistakes written without reading the
-judge (--fresh), on the second set of which nothing was tuned (--second). A line per case: verdict, processor seconds,
+judge (--fresh), alone the second set of these (--second). A line per case: verdict, processor seconds,
 what is said. "named": what is claimed is the planted fault, and nothing else; "candidates": the fault is among those
 that fit as well; "equal": other words that were found to give the same numbers; "found": wrong at special states, the
 message does not say which; "unknown": no claim; "missed": no deviation found; "WRONG": another claim. A third of the
@@ -30,7 +30,9 @@ def main():
     parser.add_argument("--special", action="store_true", help="faults that show at special states alone")
     parser.add_argument("--fresh", action="store_true", help="faults written without reading the judge")
     parser.add_argument("--aside", action="store_true", help="show the third that is kept aside, too")
-    parser.add_argument("--second", action="store_true", help="the second set of these, on which nothing was tuned")
+    parser.add_argument(
+        "--second", action="store_true", help="the second set of these, which were written without reading the judge"
+    )
     options = parser.parse_args()
     known = FRESH_FAULTS if options.fresh else FAULTS
     known = SPECIAL_FAULTS if options.special else SECOND_FAULTS if options.second else known

@@ -23,7 +23,7 @@ MAX_ENTRIES = 6
 
 def disagreement_report(comparison: Comparison) -> Report:
     """Every quantity beyond its bound; both sides of the first of them, since others follow from it."""
-    table = quantities_table(comparison, terminal=True)
+    table = quantities_table(comparison)
     beyond = [result for result in comparison.quantities.values() if not result.agrees]
     rows = tuple(row for row in table.rows if row.state == "disagrees")
     blocks = (replace(table, rows=rows), *_difference(comparison, beyond))

@@ -87,7 +87,7 @@ def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Ch
 
 
 def _reordered(placed: Array, shift: int) -> Array:
-    """With the numbers of the quaternions shifted; w is positive, as most functions give it."""
+    """The placements with the numbers of their quaternions shifted; w is positive, as most functions give it."""
     from scipy.spatial.transform import Rotation  # imported where first used
 
     found = placed.copy()

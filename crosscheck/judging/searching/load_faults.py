@@ -26,7 +26,7 @@ def other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
         ("have moments of the opposite sign", lambda s: s.all_loads * (2 * FORCES - 1)),
         *(
             (f"{what} taken {how}", lambda s, halves=halves, turn=turn: _turned(s, halves, turn))
-            for what, halves in PARTS.items()
+            for what, halves in TURNED_HALVES.items()
             for how, turn in TURNS.items()
         ),
         ("are taken as acting at the centers of mass", lambda s: _moved(s, _centers(s))),
@@ -48,7 +48,7 @@ def _of_bodies(model: RobotModel) -> Iterator[tuple[str, Callable[[JudgedStates]
             yield f"on body '{name}' are left out", lambda s, kept=kept: s.all_loads * (1 - kept)  # type: ignore[misc]
 
 
-PARTS = {"are": (True, True), "have forces that are": (True, False), "have moments that are": (False, True)}
+TURNED_HALVES = {"are": (True, True), "have forces that are": (True, False), "have moments that are": (False, True)}
 """Which halves are turned wrongly, in words: force, moment."""
 
 Turn = Callable[[JudgedStates], Array]

@@ -1,4 +1,4 @@
-"""A second set of mistakes written without reading the judge, and on which nothing was tuned."""
+"""A second set of mistakes written without reading the judge, and which were written without reading the judge."""
 
 # ruff: noqa: E501 - one case a line
 
