@@ -18,6 +18,7 @@ from numpy.polynomial import polynomial
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
@@ -79,6 +80,7 @@ class ConstantAcceleration:
 
 
 @dataclass(frozen=True)
+@short_repr
 class Polynomial:
     """c_0 + c_1 t + c_2 t² + …; coefficients in ascending order, c_k in rad/s^k or m/s^k."""
 
@@ -96,6 +98,7 @@ class Polynomial:
 
 
 @dataclass(frozen=True)
+@short_repr
 class FourierSeries:
     """offset + Σ_l (a_l sin(l ω t) - b_l cos(l ω t)) / (l ω), l = 1 … L, ω = 2π frequency.
 
@@ -131,6 +134,7 @@ class FourierSeries:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class TabulatedMotion:
     """Positions at given times, joined by an interpolating quintic spline.
 
@@ -184,6 +188,7 @@ class TabulatedMotion:
 
 
 @dataclass(frozen=True)
+@short_repr
 class Rail:
     """The moving base slides along a fixed direction, in world axes; the law is in m. direction (3,), normalized
     here."""
@@ -196,6 +201,7 @@ class Rail:
 
 
 @dataclass(frozen=True)
+@short_repr
 class Turntable:
     """The moving base turns about a fixed axis through its origin, in world axes; the law is in rad. axis (3,),
     normalized here.

@@ -29,6 +29,7 @@ from crosscheck.reference.pinocchio_model import PINOCCHIO_VERSION as PINOCCHIO
 from crosscheck.reference.subject import check_counts
 from graphdyn import InvalidInput, RobotModel
 from graphdyn.compiler import chosen_backend, cores
+from graphdyn.display import Displayed
 
 RECORDING_FACTOR = 10
 """Factor on the given number of samples for the recording of the identification and for the largest batch."""
@@ -55,8 +56,8 @@ FULL_EFFORT = Effort(0.25, 9, 2, 10**9, (2, 3, 4, 6, 8, 12, 16, 24, 32, 40, 50, 
 QUICK_EFFORT = Effort(0.02, 5, 2, 5000, (2, 4, 8, 16))
 
 
-@dataclass(frozen=True, eq=False)
-class Benchmark:
+@dataclass(frozen=True, eq=False, repr=False)
+class Benchmark(Displayed):
     """All measurements.
 
     robot: name or file as given
@@ -98,6 +99,14 @@ class Benchmark:
     first_calls: Mapping[str, Times]
     identification: Identifications
     curves: tuple[ScalingCurve, ...]
+
+    def summary(self) -> str:
+        """What was measured, and whether the answers agree."""
+        said = "agree" if self.agrees else "DISAGREE"
+        return (
+            f"benchmark of {self.robot}, {self.samples} samples: {len(self.works)} works beside "
+            f"{', '.join(self.peers)}; the answers {said}"
+        )
 
     @property
     def agrees(self) -> bool:

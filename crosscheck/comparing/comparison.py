@@ -13,6 +13,7 @@ from crosscheck.comparing.conditioning import Conditioning
 from crosscheck.quantities import ComparedQuantity
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
+from graphdyn.display import Displayed, short_repr
 from graphdyn.layout import Array
 from urdf import Reading
 
@@ -51,6 +52,7 @@ class WorstState:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class QuantityResult:
     """One quantity over all routes, cases and samples.
 
@@ -86,8 +88,8 @@ class QuantityResult:
         return {f"{part:g}": float(ordered[rank]) for part, rank in zip(QUANTILES, ranks, strict=True)}
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison(OfReading):
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(OfReading, Displayed):
     """The verdict on one robot.
 
     robot: name or path as given
@@ -119,6 +121,22 @@ class Comparison(OfReading):
     conditioning: Conditioning
     identification: BaselineIdentification | None
     notes: tuple[str, ...]
+
+    def summary(self) -> str:
+        """The verdict, and how far from their bounds the errors are."""
+        results = list(self.quantities.values())
+        within = sum(result.agrees for result in results)
+        worst = max(results, key=lambda result: result.part_of_bound)
+        beyond = [result.quantity.name for result in results if not result.agrees]
+        lines = [
+            f"{self.robot} {'agrees' if self.agrees else 'DISAGREES'} with Pinocchio: {within} of {len(results)} "
+            f"quantities within their bounds, at {self.samples} random states and special ones (seed {self.seed})",
+            f"nearest to its bound: {worst.quantity.name}, {worst.max_relative_error:.1e} of "
+            f"{worst.quantity.tolerance.bound:.1e}"
+            if not beyond
+            else f"beyond their bounds: {', '.join(beyond)}",
+        ]
+        return "\n".join([*lines, *self.notes])
 
     @property
     def agrees(self) -> bool:

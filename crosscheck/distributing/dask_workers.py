@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 from crosscheck.distributing.workers import Answer, Lost, NoWorkers, Task, differences, versions
+from graphdyn.display import short_repr
 from graphdyn.errors import install_line
 
 if TYPE_CHECKING:
@@ -135,6 +136,7 @@ MAX_CHECKS_WITHOUT_WORKERS = 12
 
 
 @dataclass(frozen=True)
+@short_repr
 class DaskWorkers:
     """The workers of a Dask scheduler.
 

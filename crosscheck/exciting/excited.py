@@ -6,6 +6,7 @@ The noise of torque measurements where none is given.
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,6 +16,7 @@ from crosscheck.exciting.self_collision import Hit, SelfCollision
 from crosscheck.recordings import Recording
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel, joint_torques
+from graphdyn.display import Displayed
 from graphdyn.excitation import (
     CHECK_RATE,
     ExcitationPlan,
@@ -53,8 +55,8 @@ class PlannedMotion:
     seed: int | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Excited(OfReading):
+@dataclass(frozen=True, eq=False, repr=False)
+class Excited(OfReading, Displayed):
     """Motions and what they promise.
 
     robot: name or path, as given
@@ -83,6 +85,16 @@ class Excited(OfReading):
     recorded: ExcitationPlan | None = None
     failures: tuple[str, ...] = ()
     collisions: SelfCollision | None = None
+
+    def summary(self) -> str:
+        """The motions, and how well they determine the parameters."""
+        verdicts = Counter(self.plan.verdicts)
+        determined = ", ".join(f"{verdicts[word]} {word}" for word in ("well", "roughly", "not"))
+        return (
+            f"{len(self.motions)} exciting {'motion' if len(self.motions) == 1 else 'motions'} for {self.robot}, "
+            f"{sum(motion.course.duration for motion in self.motions):g} s; of {len(self.plan.names)} base parameters "
+            f"determined: {determined}"
+        )
 
     @property
     def hits(self) -> list[Hit]:

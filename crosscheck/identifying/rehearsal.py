@@ -22,6 +22,7 @@ from crosscheck.identifying.virtual import ENCODER_NOISE, ROWS_PER_PIECE, VIRTUA
 from crosscheck.recordings import Provenance, Recording, chosen_cutoff
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
+from graphdyn.display import short_repr
 from graphdyn.excitation import FiniteMotion, sample_times
 from graphdyn.identification import (
     MIN_MOVING_SPEED,
@@ -91,6 +92,7 @@ class Conditions:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Outcome:
     """Errors of one method, or of the file, against the truth of every run, K runs in all.
 

@@ -15,6 +15,7 @@ from crosscheck.recordings import Provenance, Recording, recording_of, samples_o
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Robot, Subject, refuse_chords, subject
 from graphdyn import InvalidInput, RobotModel
 from graphdyn import simulate_recording as virtual_experiment
+from graphdyn.display import short_repr
 from graphdyn.identification import Samples, TorqueModel
 from graphdyn.identification.terms import RigidBodies, Term
 from graphdyn.layout import BODY_PARAMETERS, Array
@@ -47,6 +48,7 @@ CAD_ERROR = 0.2
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class VirtualRobot:
     """A virtual robot with known parameters, and its recordings.
 

@@ -11,6 +11,7 @@ import numpy as np
 from crosscheck.judging.exact_errors import ExactErrors
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
+from graphdyn.display import Displayed, short_repr
 from graphdyn.layout import Array
 from urdf import Reading
 
@@ -54,6 +55,7 @@ class FailedState:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class JudgedFunction:
     """One function under test against every reference implementation ("reference").
 
@@ -167,6 +169,7 @@ class FittedNumber:
 
 
 @dataclass(frozen=True)
+@short_repr
 class Diagnosis:
     """What is wrong with a function under test, and the experiment that shows it.
 
@@ -197,8 +200,8 @@ class Diagnosis:
     numbers: tuple[FittedNumber, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class Judgment(OfReading):
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgment(OfReading, Displayed):
     """The verdict on functions under test for one robot.
 
     robot: as given; file: whole path of its URDF, None where a RobotModel was given; model: the robot that was loaded
@@ -229,6 +232,15 @@ class Judgment(OfReading):
     precision: str = "double"
     external_wrenches: bool = False
     beyond_limits: bool = False
+
+    def summary(self) -> str:
+        """The verdict, the largest error of every function, and the diagnoses."""
+        head = f"{', '.join(self.functions)} on {self.robot}: {self.verdict} with {', '.join(self.references)}"
+        errors = [
+            f"{name}: largest error {max(map(np.max, function.errors.values())):.1e}, bound {function.bound:.1e}"
+            for name, function in self.functions.items()
+        ]
+        return "\n".join([head, *errors, *(f"{one.status}: {one.message}" for one in self.diagnoses), *self.notes])
 
     @property
     def agrees(self) -> bool:

@@ -13,6 +13,7 @@ from crosscheck.recordings.errors import RecordingFinding
 from crosscheck.recordings.mapping.mapping import ColumnMapping
 from crosscheck.recordings.virtual import JOINT_UNITS
 from graphdyn import InvalidInput, VirtualRecording
+from graphdyn.display import Displayed
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 
@@ -41,8 +42,8 @@ class Provenance:
     columns: ColumnMapping | None = field(default=None, compare=False, repr=False)
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Displayed):
     """N rows of a robot with n joints, at the joints (after the gears), SI units.
 
     joint_names, prismatic: names, and which joints slide         (n,)
@@ -113,6 +114,22 @@ class Recording:
             raise InvalidInput(
                 f"time {self.t[back[0] + 1]:g} s in row {back[0] + 1} does not increase inside its block"
             )
+
+    def summary(self) -> str:
+        """Files, rows, channels, and what was found."""
+        files = ", ".join(self.provenance.files) or "recording"
+        size = f"{counted(len(self.t), 'row')} of {counted(self.n_joints, 'joint')}"
+        size += f" in {counted(len(self.block_slices), 'block')}"
+        found = [f"{one.severity}: {one.message}" for one in self.findings]
+        return "\n".join(
+            [
+                f"{files}: {size}, {self.t[0]:g} to {self.t[-1]:g} s",
+                f"joints: {', '.join(self.joint_names)}",
+                f"channels: {', '.join(self.recorded(ALL_CHANNELS))}",
+                *self.provenance.steps,
+                *found,
+            ]
+        )
 
     @property
     def n_joints(self) -> int:

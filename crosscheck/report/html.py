@@ -66,7 +66,7 @@ def page(report: Report, command: Sequence[str], versions: dict[str, str]) -> st
     ]
     styles = [*([file_text(VENDOR / "uPlot.min.css")] if plots else []), file_text(PAGE / "style.css")]
     return (
-        _environment()
+        environment()
         .get_template("page.html")
         .render(
             report=report,
@@ -151,7 +151,8 @@ def _shown(value: object) -> object:
 
 
 @cache
-def _environment() -> Environment:
+def environment() -> Environment:
+    """The templates of pages and of their parts."""
     environment = Environment(
         loader=PackageLoader("crosscheck.report", "page"),
         autoescape=True,

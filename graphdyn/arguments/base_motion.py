@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.robot_model import RobotModel
@@ -20,6 +21,7 @@ _TRAILING = {"rotation": (3, 3), "translation": (3,), "velocity": (6,), "acceler
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class BaseMotion:
     """How the moving base of a robot moves; the ground frame stands on it at `model.base`. Leading dimensions
     broadcast.

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from graphdyn.arguments.choices import FrameChoice
 from graphdyn.compiler.llvm.precision import DOUBLE
+from graphdyn.display import short_repr
 from graphdyn.layout import BODY_DOF, Array
 from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.robot_model import RobotModel, total_mass
@@ -93,6 +94,7 @@ JOINT_ARRAYS = {"pivots", *(name for name, array in ARRAY_SPECS.items() if set(a
 
 
 @dataclass(frozen=True)
+@short_repr
 class Request:
     """Which program: the recursion, its outputs in order, whether wrenches act on the bodies and the base moves.
 
@@ -122,6 +124,7 @@ def request_for(
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Parts:
     """The constants of a robot as scalars: links, the ground where it rests, couplings, and the frame asked for."""
 

@@ -18,6 +18,7 @@ from graphdyn.arguments.choices import Method, is_recursive, with_keywords
 from graphdyn.compiler.batch import evaluate, request_of
 from graphdyn.compiler.programs import Request
 from graphdyn.compiler.running import has_paid
+from graphdyn.display import short_repr
 from graphdyn.equations.vertices import Vertices, constraint_values
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import ANGULAR, LINEAR, Array, stacked_rows
@@ -26,6 +27,7 @@ from graphdyn.model.spatial import cardano_angles, cardano_rate_matrix, cross, s
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MaximalState:
     """Placements and motions of all bodies; arrays have leading batch dimensions.
 

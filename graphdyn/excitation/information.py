@@ -30,6 +30,7 @@ import numpy as np
 
 from graphdyn.compiler.programs import record_regressor_gradient
 from graphdyn.compiler.running import Prepared, chosen_backend
+from graphdyn.display import short_repr
 from graphdyn.excitation.trajectory import JointMotion
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.torque_model import TorqueModel, random_samples, structure
@@ -60,6 +61,7 @@ def mean_sigma(information: Array) -> tuple[float, Array]:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ConditionNumber:
     """Condition number for columns times scale (b,), the prior spreads of the parameters.
 

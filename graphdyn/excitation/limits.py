@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.equations.kinematics import joint_axes, link_origins, maximal_state
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
@@ -20,6 +21,7 @@ Numbers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Sphere:
     """A sphere fixed in a body, 0 for the ground: center in its link frame (3,) [m], and radius [m]; 0 is a point."""
 
@@ -112,6 +114,7 @@ LIMIT_KINDS = ("position", "velocity", "acceleration", "jerk", "torque")
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Plane:
     """Half-space normal · p ≥ distance for all checked spheres; in world axes, normalized here. [-, m]"""
 
@@ -130,6 +133,7 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Clearance:
     """Smallest distance between the surfaces of two bodies' bounding spheres.
 
@@ -158,6 +162,7 @@ class Clearance:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MotionLimits:
     """Limits of the n joints of a robot, including those that others drive; infinite if there is none.
 

@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import Basis
 from graphdyn.excitation.constraints import DISTANCE_SCALE, signals
@@ -79,6 +80,7 @@ MIN_START_SHARE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ExcitationProblem:
     """An optimization problem for a motion.
 
@@ -150,6 +152,7 @@ class ExcitationProblem:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class OptimizedMotion:
     """The result of one seed.
 

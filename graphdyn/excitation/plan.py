@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.information import covariance
 from graphdyn.identification.algebra.base_parameters import BaseParameters
@@ -25,6 +26,7 @@ MAX_WELL_DETERMINED, MAX_ROUGHLY_DETERMINED = 0.1, 0.5
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ExcitationPlan:
     """Standard deviations of a future weighted least-squares fit.
 

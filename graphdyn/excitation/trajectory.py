@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.excitation.bases import SPLINE_DEGREE, Basis
 from graphdyn.layout import Array
@@ -46,6 +47,7 @@ class FiniteMotion(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Trajectory:
     """The motion q_j(t) = Σ_k coefficients[j, k] φ_k(t); coefficients (n, K)."""
 
@@ -67,6 +69,7 @@ LARGEST_COEFFICIENT = 1e150
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class TabulatedCourse:
     """Positions at given times, joined by interpolating quintic splines; time counts from the first row.
 

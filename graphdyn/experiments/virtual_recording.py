@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import Displayed
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.spatial import cardano_matrix
@@ -38,8 +39,8 @@ TIME_TOLERANCE = 1e-9
 Convention = Literal["half even", "truncated"]
 
 
-@dataclass(frozen=True, eq=False)
-class VirtualRecording:
+@dataclass(frozen=True, eq=False, repr=False)
+class VirtualRecording(Displayed):
     """Numbers at N times of a robot of n bodies on n joints; joint j is the inside joint of body j.
 
     robot, joint_names, body_names: names                   (n,)
@@ -91,6 +92,11 @@ class VirtualRecording:
             object.__setattr__(self, name, self._checked(name, getattr(self, name), (n,)))
         for name in BODY_CHANNELS:
             object.__setattr__(self, name, self._checked(name, getattr(self, name), (n, 3)))
+
+    def summary(self) -> str:
+        """Whose numbers, and over which time."""
+        span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "no rows"
+        return f"virtual recording of {self.robot}: {len(self.joint_names)} joints, {len(self.time)} rows, {span}"
 
     def _checked(self, name: str, value: ArrayLike, trailing: tuple[int, ...] | None) -> Array:
         """A read-only copy of the channel; the time, with no trailing shape, sets the number of rows."""

@@ -14,6 +14,7 @@ from graphdyn.arguments.base_motion import BaseMotion
 from graphdyn.arguments.choices import FrameChoice, Reference, frame_choice
 from graphdyn.arguments.keywords import closest
 from graphdyn.compiler.programs import GROUND_SHAPES, Request, trace
+from graphdyn.display import short_repr
 from graphdyn.equations.loops.reactions import in_self_stress_usually
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import BODY_DOF, Array
@@ -58,6 +59,7 @@ AS_THEY_ARE = ExportChoices()
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ExportedFunction:
     """A verb of one robot as a program. Arrays without entries are left out.
 

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import Array
 from graphdyn.model.parts import axis_normals, check_type, freeze, unit_axis
@@ -29,6 +30,7 @@ CHORD_ROWS: dict[ChordKind, tuple[str, ...]] = {
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Chord:
     """A connection between bodies i and j that closes a loop; it adds constraint rows and no freedom.
 

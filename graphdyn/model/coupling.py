@@ -9,11 +9,13 @@ from numbers import Real
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True)
+@short_repr
 class Coupling:
     """The position of a joint as a sum of those of others: q_joint = Σ ratio q + offset.
 
@@ -41,6 +43,7 @@ class Coupling:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class DegreesOfFreedom:
     """What couplings leave free, and what they transmit.
 

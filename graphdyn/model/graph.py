@@ -10,12 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidModel
 
 IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
+@short_repr
 class Graph:
     """A tree in regular labeling: the inside body of joint j has a number below j.
 

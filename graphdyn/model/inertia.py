@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.layout import Array
 
 TRIANGLE_TOLERANCE_SHARE = 1e-12
@@ -14,6 +15,7 @@ _TENSOR_ENTRIES = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2))
 
 
 @dataclass(frozen=True)
+@short_repr
 class Consistency:
     """Verdict on one body's inertials.
 

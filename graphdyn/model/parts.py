@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import inertia_from_parameters, parameters_from_inertia
@@ -28,6 +29,7 @@ AXIS_TIE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Body:
     """A rigid body, in the axes of its link frame (origin at its inside joint).
 
@@ -84,6 +86,7 @@ class JointLimits:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Joint:
     """A joint with one degree of freedom between body i(j) and body j.
 
@@ -145,6 +148,7 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Frame:
     """A named frame fixed in a body (a tool flange, a link fused into its parent); body 0 is the ground.
 

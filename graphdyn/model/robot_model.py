@@ -12,6 +12,7 @@ from numbers import Integral
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn.display import Displayed
 from graphdyn.errors import InvalidInput, InvalidModel, UnknownFrame, counted
 from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 from graphdyn.model import random_states
@@ -29,8 +30,8 @@ STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 """Gravity of a model by default [m/s²]: the value Pinocchio and most URDF tools use."""
 
 
-@dataclass(frozen=True, eq=False)
-class RobotModel:
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotModel(Displayed):
     """A tree of n rigid bodies on n joints of one degree of freedom each, some of which others may drive, and chords.
 
     bodies, joints: in regular labeling, parents first; joints[j-1] is the inside joint of bodies[j-1]
@@ -101,6 +102,18 @@ class RobotModel:
         _ = self.degrees_of_freedom  # refuses couplings that cannot be
         if self.actuated is not None:
             self._check_actuated(who, self.actuated)
+
+    def summary(self) -> str:
+        """Number of joints, mass, and what moves what."""
+        slides = sum(joint.is_prismatic for joint in self.joints)
+        kinds = f"{self.n_bodies - slides} revolute and {slides} prismatic joints"
+        driven = f", {counted(len(self.couplings), 'coupling')}" if self.couplings else ""
+        closed = f", {counted(len(self.chords), 'chord')}" if self.chords else ""
+        mass = sum(body.mass for body in self.bodies)
+        return (
+            f"robot {self.name}: {kinds}{driven}{closed}, {mass:.4g} kg\njoints: {', '.join(self.joint_names)}\n"
+            f"bodies: {', '.join((self.base_name, *self.body_names))}"
+        )
 
     def _check_actuated(self, who: str, given: Sequence[str]) -> None:
         if isinstance(given, str):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidModel
 from graphdyn.layout import Array
 
@@ -148,6 +149,7 @@ ROTATION_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Placement:
     """Frame b in frame a: a point with coordinates x in b has R x + t in a.
 

@@ -13,6 +13,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from graphdyn.display import short_repr
+
 Operation = Literal["constant", "input", "+", "-", "*", "/", "negate", "sine", "cosine"]
 Recorded = tuple[Any, ...]
 """An operation and its operands: numbers of earlier operations, a value, or the name and column of an input."""
@@ -24,6 +26,7 @@ Guard = Literal["finite", "squares", "minimum"]
 
 
 @dataclass(frozen=True)
+@short_repr
 class Program:
     """Straight-line code over one sample, parents of an operation before it.
 

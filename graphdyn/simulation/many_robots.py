@@ -16,6 +16,7 @@ from graphdyn.arguments.arrays import as_floats, joint_arrays
 from graphdyn.compiler.batch import check_threads
 from graphdyn.compiler.native import host_lanes
 from graphdyn.compiler.stepping.stepping import StepRange, in_blocks
+from graphdyn.display import short_repr
 from graphdyn.equations.loops.dynamics import closed
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
@@ -47,6 +48,7 @@ from graphdyn.simulation.torques import (
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MeasurementNoise:
     """Standard deviations of independent normal noise on the q and v that a controller sees, new at every sample.
 

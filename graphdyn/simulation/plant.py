@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import BaseMotionLaw
 from graphdyn.layout import BODY_DOF, BODY_PARAMETERS, Array
@@ -21,6 +22,7 @@ from graphdyn.model.robot_model import RobotModel, check_model
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Friction:
     """F_v v + F_c sign(v) + offset per joint; at rest, dry friction holds the joint up to F_c, and it does not creep.
 
@@ -65,6 +67,7 @@ class Friction:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class JointStops:
     """A spring and a damper beyond the position limits of the joints; they push, and never pull.
 

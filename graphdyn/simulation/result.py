@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.display import Displayed, short_repr
 from graphdyn.equations.kinematics import MaximalState, maximal_state
 from graphdyn.errors import InvalidInput
 from graphdyn.experiments.experiment import base_motion, observed
@@ -22,6 +23,7 @@ from graphdyn.verbs.energies import kinetic_energy, potential_energy
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class EnergyBalance:
     """Energies at the times of a simulation (N,) each [J].
 
@@ -47,8 +49,8 @@ class EnergyBalance:
         return float(np.abs(self.error).max()) / largest if largest else 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Simulation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(Displayed):
     """A motion from simulate, at N times; joints in the order of the model.
 
     time                                                    (N,)    [s]
@@ -75,6 +77,16 @@ class Simulation:
 
     def __post_init__(self) -> None:
         check_model(self.model)
+
+    def summary(self) -> str:
+        """How long it lasted, and how far the joints went."""
+        lasted = f"{self.time[-1] - self.time[0]:g} s, {len(self.time)} rows"
+        reach = [
+            f"{name}: {low:.4g} to {high:.4g}"
+            for name, low, high in zip(self.joint_names, self.q.min(axis=0), self.q.max(axis=0), strict=True)
+        ]
+        ended = f", ended by {self.ended}" if self.ended else ""
+        return f"motion of {self.model.name}: {lasted}{ended}; q from … to …: {'; '.join(reach)}"
 
     @property
     def joint_names(self) -> tuple[str, ...]:

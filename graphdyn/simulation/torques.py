@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.compiler.simulated import Law
+from graphdyn.display import short_repr
 from graphdyn.errors import IntegrationFailed, InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
@@ -28,6 +29,7 @@ Target = ArrayLike | Sequence[MotionLaw]
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class PDControl:
     """τ = K_p (q_d - q) + K_d (v_d - v) + feedforward, per joint.
 
@@ -47,6 +49,7 @@ class PDControl:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ComputedTorqueControl:
     """The torque of the inverse dynamics at a_d + K_p (q_d - q) + K_d (v_d - v): each joint as a spring of its own.
 

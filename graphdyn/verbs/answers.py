@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.layout import Array
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ForwardDynamics:
     """Answer of forward_dynamics.
 
@@ -46,6 +48,7 @@ class ForwardDynamics:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class InverseDynamics:
     """Answer of inverse_dynamics.
 
@@ -62,6 +65,7 @@ class InverseDynamics:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class InverseDynamicsDerivatives:
     """Answer of inverse_dynamics_derivatives; entry (…, i, k) is that of torque i and joint k.
 
@@ -76,6 +80,7 @@ class InverseDynamicsDerivatives:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class InverseDynamicsSecondDerivatives:
     """Answer of inverse_dynamics_second_derivatives; entry (…, i, j, k) is that of torque i, by the first variable of
     joint j and the second of joint k. ∂²τ/∂v∂a and ∂²τ/∂a∂a are zero.
@@ -93,6 +98,7 @@ class InverseDynamicsSecondDerivatives:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ForwardDynamicsDerivatives:
     """Answer of forward_dynamics_derivatives; entry (…, i, k) is that of acceleration i and joint k.
 
@@ -107,6 +113,7 @@ class ForwardDynamicsDerivatives:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ReactionDerivatives:
     """Answer of reaction_derivatives: of the multipliers (…, n, 5, n) and of the joint wrenches (…, n, 6, n).
 
@@ -122,6 +129,7 @@ class ReactionDerivatives:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Momentum:
     """Answer of momentum: linear momentum, then angular momentum, world axes.
 
@@ -134,6 +142,7 @@ class Momentum:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class EnergyRegressor:
     """Answer of energy_regressor; ten columns per body, in the order of model.inertial_parameters.
 

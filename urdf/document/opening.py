@@ -9,6 +9,7 @@ from os.path import isfile
 from pathlib import Path
 from typing import IO
 
+from graphdyn.display import short_repr
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.catalog import locate
 from urdf.document.document import BYTES, MAX_URDF_BYTES, STREAM, TEXT, Document, check_size, parsed
@@ -22,6 +23,7 @@ UTF8 = "utf-8"
 
 
 @dataclass(frozen=True)
+@short_repr
 class Xacro:
     """How .xacro files are to be expanded.
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from graphdyn import Placement
+from graphdyn.display import short_repr
 from graphdyn.layout import Array
 from urdf.errors import one_line
 
@@ -30,6 +31,7 @@ DEFAULT_COLOR: Color = (0.72, 0.74, 0.78, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Shape:
     """A triangle mesh that a body of the model carries.
 
@@ -66,6 +68,7 @@ class MissingShape:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Shapes:
     """All shapes of a robot, in the order of the file, and those that cannot be shown."""
 

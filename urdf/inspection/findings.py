@@ -7,6 +7,8 @@ from typing import Literal
 
 from lxml import etree
 
+from graphdyn.display import Displayed
+from graphdyn.errors import counted
 from urdf.document.elements import describe, file_of, line_of
 from urdf.errors import URDFError, one_line
 from urdf.inspection.remedies import OTHER_READERS, REMEDIES
@@ -16,6 +18,9 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 """Severities in this order: urdf.load refuses the file; it loads, but its dynamics are doubtful; good to know."""
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
+
+MAX_TOLD = 6
+"""Findings that the text of an inspection tells."""
 
 NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close", "infinitesimal-mobility")
 """Codes of the findings that leave a robot fit for kinematics only."""
@@ -47,8 +52,8 @@ class Finding:
         return self.message if self.element is None else f"{self.element}: {self.message}"
 
 
-@dataclass(frozen=True)
-class Inspection:
+@dataclass(frozen=True, repr=False)
+class Inspection(Displayed):
     """All findings of one file.
 
     robot: path or name as given; path: of the file, None where there is none
@@ -58,6 +63,13 @@ class Inspection:
     robot: str
     path: str | None
     findings: tuple[Finding, ...]
+
+    def summary(self) -> str:
+        """The verdict, and the kinds of findings by severity."""
+        counts = ", ".join(counted(self.count(severity), severity) for severity in SEVERITIES)
+        worst = [f"line {one.line or '–'}: {one.text} [{one.code}]" for one in self.findings if one.severity != "note"]
+        more = [f"and {len(worst) - MAX_TOLD} more"] if len(worst) > MAX_TOLD else []
+        return "\n".join([f"{self.robot}: {self.verdict}; {counts}", *worst[:MAX_TOLD], *more])
 
     @property
     def verdict(self) -> Verdict:

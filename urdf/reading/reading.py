@@ -10,6 +10,7 @@ from typing import Any, TypedDict
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments import refuse_unknown
+from graphdyn.display import short_repr
 from urdf.document.opening import Xacro
 from urdf.loops.closing import Loops
 from urdf.loops.mimics import Mimic
@@ -19,6 +20,7 @@ from urdf.reading.repairing import Repair
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+@short_repr
 class Reading:
     """How a robot is read from its file. Functions that read one take these fields as keywords, or as `reading=`.
 

@@ -9,6 +9,7 @@ from typing import Unpack
 
 from lxml import etree
 
+from graphdyn.display import short_repr
 from urdf.document.opening import Given
 from urdf.document.tree import joints_in_order
 from urdf.reading.parsing import Parsed, parsed_source
@@ -26,6 +27,7 @@ class WrittenOrigin:
 
 
 @dataclass(frozen=True)
+@short_repr
 class WrittenInertial:
     """An <inertial>: mass [kg]; tensor (3, 3) [kg m²] about the center of mass, in the axes of the origin."""
 
@@ -62,6 +64,7 @@ class WrittenMimic:
 
 
 @dataclass(frozen=True)
+@short_repr
 class WrittenRobot:
     """The numbers of a file.
 

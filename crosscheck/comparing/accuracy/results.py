@@ -11,6 +11,7 @@ from crosscheck.exact import Truth
 from crosscheck.quantities.states import RANDOM
 from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
+from graphdyn.display import Displayed
 from graphdyn.layout import Array
 from urdf import Reading
 
@@ -100,8 +101,8 @@ class QuantityErrors:
         return first, second
 
 
-@dataclass(frozen=True, eq=False)
-class TrueErrors(OfReading):
+@dataclass(frozen=True, eq=False, repr=False)
+class TrueErrors(OfReading, Displayed):
     """The accuracy of graphdyn and of the reference implementations on one robot.
 
     robot: name or path as given
@@ -135,6 +136,14 @@ class TrueErrors(OfReading):
     not_measured: Mapping[str, str]
     not_regular: Mapping[str, int]
     notes: tuple[str, ...]
+
+    def summary(self) -> str:
+        """Which codes exceed the bound of a quantity."""
+        beyond = [f"{name}: {', '.join(one.beyond)}" for name, one in self.quantities.items() if one.beyond]
+        return (
+            f"{self.robot} against exact values: {len(self.quantities)} quantities at {self.samples} random states and "
+            f"special ones; {'beyond their bounds: ' + '; '.join(beyond) if beyond else 'all within their bounds'}"
+        )
 
     @property
     def agrees(self) -> bool:

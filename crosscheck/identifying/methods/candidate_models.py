@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from crosscheck.identifying.methods.methods import STANDARD_METHODS, method_named
 from crosscheck.identifying.methods.torque_terms import STANDARD_TERM_NAMES, friction_terms
 from graphdyn import InvalidInput, RobotModel
+from graphdyn.display import short_repr
 from graphdyn.identification import Estimator, TorqueModel, WeightedLeastSquares
 from graphdyn.identification.terms import CarriesBodies, KnownBodies, KnownTerm, Offset, RigidBodies, Term
 
@@ -17,6 +18,7 @@ CAD_NAME = "CAD links"
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class CandidateModel:
     """A torque model and the methods that identify it.
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from crosscheck.recordings import Recording
 from graphdyn import EstimationFailed, RobotModel, maximal_state
+from graphdyn.display import short_repr
 from graphdyn.identification import Estimate, Problem, identify_inertial_parameters, joint_noise, model_prior
 from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import ANGULAR, LINEAR, Array
@@ -25,6 +26,7 @@ TORQUE_RANK_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class FromWrenches:
     """The graph method of the paper, from force and moment in every joint.
 

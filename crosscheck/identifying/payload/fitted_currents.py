@@ -16,6 +16,7 @@ from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from crosscheck.reference.subject import IDENTIFY_CLOSED, Subject, refuse_chords
 from graphdyn import InvalidInput
+from graphdyn.display import short_repr
 from graphdyn.identification import (
     MIN_CORRELATION_TIMES,
     MIN_MOVING_SPEED,
@@ -44,6 +45,7 @@ MIN_UNRELATED_RESIDUAL = 0.9
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class FittedCurrents:
     """Gains found from recordings of currents, the load if one was carried, and how well they fit.
 

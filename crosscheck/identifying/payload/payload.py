@@ -14,6 +14,7 @@ from crosscheck.identifying.preparing.preparation import Preparation
 from crosscheck.recordings import Recording
 from crosscheck.reference.subject import Robot, subject
 from graphdyn import InvalidInput
+from graphdyn.display import Displayed
 from graphdyn.identification.currents import (
     IdentifiedLoad,
     JointGains,
@@ -29,8 +30,8 @@ LOAD, CALIBRATION = "load", "calibration"
 """Names of the load and of one that is known, in the fit."""
 
 
-@dataclass(frozen=True, eq=False)
-class IdentifiedPayload(FittedCurrents):
+@dataclass(frozen=True, eq=False, repr=False)
+class IdentifiedPayload(FittedCurrents, Displayed):
     """A load and the gains.
 
     link: that carries the load; the parameters of the load are in its frame
@@ -39,6 +40,13 @@ class IdentifiedPayload(FittedCurrents):
 
     link: str
     mass_given: bool
+
+    def summary(self) -> str:
+        """The load and the gains, or why they are of no use."""
+        load, known = self.load, int(self.gains.determined.sum())
+        mass = f"{load.mass:.4g} ± {load.mass_deviation:.2g} kg on {self.link} of {self.subject.name}"
+        gains = f"{known} of {len(self.joints)} gains determined"
+        return "\n".join([f"load: {mass}; {gains}", *self.rejection_reasons])
 
     @property
     def load(self) -> IdentifiedLoad:

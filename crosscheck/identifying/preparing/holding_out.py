@@ -14,6 +14,7 @@ from crosscheck.recordings import Recording, Split, concatenated, split_by_rows,
 from crosscheck.recordings.preparation.filtering import settling_time
 from crosscheck.recordings.preparation.splits import GUARD_TIME, Interval, fold_rows
 from graphdyn import InvalidInput
+from graphdyn.display import short_repr
 from graphdyn.errors import counted
 
 MAX_FILTER_LEAKAGE = 1e-2
@@ -95,6 +96,7 @@ class ByRows:
 
 
 @dataclass(frozen=True)
+@short_repr
 class OtherRecordings:
     """Predict recordings other than those of the fit.
 

@@ -14,6 +14,7 @@ from crosscheck.recordings import Recording, differentiated, samples_of, samplin
 from crosscheck.recordings.preparation.derivatives import Cutoff, Differentiation, motion_covariance
 from crosscheck.recordings.preparation.filtering import filtered_blocks
 from crosscheck.recordings.preparation.resampling import is_even, resampled
+from graphdyn.display import short_repr
 from graphdyn.identification import Problem, Samples, TorqueModel
 from graphdyn.identification.closed_loop import held_torque
 from graphdyn.identification.data_quality import Piece
@@ -21,6 +22,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Preparation:
     """Settings of the preparation of a recording for the fit.
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from crosscheck.identifying.choosing.ladder import Ladder
 from crosscheck.recordings import PartitionedRecording
 from crosscheck.reference.subject import Subject
+from graphdyn.display import short_repr
 from graphdyn.identification import (
     MIN_MOVING_SPEED,
     ContradictedMass,
@@ -33,6 +34,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class TorqueCurve:
     """Measured and predicted torque of one interval of time.
 
@@ -119,6 +121,7 @@ class HeldOutPrediction:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+@short_repr
 class IdentifiedModel:
     """One torque model, fitted with several methods.
 
@@ -199,6 +202,7 @@ def _measured_squares(problem: Problem, own: slice) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Candidate:
     """A row of the comparison.
 

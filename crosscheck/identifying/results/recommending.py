@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from crosscheck.identifying.results.identified_model import Candidate
+from graphdyn.display import short_repr
 from graphdyn.identification import MethodResult, ResidualStatistics
 from graphdyn.layout import Array
 
@@ -88,6 +89,7 @@ TIE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
+@short_repr
 class Recommendation:
     """The recommended result.
 

@@ -20,13 +20,14 @@ from crosscheck.identifying.results.recommending import Recommendation, mean_err
 from crosscheck.identifying.results.rejection_reasons import rejection_reasons
 from crosscheck.recordings import Recording
 from graphdyn import InvalidInput
+from graphdyn.display import Displayed
 from graphdyn.identification import MethodResult, ResidualStatistics
 from graphdyn.identification.data_quality import FoundGravity
 from graphdyn.layout import Array
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Identified(IdentifiedModel):
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Identified(IdentifiedModel, Displayed):
     """An identification: the fitted rows, the result of every method, and the recommendation.
 
     torque_model, comparison, fit and trials are those of the first torque model that was asked for.
@@ -52,6 +53,17 @@ class Identified(IdentifiedModel):
     validation_data_quality: tuple[DataQuality | None, ...] = ()
     truth: Array | None = None
     currents: FittedCurrents | None = None
+
+    def summary(self) -> str:
+        """The recommended method, and the error of every method on rows that were not fitted."""
+        chosen = self.recommendation
+        rows = [
+            f"{candidate.name}: {mean_error(candidate.result):.2%} of the torque on rows that were not fitted"
+            for candidate in self.candidates
+            if candidate.result.held_out is not None
+        ]
+        said = f"recommended method: {chosen.name}" if chosen.name else "no usable model"
+        return "\n".join([f"{self.subject.name} identified; {said}: {chosen.reason}", *rows])
 
     @property
     def predicted_recordings(self) -> tuple[str, ...]:

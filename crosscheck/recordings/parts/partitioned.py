@@ -16,6 +16,7 @@ from crosscheck.recordings.parts.free_memory import give_back_free_memory
 from crosscheck.recordings.parts.partitions import Partition, ReadableLog, log_of, partitions
 from crosscheck.recordings.preparation.derivatives import chosen_cutoff
 from graphdyn import GraphDynError, InvalidInput
+from graphdyn.display import short_repr
 from graphdyn.identification import Problem, Samples, TorqueModel
 
 T = TypeVar("T")
@@ -32,6 +33,7 @@ ROWS_PER_PART = 250_000
 
 
 @dataclass(frozen=True)
+@short_repr
 class PartitionedRecording:
     """Long logs in Parquet or CSV files for graphdyn.identification.Problem(data=…), processed part by part.
 

@@ -28,6 +28,7 @@ from crosscheck.recordings.preparation.resampling import PERIOD_TOLERANCE, refus
 from crosscheck.recordings.recording import RECORDED_JOINT_CHANNELS, Provenance, Recording
 from crosscheck.recordings.table import RecordedTable
 from graphdyn import InvalidInput
+from graphdyn.display import short_repr
 from graphdyn.errors import counted
 from graphdyn.identification import RowFilter, Samples
 
@@ -103,6 +104,7 @@ ROWS_IN_MEMORY = 20_000
 
 
 @dataclass(frozen=True)
+@short_repr
 class StreamedRecording:
     """A long recording for graphdyn.identification.Problem(data=…), read again by every iteration.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from graphdyn.display import Displayed
 from graphdyn.layout import Array
 
 
@@ -88,8 +89,8 @@ class OpenChoice:
     lines: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class RecognizedLog:
+@dataclass(frozen=True, eq=False, repr=False)
+class RecognizedLog(Displayed):
     """What was recognized in the files of one log.
 
     files: as given; joints: of the robot; rows: number of rows
@@ -111,6 +112,12 @@ class RecognizedLog:
     assumed: tuple[str, ...]
     open: tuple[OpenChoice, ...]
     mapping: str
+
+    def summary(self) -> str:
+        """Which blocks of columns are what, and what is left to be said."""
+        taken = [f"{block.quantity}: {block.label}" for block in self.blocks if block.taken]
+        left = [f"left to be said: {choice.quantity}" for choice in self.open]
+        return "\n".join([f"{', '.join(self.files)}: {self.rows} rows", *taken, *left])
 
     @property
     def complete(self) -> bool:

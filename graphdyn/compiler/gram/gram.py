@@ -22,6 +22,7 @@ from graphdyn.compiler.llvm.memory import address, aligned
 from graphdyn.compiler.native import MachineCode, guard_memory, guards, host_lanes
 from graphdyn.compiler.programs import record_equations
 from graphdyn.compiler.running import MAX_COMPILED_LENGTH, beyond_reduction, chosen_backend, in_threads, turned_back
+from graphdyn.display import short_repr
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.scalars.expressions import MULTIPLIED_COLUMNS, Guard, Program
@@ -39,6 +40,7 @@ Seen = dict[Guard, float]
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class TorqueGram:
     """Recorded and compiled once for a robot; call it with recordings.
 

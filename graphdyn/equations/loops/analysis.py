@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import one_state
+from graphdyn.display import short_repr
 from graphdyn.equations.loops.dynamics import closed
 from graphdyn.equations.loops.reactions import in_self_stress, in_sizes_of_loops, self_stress, transmission
 from graphdyn.equations.specification import Arguments
@@ -23,6 +24,7 @@ DIRECTION_SHARE = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class LoopAnalysis:
     """Answer of analyze_loops.
 

@@ -16,6 +16,7 @@ from typing import Literal
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.equations.kinematics import MaximalState
 from graphdyn.errors import GimbalLock, InconsistentState, RankDeficientConstraints, SingularMassMatrix
 from graphdyn.layout import (
@@ -39,6 +40,7 @@ DEPENDENT_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class KKTSystem:
     """Eq. (111) at one state, or at a batch of states.
 
@@ -195,6 +197,7 @@ class KKTSystem:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class KKTSolution:
     """The answer of a KKTSystem, which computes its own residuals.
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import get_args
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.export.c.dialect import Dialect, Precision, Sines
 from graphdyn.export.c.headers import c_header, cpp_header
@@ -26,6 +27,7 @@ MAX_OPERATIONS = 40_000
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class CCode:
     """Functions of one robot in C99, which need nothing but a compiler.
 

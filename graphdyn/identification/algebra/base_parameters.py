@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.least_squares import triangle
 from graphdyn.layout import Array
@@ -56,6 +57,7 @@ largest one that leaves enough columns is taken, because nearly dependent column
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class BaseParameters:
     """The independent columns of W, and the grouping of the others with them.
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.base_parameters import MIN_COLUMN_SHARE, RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import triangle
@@ -19,6 +20,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class CompressedEquations:
     """The equations W_g x = τ_g of every group, as a triangular factor of [W_g | τ_g].
 

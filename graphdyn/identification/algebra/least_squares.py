@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
@@ -61,6 +62,7 @@ def orthonormal_basis(columns: Array, tolerance: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class LeastSquares:
     """Solution of a linear least-squares problem W x = τ.
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, sum_in_words
 from graphdyn.identification.algebra.compressed import EPS, MIN_ROWS_LEFT
@@ -26,6 +27,7 @@ MAX_STRAY_SHARE = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ParameterEstimate:
     """Solution of a linear least-squares problem K x = l with r = rank(K) of p columns.
 

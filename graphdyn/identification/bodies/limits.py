@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.bodies.reach import extents, joined
 from graphdyn.identification.bodies.unknown_bodies import PAYLOAD, Bodies
@@ -41,6 +42,7 @@ MIN_EQUAL_BODIES = 3
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class PhysicalLimits:
     """Bounds on the bodies, by name ("payload" for an unknown payload).
 
@@ -162,6 +164,7 @@ def _near_ratio(value: float, bounds: Array) -> list[float]:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class BodyLimits:
     """Limits of the unknown bodies of a torque model; infinite where there is none.
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
@@ -45,6 +46,7 @@ MAX_ENDOGENOUS_P = 0.01
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Exogeneity:
     """Result of the test.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.torque_model import TorqueModel
@@ -26,6 +27,7 @@ MAX_SIMULATION_STEP = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ClosedLoop:
     """The controller of a recording, with the reference that it followed.
 
@@ -91,6 +93,7 @@ def held_torque(tau: Array, period: float, hold: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class DrivenRobot:
     """R robots with their drives.
 

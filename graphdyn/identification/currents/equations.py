@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.compressed import CompressedEquations, merged
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
@@ -23,6 +24,7 @@ from graphdyn.layout import BODY_PARAMETERS, Array, parameter_columns
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class LoadedRecording:
     """A recording of currents, as the time blocks of a Problem, and the load that was carried.
 
@@ -35,6 +37,7 @@ class LoadedRecording:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class CurrentEquations:
     """Recordings of one robot, and the layout of their unknowns.
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.currents.covariance import current_covariance
 from graphdyn.identification.currents.equations import CurrentEquations, LoadedRecording
@@ -30,6 +31,7 @@ MAX_RELATIVE_DEVIATION = 1.0
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class CurrentFit:
     """Gains, links and loads that fit recorded currents best.
 

@@ -8,11 +8,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class JointGains:
     """Gains of the joints: torque is gain times recorded current.
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model.inertia import inertia_from_parameters, pseudo_inertia_from_parameters
@@ -50,6 +51,7 @@ class KnownLoad:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class IdentifiedLoad:
     """A load identified from recordings.
 

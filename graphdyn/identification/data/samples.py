@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 
@@ -43,6 +44,7 @@ def filtered_length(rows: int, row_filter: RowFilter | None) -> int:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Samples:
     """One piece of a recording: N samples, evenly spaced and in order, of n joints.
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data_quality.causes.additions import Addition
 from graphdyn.identification.data_quality.causes.changes import Change, RecordedColumns
@@ -91,6 +92,7 @@ def _words(name: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class RecordingQuality:
     """Data quality of a recording with n joints, those that no others drive.
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.identification.data_quality.causes.sizes import SizedChange
 from graphdyn.identification.data_quality.fits.thinning import ThinnedRecording
 from graphdyn.identification.data_quality.trials.refining import Curve
@@ -32,6 +33,7 @@ PLANTED_LOADS = (0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class VisibleSizes:
     """Smallest sizes of faults that a recording shows; ∞ where it shows none of the sizes that were planted.
 

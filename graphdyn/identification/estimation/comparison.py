@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.least_squares import one_thread
 from graphdyn.identification.data.samples import Samples
@@ -26,6 +27,7 @@ POSES_PER_CHUNK = 256
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Plausibility:
     """Whether identified parameters are physically consistent.
 
@@ -97,6 +99,7 @@ MIN_CORRELATION_TIMES = 80
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MethodResult:
     """Result of one method: the estimate and its quality, or the reason why there is none.
 
@@ -137,6 +140,7 @@ class MethodResult:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MethodComparison:
     """Identifiability of the parameters, the same for all methods, and the results of the methods in the order given.
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
+from graphdyn.display import short_repr
 from graphdyn.identification.bodies.limits import BodyLimits
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
@@ -13,6 +14,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Estimate:
     """Result of an estimator.
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.compressed import joint_noise
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
@@ -41,6 +42,7 @@ MAX_EQUATION_BYTES = 1e9
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Tunable:
     """A term with settings that `tuned` finds, one number for each joint; used directly, it is the term at the start.
 
@@ -69,6 +71,7 @@ class Tunable:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Tuned:
     """A setting that was found.
 

@@ -45,6 +45,7 @@ from typing import Literal
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.compressed import residual_deviations
 from graphdyn.identification.closed_loop.equations import CrossedEquations, LoopSolution, RowBlock, beside, output_step
@@ -59,6 +60,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class DirectInverse:
     """DIDIM.
 
@@ -146,6 +148,7 @@ def _output(loop: SimulatedLoop, samples: Samples, name: OutputName) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ClosedLoopOutputError:
     """Output error of the simulated loop.
 
@@ -190,6 +193,7 @@ class ClosedLoopOutputError:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class InstrumentalVariables:
     """IDIM-IV.
 

@@ -62,6 +62,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import EstimationFailed, InvalidInput
 from graphdyn.identification.algebra.compressed import CompressedEquations, joint_noise, merged, weighted_solution
 from graphdyn.identification.bodies.limits import PhysicalLimits
@@ -89,6 +90,7 @@ CONE_SOLVER = ("clarabel",)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ConsistentLeastSquares:
     """Weighted least squares over physically consistent bodies, by linear matrix inequalities.
 
@@ -123,6 +125,7 @@ Huber's weights: 7.5 and 7.6 %)."""
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ConsistentWithPrior:
     """Weighted least squares over physically consistent bodies, drawn towards a prior by a distance between inertias.
 
@@ -174,6 +177,7 @@ MAX_ROBUST_ITERATIONS = 30
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class RobustConsistent:
     """Huber's norm over physically consistent bodies. Every iteration reads the recording and solves a cone program.
 
@@ -254,6 +258,7 @@ class _State:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class LogCholesky:
     """Nonlinear least squares in log-Cholesky parameters, whose every value is a physically consistent body.
 

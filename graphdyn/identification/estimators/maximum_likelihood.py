@@ -34,6 +34,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import EstimationFailed
 from graphdyn.identification.algebra.accumulator import Accumulator
 from graphdyn.identification.algebra.compressed import (
@@ -205,6 +206,7 @@ LARGEST_SHARE_SETTING = "residual by errors of the motion"
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MaximumLikelihood:
     """Maximum likelihood with noisy positions.
 

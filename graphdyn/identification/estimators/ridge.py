@@ -14,6 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.compressed import EPS, CompressedEquations, joint_noise
 from graphdyn.identification.estimation.cross_validation import Trained, cross_validation
@@ -27,6 +28,7 @@ RIDGE_STRENGTHS = tuple(10.0**k for k in range(-8, 9))
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Ridge:
     """Ridge regression toward a prior.
 

@@ -11,12 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.base_parameters import BaseParameters
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Prior:
     """Parameters expected before the measurement.
 

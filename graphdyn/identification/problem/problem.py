@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.accumulator import Accumulator, Compression
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE, BaseParameters, base_parameters
@@ -55,6 +56,7 @@ P = TypeVar("P", Rows, Rows | Samples)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Problem:
     """A torque model and its data.
 

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from graphdyn.arguments.arrays import refuse_non_finite
 from graphdyn.compiler.gram.gram import torque_gram
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.base_parameters import BaseParameters, Indices, base_parameters
 from graphdyn.identification.data.samples import Samples, TorqueFreeSamples
@@ -34,6 +35,7 @@ STANDARD_TERMS: tuple[Term, ...] = (RigidBodies(), Viscous(), Coulomb(), Offset(
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class TorqueModel:
     """A robot and the terms of its torque; p parameters in all.
 

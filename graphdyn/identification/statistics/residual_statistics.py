@@ -13,6 +13,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.data.rows import Rows
 from graphdyn.identification.data.samples import Partitioned, merged_in_tree
 from graphdyn.identification.problem.problem import Problem, own_rows
@@ -27,6 +28,7 @@ N_LAGS = 20
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ResidualSizes:
     """Sizes of the residuals per joint, over some of the samples.
 
@@ -45,6 +47,7 @@ class ResidualSizes:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class ResidualStatistics:
     """Statistics of predicted minus measured torque.
 

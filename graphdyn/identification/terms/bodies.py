@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.compiler.running import quick_for_few
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import TermParameter
@@ -43,6 +44,7 @@ class RigidBodies:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class KnownBodies:
     """Bodies whose parameters are known, for instance from CAD: their torque is subtracted.
 
@@ -100,6 +102,7 @@ class Payload:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class PayloadMass:
     """One unknown: the mass of a load whose center, and tensor per mass about it, are known.
 
@@ -132,6 +135,7 @@ class PayloadMass:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class KnownPayload:
     """A load with known parameters (10,); its torque is subtracted. Raises InvalidInput for any other shape."""
 

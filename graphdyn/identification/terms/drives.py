@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.equations.kinematics import maximal_state, null_space
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
@@ -21,6 +22,7 @@ UNIT_AXIS_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class RotorInertia:
     """I_a a per joint: inertia of rotor and gear as seen at the joint.
 

@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import TermParameter, per_joint_columns, per_joint_rows
@@ -54,6 +55,7 @@ class Viscous:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Coulomb:
     """F_c sign(v) per joint, or F_c tanh(v / width) with a width, one for all or one per joint [rad/s or m/s]."""
 
@@ -67,6 +69,7 @@ class Coulomb:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Stribeck:
     """F_s sign(v) exp(-|v / velocity|^exponent): additional friction at low speed. Use it together with Coulomb.
 
@@ -88,6 +91,7 @@ class Stribeck:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class AsymmetricCoulomb:
     """One Coulomb friction for v > 0 and one for v < 0; both act against the motion. width: as in Coulomb."""
 
@@ -161,6 +165,7 @@ DEFAULT_WIDTHS = (0.02, 0.1, 0.5)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class LoadFriction:
     """F_l |g_j(q)| sign(v) per joint: Coulomb friction as a fraction of the load that the gear transmits.
 
@@ -182,6 +187,7 @@ class LoadFriction:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class SmoothCoulomb:
     """Σ_k F_k tanh(v / width_k) per joint: a friction curve of any shape that saturates.
 
@@ -208,6 +214,7 @@ DEFLECTION = 0.01
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class MaxwellSlip:
     """F_m z(t) per joint and element, in place of Coulomb or in addition to it. At the start of a run the springs are
     free.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.terms.term import TermParameter
@@ -19,6 +20,7 @@ Law = Callable[[Array, Array, Array], Array]
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class UserColumns:
     """k unknown parameters with user-defined columns.
 

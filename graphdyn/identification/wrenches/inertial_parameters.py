@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn.arguments.base_motion import BaseMotion
+from graphdyn.display import short_repr
 from graphdyn.equations.kinematics import link_origins, maximal_state
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.wrenches.body_wrenches import WrenchData, fitting_data, link_wrenches
@@ -27,6 +28,7 @@ _PARAMETER_KINDS = (0, 1, 1, 1, 2, 2, 2, 2, 2, 2)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class IdentifiedInertia:
     """Mass, center of mass and tensor about it of one body, in its link frame; NaN if not determined.
 

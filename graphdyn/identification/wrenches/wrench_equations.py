@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.algebra.compressed import EPS
 from graphdyn.identification.algebra.rank_revealing import (
@@ -19,6 +20,7 @@ from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class IdentifiedBodies:
     """k parameters of each of n bodies.
 

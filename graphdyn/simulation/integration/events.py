@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
@@ -25,6 +26,7 @@ COURSE_COLUMNS = ("q", "v", "work", "loss", "tau", "a", "passive")
 
 
 @dataclass(frozen=True)
+@short_repr
 class Event:
     """A function of t, q and v whose change of sign is looked for, by the same rule with every method.
 
@@ -49,6 +51,7 @@ class Event:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Occurrence:
     """An event that happened.
 

@@ -10,12 +10,14 @@ from lxml import etree
 from numpy.typing import ArrayLike
 
 from graphdyn import Chord, InvalidModel, Placement
+from graphdyn.display import short_repr
 from graphdyn.model import ChordKind
 from urdf.document.elements import describe, file_of, line_of
 from urdf.errors import URDFError
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Loop:
     """A connection that closes a loop: what graphdyn.Chord is between bodies, between links.
 

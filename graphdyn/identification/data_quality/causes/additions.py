@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.data_quality.fits.bounded_fit import BoundedFit
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.identification.terms import (
@@ -66,6 +67,7 @@ INSTANTS = tuple(np.linspace(0.1, 0.9, 17).tolist())
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Addition:
     """Columns that a torque model lacks.
 

@@ -10,12 +10,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.problem.torque_model import TorqueModel
 from graphdyn.layout import Array
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class RecordedColumns:
     """q = position c_q + zero,   tau = torque c_tau   with the columns c in SI units.
 
@@ -78,6 +80,7 @@ TRIAL_ZERO_OFFSETS = (90.0, -90.0, 180.0)
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Change:
     """A change of the columns that corrects a fault.
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.data_quality.fits.thinning import Piece
 from graphdyn.identification.statistics.residual_statistics import MIN_MOVING_SPEED
 from graphdyn.layout import Array
@@ -27,6 +28,7 @@ MIN_CLIPPED_ROWS = 5
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Channels:
     """Properties of the channels, per joint (n,), over all rows.
 

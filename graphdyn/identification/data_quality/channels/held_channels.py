@@ -12,6 +12,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.layout import Array
 
 MIN_HELD_ROWS = 10
@@ -53,6 +54,7 @@ MIN_COPIED_ROWS = 10
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class HeldValues:
     """Rows of a recording with n joints that hold a value.
 

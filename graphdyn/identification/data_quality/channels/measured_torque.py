@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.data.samples import Samples
@@ -36,6 +37,7 @@ NEGLIGIBLE_TORQUE_SHARE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Gains:
     """Gains per joint of τ = gain · τ_model + drives, with the drives fitted along (n,).
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from graphdyn.display import short_repr
 from graphdyn.identification.algebra.base_parameters import RANK_TOLERANCE
 from graphdyn.identification.algebra.least_squares import orthonormal_basis
 from graphdyn.identification.data_quality.delays.delay_fit import FittedDelays, fitted_delays
@@ -50,6 +51,7 @@ MIN_HINTED_DEVIATIONS = 3.0
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Lag:
     """Delay of the torques; positive if they were recorded late.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
 from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.layout import Array
@@ -31,6 +32,7 @@ class TooShort(InvalidInput):
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Piece:
     """An uninterrupted piece of a recording, prepared: q, v, a and tau low-passed alike. period [s]."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from graphdyn.display import short_repr
 from graphdyn.identification.data_quality.causes.additions import Addition
 from graphdyn.identification.data_quality.causes.changes import Change
 from graphdyn.identification.data_quality.fits.held_out import HeldOutGain, held_out_gain, held_out_squares
@@ -67,6 +68,7 @@ DOUBTED_KINDS = ("coupled positions", "coupled joints", "scaled torque")
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class DataFault:
     """A fault, and the change that corrects it or the addition that explains it. before, after: ‖e_j‖ / ‖τ_j‖ (n,)
 
