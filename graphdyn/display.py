@@ -31,7 +31,7 @@ Class = TypeVar("Class", bound=type)
 
 def short_repr(cls: Class) -> Class:
     """A decorator below `@dataclass`: the repr names every field, of arrays the shape, in MAX_CHARACTERS at most."""
-    cls.__repr__ = described  # type: ignore[misc]
+    cls.__repr__ = described  # type: ignore[method-assign, assignment]
     return cls
 
 

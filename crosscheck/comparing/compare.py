@@ -67,6 +67,13 @@ def compare(
     Raises InvalidInput for invalid samples or seed, and for a way to read a RobotModel; urdf's errors for a file that
     cannot be loaded; InconsistentState, before anything is compared, where loops cannot be closed or close only when
     stretched.
+
+    >>> import crosscheck
+    >>> comparison = crosscheck.compare("kr500", samples=2)  # 1000, if left out
+    >>> comparison.agrees
+    True
+    >>> comparison.quantities["inverse_dynamics"].agrees
+    True
     """
     check_counts(samples, seed)
     compared = subject(robot, Reading.of(compare, reading))

@@ -74,6 +74,15 @@ def identify(
 
     Raises InvalidInput for recordings of other joints or without torque, for a division that leaves nothing to fit or
     to predict, for unknown or repeated methods, for what needs the recording in memory; NoWorkers; urdf's errors.
+
+    >>> import crosscheck
+    >>> from crosscheck.identifying import Preparation, virtual_robot
+    >>> arm = virtual_robot("kr500", terms=(), seconds=10)  # or crosscheck.load_recording("log.csv")
+    >>> found = crosscheck.identify(
+    ...     "kr500", arm.fitted, terms="standard", methods=["wls"], preparation=Preparation(cutoff=10.0), poses=10
+    ... )
+    >>> found.comparison.rank, found.recommendation.name
+    (54, 'CAD links: WLS')
     """
     compared = subject(robot, Reading.of(identify, reading))
     refuse_chords(compared.model, IDENTIFY_CLOSED)

@@ -51,8 +51,9 @@ def judge(
     progress: Progress | None = None,
     **functions: Unpack[JudgedKeywords],
 ) -> Judgment:
-    """Compare functions under test with graphdyn, Pinocchio and MuJoCo (where installed), and say what is wrong with
-    them.
+    """Compare functions under test with graphdyn and Pinocchio, and say what is wrong with them.
+
+    MuJoCo is a third reference implementation where it is installed.
 
     functions: by the names in docs/judge.md, which lists arguments and answers: inverse_dynamics=f with f(q, v, a) → τ.
         One state per call, arrays of shape (n,) [rad or m, …/s, …/s², N m or N]. No friction. Besides them, for names
@@ -74,6 +75,19 @@ def judge(
     Raises InvalidInput for invalid arguments, and for exact without python-flint; FunctionFailure where a function
     under test raises or returns the wrong shape at every state, urdf's errors for a file that cannot be loaded,
     SingularMassMatrix for forward dynamics where the torques do not determine the accelerations.
+
+    >>> import crosscheck, graphdyn, urdf
+    >>> model = urdf.load("ur5")
+    >>> def rnea(q, v, a):  # stands for your function
+    ...     tau = graphdyn.joint_torques(model, q, v, a)
+    ...     tau[2] *= 1.01
+    ...     return tau
+    ...
+    >>> judgment = crosscheck.judge("ur5", inverse_dynamics=rnea, samples=10)
+    >>> judgment.verdict
+    'DISAGREES'
+    >>> print(judgment.diagnoses[0].message)
+    the torque of joint 'elbow_joint' is multiplied by 1.01, as by a gear
     """
     refuse_unknown(judge, functions, JudgedKeywords.__annotations__)
     reading: Any = {name: value for name, value in functions.items() if name in ReadingKeywords.__annotations__}

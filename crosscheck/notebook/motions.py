@@ -13,7 +13,7 @@ from graphdyn import Simulation, VirtualRecording
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 
-CHANNELS = {"q": "positions q", "v": "velocities v", "a": "accelerations a", "tau": "torques τ"}
+DRAWN_CHANNELS = {"q": "positions q", "v": "velocities v", "a": "accelerations a", "tau": "torques τ"}
 """Channels that are drawn, with the titles of their panels."""
 
 
@@ -49,7 +49,7 @@ def recording_overview(recording: Recording) -> Report:
     )
     notes = tuple(Note(finding.message, finding.code) for finding in recording.findings)
     t = np.maximum.accumulate(recording.t)
-    channels = {name: recording.channel(name) for name in recording.recorded(tuple(CHANNELS))}
+    channels = {name: recording.channel(name) for name in recording.recorded(tuple(DRAWN_CHANNELS))}
     return _overview(files, facts, (Notes(notes), _curves(recording.joint_names, t, channels)))
 
 
@@ -71,8 +71,8 @@ def _overview(title: str, facts: tuple[tuple[str, str], ...], blocks: Sequence[B
 
 def _curves(joints: Sequence[str], t: Array, channels: dict[str, Array]) -> Plot:
     panels = tuple(
-        Panel(CHANNELS[name], tuple(Series(joint, values[:, j], color=j) for j, joint in enumerate(joints)))
+        Panel(DRAWN_CHANNELS[name], tuple(Series(joint, values[:, j], color=j) for j, joint in enumerate(joints)))
         for name, values in channels.items()
     )
-    titles = ", ".join(CHANNELS[name] for name in channels)
+    titles = ", ".join(DRAWN_CHANNELS[name] for name in channels)
     return Plot(t, "t [s]", panels, f"{titles} of {', '.join(joints)} over time", on=("page",))

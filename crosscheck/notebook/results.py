@@ -56,4 +56,3 @@ def html(result: object) -> str | None:
         return None if report is None else fragment(report(result))
     except GraphDynError:
         return None
-

@@ -31,14 +31,14 @@ from crosscheck.report.report import (
 )
 from crosscheck.viewing.page import file_text
 
-MAX_ROWS = 10
+MAX_FRAGMENT_ROWS = 10
 """Rows of a table, and notes, that are shown."""
 
 POINTS_PER_CURVE = 300
 """Points of a drawn curve, each with two values."""
 
 _numbers = count(1)
-"""Of the fragments of this process: ids of a notebook must differ between its cells."""
+"""Numbers of the fragments of this process: ids of a notebook must differ between its cells."""
 
 
 def fragment(report: Report) -> str:
@@ -88,15 +88,15 @@ def _short(blocks: Sequence[Block]) -> Iterator[Block]:
             case Plot():
                 draw = partial(plot_picture, plot=block, points=POINTS_PER_CURVE)
                 yield Picture(draw, block.caption, title=block.title)
-            case Table() if len(block.rows) > MAX_ROWS:
-                rows = sorted(block.rows, key=lambda row: FAILURES_FIRST[row.state])[:MAX_ROWS]
+            case Table() if len(block.rows) > MAX_FRAGMENT_ROWS:
+                rows = sorted(block.rows, key=lambda row: FAILURES_FIRST[row.state])[:MAX_FRAGMENT_ROWS]
                 first = tuple(replace(row, link=None) for row in rows)
-                more = f"{MAX_ROWS} of {len(block.rows)} rows"
+                more = f"{MAX_FRAGMENT_ROWS} of {len(block.rows)} rows"
                 yield replace(block, rows=first, caption=f"{block.caption}; {more}" if block.caption else more)
             case Table():
                 yield replace(block, rows=tuple(replace(row, link=None) for row in block.rows))
-            case Notes() if len(block.notes) > MAX_ROWS:
-                yield replace(block, notes=block.notes[:MAX_ROWS])
-                yield Prose(f"… {len(block.notes) - MAX_ROWS} more", soft=True)
+            case Notes() if len(block.notes) > MAX_FRAGMENT_ROWS:
+                yield replace(block, notes=block.notes[:MAX_FRAGMENT_ROWS])
+                yield Prose(f"… {len(block.notes) - MAX_FRAGMENT_ROWS} more", soft=True)
             case _:
                 yield block

@@ -1,8 +1,8 @@
 """Docstrings of this project as reStructuredText.
 
 Lines `name: meaning   (shape)  [unit]` become a list of parameters (of a function) or attributes (of a class),
-sentences that begin with "Raises" or "Warns" become fields, and everything else is escaped, so that |x| or θ* means
-itself.
+sentences that begin with "Raises" or "Warns" become fields, paragraphs that begin with >>> code, and everything else
+is escaped, so that |x| or θ* means itself.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ def as_rst(lines: list[str], names: Collection[str], title: str, links: Mapping[
             rst.append(f"        {meaning or size}")
     for kind, text in parts.fields:
         rst.append(f":{kind}: {_linked(_escaped(text), links)}")
+    for example in parts.examples:
+        rst += ["", ".. code-block:: pycon", "", *(f"   {line}" for line in example), ""]
     return [*rst, ""]
 
 

@@ -86,8 +86,9 @@ def _are_plain(arguments: Iterable[ArrayLike | None], n: int, dtype: np.dtype[An
 
 
 def one_state(model: RobotModel, base: Batched | None = None, **arguments: ArrayLike | None) -> dict[str, Array]:
-    """Check like joint_arrays, for verbs that take ONE state. Raises InvalidInput where there are leading
-    dimensions."""
+    """Check like joint_arrays, for verbs that take ONE state.
+
+    Raises InvalidInput where there are leading dimensions."""
     arrays = joint_arrays(model, base, check=True, dtype=FLOAT, **arguments)
     batch = next(iter(arrays.values())).shape[:-1]
     if batch:

@@ -24,6 +24,12 @@ def joint_state(model: RobotModel, state: MaximalState) -> tuple[Array, Array]:
     The motion of the base is that of the state.
     Raises InconsistentState, naming the joint, where the bodies are not where the joints of the model hold them
     (MAX_CONSTRAINT_RESIDUAL); InvalidInput for a state of another number of bodies.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found, _ = graphdyn.joint_state(model, graphdyn.maximal_state(model, q, v))
+    >>> bool(np.allclose(found, q))
+    True
     """
     check_model(model)
     state = replace(state, model=model)
@@ -89,6 +95,12 @@ def joint_acceleration(model: RobotModel, state: MaximalState) -> Array:
     The acceleration of each body relative to its inside body, along the joint axis.
 
     Raises InconsistentState as joint_state does; InvalidInput where the state has no acceleration.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> state = graphdyn.maximal_state(model, q, v, a=np.ones(6))
+    >>> bool(np.allclose(graphdyn.joint_acceleration(model, state), 1))
+    True
     """
     check_model(model)
     if state.acceleration is None:

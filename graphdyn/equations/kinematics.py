@@ -116,6 +116,12 @@ def maximal_state(
     same here.
 
     Raises InvalidInput for wrong shapes, NaN or infinity.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> state = graphdyn.maximal_state(model, q, v)
+    >>> state.position.shape, state.rotation.shape
+    ((6, 3), (6, 3, 3))
     """
     check_model(model)
     rest = np.zeros(model.nv)
@@ -257,6 +263,12 @@ def frame_placement(
     """Rotation (…, 3, 3) and position (…, 3) [m] in the world of a named frame (see RobotModel.frame).
 
     Raises UnknownFrame for an unknown name, InvalidInput for wrong shapes, NaN or infinity.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> rotation, position = graphdyn.frame_placement(model, q, "B6")
+    >>> bool(np.allclose(rotation @ rotation.T, np.eye(3)))
+    True
     """
     check_model(model)
     frame = model.frame(name)

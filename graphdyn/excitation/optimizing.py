@@ -184,6 +184,18 @@ def optimized(
     start: up to MAX_STARTS random motions of this seed if left out
 
     Raises NoFeasibleMotion if no motion within the limits is found.
+
+    >>> import graphdyn
+    >>> from graphdyn.excitation import ExcitationProblem, FourierBasis, MotionLimits, optimized
+    >>> from graphdyn.identification import TorqueModel
+    >>> from graphdyn.identification.terms import RigidBodies
+    >>> robot = graphdyn.kr500()
+    >>> limits = MotionLimits.of_model(robot, lower=-2.0, upper=2.0, velocity=1.5, acceleration=5.0)
+    >>> basis = FourierBasis(duration=5.0, harmonics=2)
+    >>> problem = ExcitationProblem(TorqueModel(robot, (RigidBodies(),)), limits, basis, noise=20.0, rate=20.0)
+    >>> best = optimized(problem)
+    >>> best.trajectory.duration, max(usage.used for usage in best.usages) <= 1.0
+    (5.0, True)
     """
     rng = np.random.default_rng([seed, 1])
     best: OptimizedMotion | None = None

@@ -42,6 +42,13 @@ def simulate_recording(
         turntable
 
     Raises InvalidInput for unknown joints, laws that answer anything but three finite arrays (N,), wrong times.
+
+    >>> import graphdyn, numpy as np
+    >>> from graphdyn.motion_laws import ConstantAcceleration
+    >>> turning = {"O1": ConstantAcceleration(0.5)}  # 0.5 rad/s² from rest
+    >>> recording = graphdyn.simulate_recording(graphdyn.kr500(), np.linspace(0, 2, 5), turning)
+    >>> recording.v[:, 0]
+    array([0.  , 0.25, 0.5 , 0.75, 1.  ])
     """
     check_model(model)
     times = np.atleast_1d(as_floats("times", times))

@@ -37,7 +37,13 @@ def cylinder(name: str, length: float, radius: float, density: float = STEEL_DEN
 
 
 def kr500() -> RobotModel:
-    """The KR500 of the paper, gravity 9.80665 m/s² along -z; q = 0 is the initial pose of Figure 2."""
+    """The KR500 of the paper, gravity 9.80665 m/s² along -z; q = 0 is the initial pose of Figure 2.
+
+    >>> import graphdyn
+    >>> model = graphdyn.kr500()
+    >>> model.joint_names
+    ('O1', 'O2', 'O3', 'O4', 'O5', 'O6')
+    """
     bodies = [
         cylinder(f"B{i}", length, radius)
         for i, (length, radius) in enumerate(zip(BODY_LENGTHS, BODY_RADII, strict=True), 1)
@@ -60,6 +66,10 @@ def kr500_experiment(times: ArrayLike | None = None) -> VirtualRecording:
     Eq. (75)-(77) hold O_1 at O_0, which contradicts the rail: here the base moves as prescribed.
 
     times: increasing; if left out, the paper's 0 … 2 s in 100 steps      (N,)  [s]
+
+    >>> import graphdyn
+    >>> graphdyn.kr500_experiment([0.0, 1.0, 2.0])
+    <VirtualRecording: virtual recording of kr500: 6 joints, 3 rows, 0 to 2 s>
     """
     return simulate_recording(
         kr500(),

@@ -106,7 +106,11 @@ class RobotModel(Displayed):
     def summary(self) -> str:
         """Number of joints, mass, and what moves what."""
         slides = sum(joint.is_prismatic for joint in self.joints)
-        kinds = f"{self.n_bodies - slides} revolute and {slides} prismatic joints"
+        kinds = (
+            f"{counted(self.n_bodies, 'joint')}, {slides} of them prismatic"
+            if slides
+            else counted(self.n_bodies, "joint")
+        )
         driven = f", {counted(len(self.couplings), 'coupling')}" if self.couplings else ""
         closed = f", {counted(len(self.chords), 'chord')}" if self.chords else ""
         mass = sum(body.mass for body in self.bodies)

@@ -254,6 +254,12 @@ def rollout(
 
     Raises InvalidInput; InconsistentState where loops are open. On the NumPy back end, steps are taken in Python,
     thousands of times slower.
+
+    >>> import graphdyn, numpy as np
+    >>> starts = np.linspace(-0.5, 0.5, 5)[:, None] * np.ones(6)  # five robots
+    >>> motions = graphdyn.rollout(graphdyn.kr500(), starts, np.zeros(6), step=0.01, duration=0.05)
+    >>> motions.q.shape  # runs, times, joints
+    (5, 6, 6)
     """
     check_model(model)
     check_threads(threads)

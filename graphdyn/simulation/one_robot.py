@@ -96,6 +96,11 @@ def simulate(
 
     Raises InvalidInput; InconsistentState where loops are open; SingularMassMatrix where the torques do not determine
     the accelerations (massless bodies); IntegrationFailed where the numbers do not stay finite.
+
+    >>> import graphdyn, numpy as np
+    >>> motion = graphdyn.simulate(graphdyn.kr500(), q=np.full(6, 0.3), v=np.zeros(6), duration=0.1)
+    >>> motion.q.shape[1], bool(motion.energy.drift < 1e-6)
+    (6, True)
     """
     check_model(model)
     x = one_state(model, q=q, v=v)

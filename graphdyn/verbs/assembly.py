@@ -35,6 +35,20 @@ def assemble(
 
     Raises InconsistentState, naming the loop and its gap, where no step helps any more; InvalidInput for joints that
     there are not, wrong shapes, NaN or infinity.
+
+    >>> import graphdyn, numpy as np
+    >>> from graphdyn import Body, Chord, Joint, Placement, RobotModel
+    >>> def at(x):
+    ...     return Placement(translation=np.array([x, 0.0, 0.0]))
+    ...
+    >>> bodies = [Body(name, 1.0, (0.5, 0, 0), 0.1 * np.eye(3)) for name in ("upper", "lower")]
+    >>> joints = [Joint(f"joint {k}", "continuous", k, at(float(k)), (0, 0, 1)) for k in (0, 1)]
+    >>> rod = Chord("rod", "distance", 0, at(2.0), 2, at(1.0), length=1.5)  # from the ground to the lower end
+    >>> model = RobotModel("linkage", bodies, joints, chords=[rod])
+    >>> q = graphdyn.assemble(model, [0.5, 1.0])
+    >>> end = graphdyn.frame_placement(model, q, "lower")[1] + graphdyn.frame_placement(model, q, "lower")[0][:, 0]
+    >>> round(float(np.linalg.norm(end - (2, 0, 0))), 6)
+    1.5
     """
     check_model(model)
     rest = np.zeros(model.nv)

@@ -59,6 +59,12 @@ def compile(model: RobotModel, *verbs: str) -> CompiledModel:
     stay. Other threads do not touch it. Copies and pickles have memory of their own.
 
     Raises InvalidInput for a verb that CompiledModel does not have.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> compiled = graphdyn.compile(model)
+    >>> compiled.joint_torques(q, v, np.zeros(6)).shape
+    (6,)
     """
     compiled = CompiledModel(model)
     for verb in verbs:

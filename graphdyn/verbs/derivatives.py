@@ -58,6 +58,14 @@ def inverse_dynamics_derivatives(
     external_wrenches: force, moment on each body at O_j, fixed in link axes   (…, n, 6)  [N, N m]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.inverse_dynamics_derivatives(model, q, v, a=np.zeros(6))
+    >>> found.dtau_dq.shape
+    (6, 6)
+    >>> bool(np.allclose(found.dtau_da, graphdyn.mass_matrix(model, q)))
+    True
     """
     return computed(inverse_dynamics_derivatives, model, (q, v, a), keywords, external_wrenches)
 
@@ -82,6 +90,12 @@ def inverse_dynamics_second_derivatives(
     sines and cosines up to the double angle, in slides and velocities polynomials. The program of "recursive" is
     interpreted where it takes seconds to compile: a robot of six joints.
     Arguments and errors as in inverse_dynamics_derivatives.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.inverse_dynamics_second_derivatives(model, q, v, a=np.zeros(6))
+    >>> found.d2tau_dqdv.shape
+    (6, 6, 6)
     """
     return computed(inverse_dynamics_second_derivatives, model, (q, v, a), keywords, external_wrenches)
 
@@ -108,6 +122,12 @@ def forward_dynamics_derivatives(
     external_wrenches: force, moment on each body at O_j, fixed in link axes   (…, n, 6)  [N, N m]
 
     Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.forward_dynamics_derivatives(model, q, v, tau=np.zeros(6))
+    >>> bool(np.allclose(found.da_dtau, graphdyn.mass_matrix_inverse(model, q)))
+    True
     """
     return computed(forward_dynamics_derivatives, model, (q, v, tau), keywords, external_wrenches)
 
@@ -129,6 +149,11 @@ def reaction_derivatives(
     """Derivatives of the constraint forces of inverse_dynamics: multipliers and joint_wrenches, in q, v and a.
 
     Arguments, methods and errors as in inverse_dynamics_derivatives.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> graphdyn.reaction_derivatives(model, q, v, a=np.zeros(6)).dwrenches_dq.shape
+    (6, 6, 6)
     """
     return computed(reaction_derivatives, model, (q, v, a), keywords, external_wrenches)
 
@@ -150,6 +175,11 @@ def forward_dynamics_parameter_derivatives(
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
 
     Raises InvalidInput; SingularMassMatrix as forward_dynamics does.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> graphdyn.forward_dynamics_parameter_derivatives(model, q, v, tau=np.zeros(6)).shape
+    (6, 60)
     """
     return computed(forward_dynamics_parameter_derivatives, model, (q, v, tau), keywords, external_wrenches)
 

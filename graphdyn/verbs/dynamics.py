@@ -55,6 +55,14 @@ def forward_dynamics(
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
 
     Raises InvalidInput; SingularMassMatrix where the torques do not determine the accelerations (massless bodies).
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.forward_dynamics(model, q, v, tau=graphdyn.bias_torque(model, q, v))
+    >>> found.multipliers.shape  # five components at each of six joints
+    (6, 5)
+    >>> bool(abs(found.a).max() < 1e-9)  # these torques keep the velocities
+    True
     """
     return computed(forward_dynamics, model, (q, v, tau), keywords, external_wrenches)
 
@@ -79,6 +87,14 @@ def inverse_dynamics(
         more motors than motions
 
     Raises InvalidInput, with loops also where motors leave a motion free; InconsistentState where a loop is open.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.inverse_dynamics(model, q, v, a=np.zeros(6))
+    >>> found.tau[1:4].round(1)  # about O2, O3 and O4
+    array([-36857.9, -22899.3,    231.5])
+    >>> found.joint_wrenches.shape  # force and moment at each of six joints
+    (6, 6)
     """
     model = model if actuated is None else model.with_actuated(actuated)
     return computed(inverse_dynamics, model, (q, v, a), keywords, external_wrenches)
@@ -101,6 +117,12 @@ def solve_kkt(
     """The unknowns of Eq. (111), and nothing else: body_accelerations (…, n, 6) and multipliers (…, n, 5).
 
     Arguments, units and errors as in forward_dynamics, for any number of states; kkt_system shows the equations of one.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> body_accelerations, multipliers = graphdyn.solve_kkt(model, q, v, tau=np.zeros(6))
+    >>> body_accelerations.size + multipliers.size
+    66
     """
     return computed(solve_kkt, model, (q, v, tau), keywords, external_wrenches)
 
@@ -117,6 +139,12 @@ def joint_torques(
     """inverse_dynamics(…).tau alone (…, n), which takes a third of the time [N m or N].
 
     Arguments and errors are the same.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> states = np.tile(q, (100, 1))  # any leading dimensions
+    >>> graphdyn.joint_torques(model, states, v, a=np.zeros(6)).shape
+    (100, 6)
     """
     return computed(joint_torques, model, (q, v, a), keywords, external_wrenches)
 
@@ -133,6 +161,12 @@ def joint_accelerations(
     """forward_dynamics(…).a alone (…, n), which takes a third of the time [rad/s² or m/s²].
 
     Arguments and errors are the same.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> a = graphdyn.joint_accelerations(model, q, v, tau=np.zeros(6))
+    >>> bool(abs(graphdyn.joint_torques(model, q, v, a)).max() < 1e-6)
+    True
     """
     return computed(joint_accelerations, model, (q, v, tau), keywords, external_wrenches)
 
@@ -144,6 +178,12 @@ def bias_torque(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpac
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> h = graphdyn.bias_torque(model, q, v)
+    >>> bool(np.allclose(h, graphdyn.coriolis_matrix(model, q, v) @ v + graphdyn.gravity_torque(model, q)))
+    True
     """
     return computed(bias_torque, model, (q, v), keywords)
 
@@ -155,6 +195,11 @@ def gravity_torque(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywo
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> graphdyn.gravity_torque(model, q)[1:4].round(1)  # about O2, O3 and O4
+    array([-36714.2, -22953. ,    234.9])
     """
     return computed(gravity_torque, model, (q,), _at_rest(keywords))
 
@@ -170,6 +215,13 @@ def static_torque(
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
 
     Of the motion of a base only the placement counts. Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> wrenches = np.zeros((6, 6))
+    >>> wrenches[-1, 0] = 100.0  # 100 N along the first axis of the last link
+    >>> graphdyn.static_torque(model, q, wrenches).shape
+    (6,)
     """
     return computed(static_torque, model, (q,), _at_rest(keywords), external_wrenches)
 
@@ -197,6 +249,12 @@ def kkt_system(
 
     Raises InvalidInput for more than one state; InconsistentState where a loop is open; GimbalLock for
     Cardano coordinates at |cos β| below 1e-4.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> system = graphdyn.kkt_system(model, q, v, tau=np.zeros(6))
+    >>> system.matrix.shape, int(system.rank())
+    ((66, 66), 66)
     """
     if coordinates not in ("twist", "cardano"):
         raise InvalidInput(f"coordinates is '{coordinates}'; use 'twist' or 'cardano'")

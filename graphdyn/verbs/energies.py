@@ -33,6 +33,12 @@ def kinetic_energy(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Un
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> energy = graphdyn.kinetic_energy(model, q, v)
+    >>> bool(np.isclose(energy, v @ graphdyn.mass_matrix(model, q) @ v / 2))
+    True
     """
     return computed(kinetic_energy, model, (q, v), keywords)
 
@@ -44,6 +50,13 @@ def potential_energy(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKey
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> mass = sum(body.mass for body in model.bodies)
+    >>> height = graphdyn.center_of_mass(model, q)[2]
+    >>> bool(np.isclose(graphdyn.potential_energy(model, q), mass * 9.80665 * height))
+    True
     """
     return computed(potential_energy, model, (q,), keywords)
 
@@ -64,6 +77,12 @@ def power(
     external_wrenches: force, moment on each body at O_j, in link axes   (…, n, 6)  [N, N m]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> watts = graphdyn.power(model, q, v, a=np.zeros(6))
+    >>> bool(np.allclose(watts, graphdyn.joint_torques(model, q, v, np.zeros(6)) * v))
+    True
     """
     return computed(power, model, (q, v, a), keywords, external_wrenches)
 
@@ -80,6 +99,12 @@ def energy_regressor(
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.energy_regressor(model, q, v)
+    >>> bool(np.isclose(found.kinetic @ model.inertial_parameters, graphdyn.kinetic_energy(model, q, v)))
+    True
     """
     return computed(energy_regressor, model, (q, v), keywords)
 

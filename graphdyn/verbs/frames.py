@@ -44,6 +44,12 @@ def frame_jacobian(
     frame, reference: whose Jacobian, and "local", "local_world_aligned" or "world" (see frame_velocity)
 
     Raises UnknownFrame, InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> jacobian = graphdyn.frame_jacobian(model, q, "B6", reference="local")
+    >>> bool(np.allclose(jacobian @ v, graphdyn.frame_velocity(model, q, v, "B6", reference="local")))
+    True
     """
     choice = frame_choice(model, frame, reference)
     return computed(frame_jacobian, model, (q,), keywords, frame=choice)
@@ -68,6 +74,12 @@ def frame_velocity(
         world axes. These are Pinocchio's LOCAL, LOCAL_WORLD_ALIGNED and WORLD
 
     Raises UnknownFrame, InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> velocity = graphdyn.frame_velocity(model, q, v, "B1", reference="world")
+    >>> round(float(velocity[5]), 6)  # B1 turns about the vertical
+    0.1
     """
     choice = frame_choice(model, frame, reference)
     return computed(frame_velocity, model, (q, v), keywords, frame=choice)
@@ -94,6 +106,11 @@ def frame_acceleration(
         velocity (Featherstone, 2008, section 2.11). Pinocchio's getFrameClassicalAcceleration and getFrameAcceleration
 
     Raises UnknownFrame, InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> graphdyn.frame_acceleration(model, q, v, np.zeros(6), "B6", reference="local").shape
+    (6,)
     """
     choice = frame_choice(model, frame, reference, classical)
     return computed(frame_acceleration, model, (q, v, a), keywords, frame=choice)
@@ -117,6 +134,13 @@ def frame_jacobian_derivative(
     frame, reference: as in frame_velocity
 
     Raises UnknownFrame; InvalidInput, also for a base that moves.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> rate = graphdyn.frame_jacobian_derivative(model, q, v, "B6", reference="world")
+    >>> spatial = graphdyn.frame_acceleration(model, q, v, np.zeros(6), "B6", reference="world", classical=False)
+    >>> bool(np.allclose(rate @ v, spatial))
+    True
     """
     choice = frame_choice(model, frame, reference)
     if (base := keywords.get("base")) and base.moves:

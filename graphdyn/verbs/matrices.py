@@ -36,6 +36,12 @@ def mass_matrix(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywords
     q: joint positions (…, n) [rad or m]. The motion of a base does not change M; all verbs take the keyword.
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> matrix = graphdyn.mass_matrix(model, q)
+    >>> bool(np.allclose(matrix, matrix.T) and (np.linalg.eigvalsh(matrix) > 0).all())
+    True
     """
     return computed(mass_matrix, model, (q,), keywords)
 
@@ -47,6 +53,11 @@ def mass_matrix_inverse(model: RobotModel, q: ArrayLike, **keywords: Unpack[Verb
     q: joint positions (…, n) [rad or m]. The motion of a base does not change M.
 
     Raises InvalidInput; SingularMassMatrix where M has no inverse (massless bodies).
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> bool(np.allclose(graphdyn.mass_matrix(model, q) @ graphdyn.mass_matrix_inverse(model, q), np.eye(6)))
+    True
     """
     return computed(mass_matrix_inverse, model, (q,), keywords)
 
@@ -60,6 +71,11 @@ def coriolis_matrix(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: U
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput, also for a base that moves.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> graphdyn.coriolis_matrix(model, q, v).shape
+    (6, 6)
     """
     if (base := keywords.get("base")) and base.moves:
         raise InvalidInput("coriolis_matrix takes a base at rest: C v is not what a moving base adds to bias_torque")
@@ -81,6 +97,13 @@ def joint_torque_regressor(
     q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> regressor = graphdyn.joint_torque_regressor(model, q, v, a=np.zeros(6))
+    >>> torques = graphdyn.joint_torques(model, q, v, a=np.zeros(6))
+    >>> bool(np.allclose(regressor @ model.inertial_parameters, torques))
+    True
     """
     return computed(joint_torque_regressor, model, (q, v, a), keywords)
 
@@ -97,6 +120,11 @@ def body_regressor(
     q, v, a: joint state and accelerations (…, n) [rad or m, …/s, …/s²]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> graphdyn.body_regressor(model, q, v, a=np.zeros(6)).shape
+    (6, 6, 10)
     """
     return computed(body_regressor, model, (q, v, a), keywords)
 
@@ -111,6 +139,12 @@ def momentum_regressor(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> regressor = graphdyn.momentum_regressor(model, q, v)
+    >>> bool(np.allclose(regressor @ model.inertial_parameters, graphdyn.mass_matrix(model, q) @ v))
+    True
     """
     return computed(momentum_regressor, model, (q, v), keywords)
 

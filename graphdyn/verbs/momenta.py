@@ -34,6 +34,11 @@ def center_of_mass(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywo
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput, also for a robot without mass.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q = graphdyn.kr500(), np.full(6, 0.3)
+    >>> graphdyn.center_of_mass(model, q).round(3)
+    array([0.308, 0.098, 1.   ])
     """
     return computed(center_of_mass, model, (q,), keywords)
 
@@ -47,6 +52,13 @@ def center_of_mass_velocity(
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput, also for a robot without mass.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> mass = sum(body.mass for body in model.bodies)
+    >>> momentum = graphdyn.momentum(model, q, v).about_origin[:3]
+    >>> bool(np.allclose(momentum, mass * graphdyn.center_of_mass_velocity(model, q, v)))
+    True
     """
     return computed(center_of_mass_velocity, model, (q, v), keywords)
 
@@ -58,6 +70,12 @@ def center_of_mass_jacobian(model: RobotModel, q: ArrayLike, **keywords: Unpack[
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput, also for a robot without mass.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> velocity = graphdyn.center_of_mass_jacobian(model, q) @ v
+    >>> bool(np.allclose(velocity, graphdyn.center_of_mass_velocity(model, q, v)))
+    True
     """
     return computed(center_of_mass_jacobian, model, (q,), keywords)
 
@@ -71,6 +89,12 @@ def momentum(model: RobotModel, q: ArrayLike, v: ArrayLike, **keywords: Unpack[V
     q, v: joint state (…, n) [rad or m, …/s]
 
     Raises InvalidInput, also for a robot without mass.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> found = graphdyn.momentum(model, q, v)
+    >>> found.about_origin.shape  # linear, then angular
+    (6,)
     """
     return computed(momentum, model, (q, v), keywords)
 
@@ -84,6 +108,12 @@ def centroidal_map(model: RobotModel, q: ArrayLike, **keywords: Unpack[VerbKeywo
     q: joint positions (…, n) [rad or m]. Of the motion of a base only the placement counts.
 
     Raises InvalidInput, also for a robot without mass.
+
+    >>> import graphdyn, numpy as np
+    >>> model, q, v = graphdyn.kr500(), np.full(6, 0.3), np.full(6, 0.1)
+    >>> momentum = graphdyn.centroidal_map(model, q) @ v
+    >>> bool(np.allclose(momentum, graphdyn.momentum(model, q, v).about_center_of_mass))
+    True
     """
     return computed(centroidal_map, model, (q,), keywords)
 

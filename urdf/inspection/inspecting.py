@@ -55,6 +55,20 @@ def inspect(source: Given, *, meshes: Meshes = "summary", **reading: Unpack[Read
     report.findings has a code, a severity ("error": urdf.load refuses the file, "warning": dynamics are doubtful,
     "note"), the element, its line, a message that also states what Pinocchio and yourdfpy do there, and a remedy. The
     mass matrix is examined at five random states.
+
+    >>> import urdf
+    >>> pendulum = '''<robot name="pendulum">
+    ...   <link name="base"/>
+    ...   <link name="rod"><inertial>
+    ...     <mass value="-2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>
+    ...   </inertial></link>
+    ...   <joint name="hinge" type="continuous">
+    ...     <parent link="base"/><child link="rod"/><axis xyz="0 1 0"/>
+    ...   </joint>
+    ... </robot>'''
+    >>> found = urdf.inspect(pendulum)
+    >>> found.verdict, found.findings[0].line, found.findings[0].code
+    ('refused', 4, 'negative-mass')
     """
     if meshes not in get_args(Meshes):
         raise InvalidInput(f"meshes is {meshes!r}; give one of {', '.join(map(repr, get_args(Meshes)))}")

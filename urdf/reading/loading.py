@@ -51,6 +51,15 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     would have to be guessed, and InvalidModel for a gravity that is not three finite numbers.
     Warns MissingInertialWarning, ZeroMassWarning, AxisNotNormalizedWarning, MimicJointWarning, UnreadWarning,
     ChainWarning, RepairWarning, XacroWarning, UnboundJointWarning.
+
+    >>> import urdf
+    >>> model = urdf.load("ur5")  # or a path
+    >>> model.joint_names
+    ('shoulder_pan_joint', 'shoulder_lift_joint', 'elbow_joint', 'wrist_1_joint', 'wrist_2_joint', 'wrist_3_joint')
+    >>> print(urdf.load("ur5", lock={"wrist_3_joint": 0.0}))
+    robot ur5: 5 joints, 16.99 kg
+    joints: shoulder_pan_joint, shoulder_lift_joint, elbow_joint, wrist_1_joint, wrist_2_joint
+    bodies: world, shoulder_link, upper_arm_link, forearm_link, wrist_1_link, wrist_2_link
     """
     how = Reading.of(load, reading)
     document, reduced, parsed = parsed_source(source, how)
@@ -71,8 +80,10 @@ def fused_links(source: Given, **reading: Unpack[ReadingKeywords]) -> dict[str, 
 
 
 def held_positions(source: Given, reading: Reading) -> Mapping[str, float]:
-    """Position [rad or m] of each movable joint that stands still: locked ones, those beside a chain, and those that
-    only such joints drive. Raises load's errors."""
+    """Position [rad or m] of each movable joint that stands still.
+
+    These are locked joints, those beside a chain, and those that only such joints drive. Raises load's errors.
+    """
     return parsed_source(source, reading)[2].locked
 
 

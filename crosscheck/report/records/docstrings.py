@@ -11,7 +11,7 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 ENTRY_NAMES = r"[A-Za-z_]\w*(?:, [A-Za-z_]\w*)*"
 ENTRY = re.compile(rf"({ENTRY_NAMES}): *(?=\S)|({ENTRY_NAMES}):$")
@@ -19,6 +19,9 @@ _SIZE = r"(?:…|\w[\w +\-]{0,7})"
 _SHAPE = rf"\((?:{_SIZE},|{_SIZE}(?:, ?{_SIZE})+)\)"
 TAIL = re.compile(rf"[ ,;]*(?P<shape>{_SHAPE}(?:, ?{_SHAPE})*)?\s*(?P<unit>\[[^\[\]]*\])?$")
 FIELDS = ("Raises", "Warns")
+PROMPT = ">>>"
+"""Begins a line of Python in an example."""
+
 SENTENCE = re.compile(rf"(?<=[.)\]]) (?=(?:{'|'.join(FIELDS)}) [A-Z])")
 """The space before a sentence of an error or a warning."""
 
@@ -40,11 +43,15 @@ class DocstringEntry:
 
 @dataclass
 class DocstringParts:
-    """A docstring taken apart: paragraphs of prose, entries, and the sentences that begin with Raises or Warns."""
+    """A docstring taken apart: paragraphs of prose, entries, and the sentences that begin with Raises or Warns.
+
+    examples: lines of Python with their output, those of each paragraph that begins with >>>
+    """
 
     prose: list[str]
     entries: list[DocstringEntry]
     fields: list[tuple[str, str]]
+    examples: list[list[str]] = field(default_factory=list)
 
 
 def names_of(thing: object) -> set[str]:
@@ -65,6 +72,9 @@ def taken_apart(lines: list[str], names: Collection[str]) -> DocstringParts:
     """The parts of a docstring whose entries can be about these names only."""
     parts = DocstringParts([], [], [])
     for paragraph in _paragraphs(lines):
+        if paragraph[0].startswith(PROMPT):
+            parts.examples.append(paragraph)
+            continue
         for kind, text in _pieces(paragraph, names):
             if kind == "entry":
                 parts.entries += _entries(text, names)

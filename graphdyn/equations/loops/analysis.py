@@ -64,6 +64,19 @@ def analyze_loops(model: RobotModel, q: ArrayLike) -> LoopAnalysis:
 
     Raises InvalidInput for a robot without chords and for more than one pose; InconsistentState, naming the loop, where
     one is open.
+
+    >>> import graphdyn, numpy as np
+    >>> from graphdyn import Body, Chord, Joint, Placement, RobotModel
+    >>> def at(x):
+    ...     return Placement(translation=np.array([x, 0.0, 0.0]))
+    ...
+    >>> bodies = [Body(name, 1.0, (0.5, 0, 0), 0.1 * np.eye(3)) for name in ("upper", "lower")]
+    >>> joints = [Joint(f"joint {k}", "continuous", k, at(float(k)), (0, 0, 1)) for k in (0, 1)]
+    >>> rod = Chord("rod", "distance", 0, at(2.0), 2, at(1.0), length=1.5)  # from the ground to the lower end
+    >>> model = RobotModel("linkage", bodies, joints, chords=[rod])
+    >>> found = graphdyn.analyze_loops(model, graphdyn.assemble(model, [0.5, 1.0]))
+    >>> found.rank, found.mobility
+    (11, 1)
     """
     x = one_state(model, None, q=q)["q"]
     if not model.chords:

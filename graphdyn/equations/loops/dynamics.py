@@ -52,8 +52,11 @@ class Closed:
 def closed(
     model: RobotModel, q: Array, v: Array | None = None, a: Array | None = None, *, moving: bool = True
 ) -> Closed:
-    """The closed state at q, v, a (…, n). Raises InconsistentState, naming the loop, where these would open one, and
-    naming the joints where the loops have infinitesimal mobility only, unless the robot need not be moving."""
+    """The closed state at q, v, a (…, n).
+
+    Raises InconsistentState, naming the loop, where these would open one, and naming the joints where the loops have
+    infinitesimal mobility only, unless the robot need not be moving.
+    """
     loops, who = model.loops, f"robot '{model.name}'"
     refuse_open(who, loops, loops.gaps(q), OPEN_LOOP_REMEDY)
     links = loops.links(q, v)
