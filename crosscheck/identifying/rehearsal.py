@@ -131,6 +131,7 @@ def _size(errors: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Rehearsal:
     """What a planned motion will tell.
 

@@ -16,6 +16,9 @@ from graphdyn.layout import Array
 DRAWN_CHANNELS = {"q": "positions q", "v": "velocities v", "a": "accelerations a", "tau": "torques τ"}
 """Channels that are drawn, with the titles of their panels."""
 
+UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s²", "m/s²"), "tau": ("N m", "N")}
+"""Of every channel, at joints that turn and at those that slide."""
+
 
 def motion_report(motion: Simulation) -> Report:
     """A simulated motion: the robot, the largest values of every joint, positions and torques over time."""
@@ -33,7 +36,9 @@ def motion_report(motion: Simulation) -> Report:
         tuple(Row(cells) for cells in zip(motion.joint_names, *columns, strict=True)),
         failures_first=False,
     )
-    curves = _curves(motion.joint_names, motion.time, {"q": motion.q, "tau": motion.tau})
+    moving = {joint.name: joint.is_prismatic for joint in motion.model.joints}
+    slides = [moving[name] for name in motion.joint_names]
+    curves = _curves(motion.joint_names, slides, motion.time, {"q": motion.q, "tau": motion.tau})
     blocks = (robot_picture(motion.model, motion.model.name), Facts((("time", lasted + ended),)), joints, curves)
     return Report(f"{motion.model.name}, simulated", None, (Section("motion", "", blocks),))
 
@@ -50,7 +55,7 @@ def recording_overview(recording: Recording) -> Report:
     notes = tuple(Note(finding.message, finding.code) for finding in recording.findings)
     t = np.maximum.accumulate(recording.t)
     channels = {name: recording.channel(name) for name in recording.recorded(tuple(DRAWN_CHANNELS))}
-    return _overview(files, facts, (Notes(notes), _curves(recording.joint_names, t, channels)))
+    return _overview(files, facts, (Notes(notes), _curves(recording.joint_names, recording.prismatic, t, channels)))
 
 
 def virtual_recording_overview(recording: VirtualRecording) -> Report:
@@ -60,18 +65,22 @@ def virtual_recording_overview(recording: VirtualRecording) -> Report:
         ("joints", ", ".join(recording.joint_names)),
     )
     channels = {name: getattr(recording, name) for name in ("q", "v", "tau")}
-    return _overview(
-        f"{recording.robot}, virtual recording", facts, (_curves(recording.joint_names, recording.time, channels),)
-    )
+    curves = _curves(recording.joint_names, recording.prismatic, recording.time, channels)
+    return _overview(f"{recording.robot}, virtual recording", facts, (curves,))
 
 
 def _overview(title: str, facts: tuple[tuple[str, str], ...], blocks: Sequence[Block]) -> Report:
     return Report(title, None, (Section("recording", "", (Facts(facts), *blocks)),))
 
 
-def _curves(joints: Sequence[str], t: Array, channels: dict[str, Array]) -> Plot:
+def _curves(joints: Sequence[str], slides: Sequence[bool], t: Array, channels: dict[str, Array]) -> Plot:
+    """A panel for every channel; slides: which joints do."""
     panels = tuple(
-        Panel(DRAWN_CHANNELS[name], tuple(Series(joint, values[:, j], color=j) for j, joint in enumerate(joints)))
+        Panel(
+            DRAWN_CHANNELS[name],
+            tuple(Series(joint, values[:, j], color=j) for j, joint in enumerate(joints)),
+            " or ".join(UNITS[name][sliding] for sliding in sorted(set(slides))),
+        )
         for name, values in channels.items()
     )
     titles = ", ".join(DRAWN_CHANNELS[name] for name in channels)

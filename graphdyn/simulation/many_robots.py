@@ -188,6 +188,7 @@ def _no_torque(t: float, q: Array, v: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@short_repr
 class Rollout:
     """Motions of R runs at K times; numbers that overflow stay in their run, as NaN or infinity.
 

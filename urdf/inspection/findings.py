@@ -19,7 +19,7 @@ SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
 
 Verdict = Literal["dynamics", "kinematics only", "refused"]
 
-MAX_TOLD = 6
+MAX_SUMMARIZED = 6
 """Findings that the text of an inspection tells."""
 
 NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close", "infinitesimal-mobility")
@@ -47,6 +47,12 @@ class Finding:
     file: str | None = None
 
     @property
+    def place(self) -> str:
+        """Such as "arm.xacro, line 3: "; empty where the line is not known."""
+        file = f"{self.file}, " if self.file else ""
+        return f"{file}line {self.line}: " if self.line else ""
+
+    @property
     def text(self) -> str:
         """Element and message in one sentence."""
         return self.message if self.element is None else f"{self.element}: {self.message}"
@@ -67,9 +73,9 @@ class Inspection(Displayed):
     def summary(self) -> str:
         """The verdict, and the kinds of findings by severity."""
         counts = ", ".join(counted(self.count(severity), severity) for severity in SEVERITIES)
-        worst = [f"line {one.line or '–'}: {one.text} [{one.code}]" for one in self.findings if one.severity != "note"]
-        more = [f"and {len(worst) - MAX_TOLD} more"] if len(worst) > MAX_TOLD else []
-        return "\n".join([f"{self.robot}: {self.verdict}; {counts}", *worst[:MAX_TOLD], *more])
+        worst = [f"{one.place}{one.text} [{one.code}]" for one in self.findings if one.severity != "note"]
+        more = [f"and {len(worst) - MAX_SUMMARIZED} more"] if len(worst) > MAX_SUMMARIZED else []
+        return "\n".join([f"{self.robot}: {self.verdict}; {counts}", *worst[:MAX_SUMMARIZED], *more])
 
     @property
     def verdict(self) -> Verdict:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
 
+from graphdyn.display import short_repr
 from urdf.document.catalog import locate
 from urdf.document.elements import name_of
 from urdf.document.files import write_whole
@@ -30,6 +31,7 @@ one correction is possible."""
 
 
 @dataclass(frozen=True)
+@short_repr
 class RepairedFile:
     """What urdf.repair did.
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from graphdyn import Body, InvalidModel
+from graphdyn.display import short_repr
 from graphdyn.layout import BODY_PARAMETERS, Array
 from graphdyn.model import consistency_problems
 from urdf.document.catalog import locate
@@ -23,6 +24,7 @@ from urdf.writing.in_place import editable, inertial_spans, refuse_xacro, with_i
 
 
 @dataclass(frozen=True)
+@short_repr
 class Update:
     """What urdf.update did.
 
