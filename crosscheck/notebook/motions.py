@@ -16,8 +16,8 @@ from graphdyn.layout import Array
 DRAWN_CHANNELS = {"q": "positions q", "v": "velocities v", "a": "accelerations a", "tau": "torques τ"}
 """Channels that are drawn, with the titles of their panels."""
 
-UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s²", "m/s²"), "tau": ("N m", "N")}
-"""Of every channel, at joints that turn and at those that slide."""
+CHANNEL_UNITS = {"q": ("rad", "m"), "v": ("rad/s", "m/s"), "a": ("rad/s²", "m/s²"), "tau": ("N m", "N")}
+"""Units of every channel, at joints that turn and at those that slide."""
 
 
 def motion_report(motion: Simulation) -> Report:
@@ -79,7 +79,7 @@ def _curves(joints: Sequence[str], slides: Sequence[bool], t: Array, channels: d
         Panel(
             DRAWN_CHANNELS[name],
             tuple(Series(joint, values[:, j], color=j) for j, joint in enumerate(joints)),
-            " or ".join(UNITS[name][sliding] for sliding in sorted(set(slides))),
+            " or ".join(CHANNEL_UNITS[name][sliding] for sliding in sorted(set(slides))),
         )
         for name, values in channels.items()
     )
