@@ -22,7 +22,7 @@ author = "the graphdyn authors"
 copyright = "the graphdyn authors"
 release = version = graphdyn.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas", "guides"]
 exclude_patterns = ["site", "schemas", "rooms"]
 default_role = "code"
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]

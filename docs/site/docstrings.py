@@ -18,23 +18,23 @@ def as_rst(lines: list[str], names: Collection[str], title: str, links: Mapping[
     parts = taken_apart(lines, names)
     rst: list[str] = []
     for paragraph in parts.prose:
-        rst += [_escaped(paragraph), ""]
+        rst += [escaped(paragraph), ""]
     if parts.entries:
         rst.append(f":{title}:")
         for entry in parts.entries:
             term = ", ".join(f"**{name}**" for name in entry.names)
-            size = _escaped("  ".join(text for text in (entry.shape, entry.unit) if text))
-            meaning = _escaped(entry.meaning)
+            size = escaped("  ".join(text for text in (entry.shape, entry.unit) if text))
+            meaning = escaped(entry.meaning)
             rst.append(f"    {term} : {size}" if size and meaning else f"    {term}")
             rst.append(f"        {meaning or size}")
     for kind, text in parts.fields:
-        rst.append(f":{kind}: {_linked(_escaped(text), links)}")
+        rst.append(f":{kind}: {_linked(escaped(text), links)}")
     for example in parts.examples:
         rst += ["", ".. code-block:: pycon", "", *(f"   {line}" for line in example), ""]
     return [*rst, ""]
 
 
-def _escaped(text: str) -> str:
+def escaped(text: str) -> str:
     """Plain text with `code` in single backticks and pages as docs/NAME.md, as reStructuredText."""
     pieces = text.split("`")
     if len(pieces) % 2 == 0:  # a backtick that stands for itself

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import docstrings
 import gallery
+import mentions
 import public_names
 import pytest
 import reference
@@ -167,11 +168,22 @@ def pages(tmp_path_factory):
 
 class TestPublicNames:
     @pytest.mark.parametrize("module", public_names.MODULES)
-    def test_every_public_name_has_an_entry(self, module, pages):
-        page = (pages / f"{module}.rst").read_text(encoding="utf-8")
-        entries = re.findall(r"^\.\. (?:auto\w+:: |py:data:: )(\S+)$|^See :py:obj:`(\S+)`", page, re.MULTILINE)
-        names = sorted(f"{here}{there}".rpartition(".")[2] for here, there in entries)
-        assert names == public_names.public_names(module)
+    def test_every_public_name_has_an_entry_and_is_listed(self, module, pages):
+        entries = []
+        for path in (pages / module).glob("*.rst"):
+            text = path.read_text(encoding="utf-8")
+            entries += re.findall(r"^\.\. (?:auto\w+:: (?:\w+\.)*|py:data:: )(\w+)$", text, re.MULTILINE)
+        listed = re.findall(r"^- :py:obj:`(\w+) <", (pages / f"{module}.rst").read_text("utf-8"), re.MULTILINE)
+        names = public_names.public_names(module)
+        assert sorted(entries) == [name for name in names if public_names.home(module, name) == f"{module}.{name}"]
+        assert sorted(listed) == names
+
+    def test_every_function_has_a_page_of_its_own_and_no_page_is_long(self, pages):
+        for module in public_names.FOR_USERS:
+            for page, names in reference.pages_of(module).items():
+                kinds = [public_names.kind_of(public_names.value_of(module, name)) for name in names]
+                assert kinds.count("function") <= 1, page
+                assert kinds.count("class") <= 10, page
 
     def test_every_public_name_says_what_it_is(self, described):
         silent = [
@@ -211,8 +223,22 @@ class TestPublicNames:
         assert found.fields[0][0] == "Raises"
         assert found.fields[0][1].startswith("InvalidInput; SingularMassMatrix")
 
-    def test_pages_of_modules_that_are_gone_are_removed(self, pages):
-        assert {path.stem for path in pages.iterdir()} == {"index", *public_names.MODULES}
+    def test_pages_of_names_that_are_gone_are_removed(self, pages):
+        assert {path.stem for path in pages.glob("*.rst")} == {"index", *public_names.MODULES}
+
+    def test_an_example_is_a_block_of_code(self):
+        found = rst("Torques.\n\nRaises InvalidInput.\n\n>>> 1 + 1\n2")
+        assert found.endswith(".. code-block:: pycon\n\n   >>> 1 + 1\n   2")
+        assert parts("Torques.\n\n>>> q: 1", "q").entries == []
+
+
+class TestGuides:
+    def test_the_page_of_a_verb_leads_to_its_guide(self, pages):
+        text = (pages / "graphdyn/inverse_dynamics.rst").read_text("utf-8")
+        assert re.search(r"^\*\*In the guide\*\*: :doc:`/dynamics`", text, re.MULTILINE)
+
+    def test_every_verb_is_in_a_guide(self):
+        assert [name for name in graphdyn.verbs.VERBS if not mentions.speaking_of([f"graphdyn.{name}"])] == []
 
 
 class TestGallery:
