@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +16,11 @@ from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
 from graphdyn.display import Displayed, short_repr
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame
 from urdf import Reading
+
+if TYPE_CHECKING:
+    import pandas
 
 QUANTILES = (0.0, 0.5, 0.9, 0.99, 1.0)
 """Probabilities of QuantityResult.quantiles."""
@@ -137,6 +142,22 @@ class Comparison(OfReading, Displayed):
             else f"beyond their bounds: {', '.join(beyond)}",
         ]
         return "\n".join([*lines, *self.notes])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every quantity: whether it agrees, its error and bound, and where the error is largest.
+
+        Raises ImportError where pandas is missing.
+        """
+        results = list(self.quantities.values())
+        columns = {
+            "agrees": [result.agrees for result in results],
+            "error": [result.max_relative_error for result in results],
+            "bound": [result.quantity.tolerance.bound for result in results],
+            "part of bound": [result.part_of_bound for result in results],
+            "worst at": [result.worst.case if result.worst else None for result in results],
+            "route": [result.worst.route if result.worst else None for result in results],
+        }
+        return data_frame(columns, list(self.quantities), "quantity")
 
     @property
     def agrees(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -13,7 +13,11 @@ from crosscheck.reference.subject import OfReading
 from graphdyn import RobotModel
 from graphdyn.display import Displayed, short_repr
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame
 from urdf import Reading
+
+if TYPE_CHECKING:
+    import pandas
 
 UNCOUPLED = "joints that others drive are judged as if they were independent"
 """A note about a robot with couplings: other codes see it so."""
@@ -241,6 +245,20 @@ class Judgment(OfReading, Displayed):
             for name, function in self.functions.items()
         ]
         return "\n".join([head, *errors, *(f"{one.status}: {one.message}" for one in self.diagnoses), *self.notes])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every function and reference: verdict, largest error, bound.
+
+        Raises ImportError where pandas is missing.
+        """
+        rows = [(function, name) for function in self.functions.values() for name in function.errors]
+        columns = {
+            "reference": [name for _, name in rows],
+            "agrees": [bool((function.errors[name] <= function.bound).all()) for function, name in rows],
+            "largest error": [float(function.errors[name].max()) for function, name in rows],
+            "bound": [function.bound for function, _ in rows],
+        }
+        return data_frame(columns, [function.name for function, _ in rows], "function")
 
     @property
     def agrees(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,10 @@ from graphdyn import InvalidInput, VirtualRecording
 from graphdyn.display import Displayed
 from graphdyn.errors import counted
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame, joint_columns
+
+if TYPE_CHECKING:
+    import pandas
 
 MOTION_CHANNELS = ("q", "v", "a", "tau")
 RECORDED_JOINT_CHANNELS = (*MOTION_CHANNELS, "temperature")
@@ -130,6 +134,14 @@ class Recording(Displayed):
                 *found,
             ]
         )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every time, with what was recorded of every joint, in columns such as "q shoulder", and its block.
+
+        Raises ImportError where pandas is missing.
+        """
+        channels = {name: getattr(self, name) for name in RECORDED_JOINT_CHANNELS}
+        return data_frame({"block": self.block, **joint_columns(channels, self.joint_names)}, self.t, "t")
 
     @property
     def n_joints(self) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Context, Decimal
 from numbers import Integral
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,10 @@ from graphdyn.display import Displayed
 from graphdyn.errors import InvalidInput
 from graphdyn.layout import Array
 from graphdyn.model.spatial import cardano_matrix
+from graphdyn.tables import data_frame, joint_columns
+
+if TYPE_CHECKING:
+    import pandas
 
 JOINT_CHANNELS = ("q", "v", "a", "tau")
 BODY_CHANNELS = (
@@ -97,6 +101,14 @@ class VirtualRecording(Displayed):
         """Whose numbers, and over which time."""
         span = f"{self.time[0]:g} to {self.time[-1]:g} s" if len(self.time) else "no rows"
         return f"virtual recording of {self.robot}: {len(self.joint_names)} joints, {len(self.time)} rows, {span}"
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every time, with q, v, a and tau of every joint, in columns such as "q shoulder".
+
+        Raises ImportError where pandas is missing.
+        """
+        channels = {"q": self.q, "v": self.v, "a": self.a, "tau": self.tau}
+        return data_frame(joint_columns(channels, self.joint_names), self.time, "time")
 
     def _checked(self, name: str, value: ArrayLike, trailing: tuple[int, ...] | None) -> Array:
         """A read-only copy of the channel; the time, with no trailing shape, sets the number of rows."""

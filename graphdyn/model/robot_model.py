@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +26,10 @@ from graphdyn.model.inertia import Consistency, consistency_problems, pseudo_ine
 from graphdyn.model.loops import Loops, pivoted_columns
 from graphdyn.model.parts import Body, Frame, Joint, as_floats, check_type, freeze, read_only
 from graphdyn.model.spatial import Placement
+from graphdyn.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
 """Gravity of a model by default [m/s²]: the value Pinocchio and most URDF tools use."""
@@ -118,6 +123,21 @@ class RobotModel(Displayed):
             f"robot {self.name}: {kinds}{driven}{closed}, {mass:.4g} kg\njoints: {', '.join(self.joint_names)}\n"
             f"bodies: {', '.join((self.base_name, *self.body_names))}"
         )
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every joint with the body that it moves: kind, limits, mass and center of mass in the link frame.
+
+        Raises ImportError where pandas is missing.
+        """
+        limits = ("lower", "upper", "velocity", "effort")
+        columns = {
+            "kind": [joint.kind for joint in self.joints],
+            **{name: [getattr(joint.limits, name) for joint in self.joints] for name in limits},
+            "body": self.body_names,
+            "mass": [body.mass for body in self.bodies],
+            **{f"center {axis}": [body.center_of_mass[k] for body in self.bodies] for k, axis in enumerate("xyz")},
+        }
+        return data_frame(columns, self.joint_names, "joint")
 
     def _check_actuated(self, who: str, given: Sequence[str]) -> None:
         if isinstance(given, str):

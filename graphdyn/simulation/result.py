@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +18,13 @@ from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel, check_model
 from graphdyn.simulation.integration.events import Occurrence
 from graphdyn.simulation.plant import PlantConstants, refuse_loops
+from graphdyn.tables import data_frame, joint_columns
 from graphdyn.verbs.answers import InverseDynamics
 from graphdyn.verbs.dynamics import forward_dynamics, inverse_dynamics
 from graphdyn.verbs.energies import kinetic_energy, potential_energy
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +92,14 @@ class Simulation(Displayed):
         ]
         ended = f", ended by {self.ended}" if self.ended else ""
         return f"motion of {self.model.name}: {lasted}{ended}; q from … to …: {'; '.join(reach)}"
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every time, with q, v, a and tau of every joint, in columns such as "q shoulder".
+
+        Raises ImportError where pandas is missing.
+        """
+        channels = {"q": self.q, "v": self.v, "a": self.a, "tau": self.tau}
+        return data_frame(joint_columns(channels, self.joint_names), self.time, "time")
 
     @property
     def joint_names(self) -> tuple[str, ...]:

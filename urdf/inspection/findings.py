@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from lxml import etree
 
 from graphdyn.display import Displayed
 from graphdyn.errors import counted
+from graphdyn.tables import data_frame
 from urdf.document.elements import describe, file_of, line_of
 from urdf.errors import URDFError, one_line
 from urdf.inspection.remedies import OTHER_READERS, REMEDIES
+
+if TYPE_CHECKING:
+    import pandas
 
 Severity = Literal["error", "warning", "note"]
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
@@ -76,6 +80,14 @@ class Inspection(Displayed):
         worst = [f"{one.place}{one.text} [{one.code}]" for one in self.findings if one.severity != "note"]
         more = [f"and {len(worst) - MAX_SUMMARIZED} more"] if len(worst) > MAX_SUMMARIZED else []
         return "\n".join([f"{self.robot}: {self.verdict}; {counts}", *worst[:MAX_SUMMARIZED], *more])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every finding: severity, code, file, line, element, message and remedy.
+
+        Raises ImportError where pandas is missing.
+        """
+        names = ("severity", "code", "file", "line", "element", "message", "remedy")
+        return data_frame({name: [getattr(one, name) for one in self.findings] for name in names})
 
     @property
     def verdict(self) -> Verdict:

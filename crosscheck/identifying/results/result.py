@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from graphdyn.display import Displayed
 from graphdyn.identification import MethodResult, ResidualStatistics
 from graphdyn.identification.data_quality import FoundGravity
 from graphdyn.layout import Array
+from graphdyn.tables import data_frame
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -64,6 +68,19 @@ class Identified(IdentifiedModel, Displayed):
         ]
         said = f"recommended method: {chosen.name}" if chosen.name else "no usable model"
         return "\n".join([f"{self.subject.name} identified; {said}: {chosen.reason}", *rows])
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A row for every method: error on the rows that were not fitted, as a part of the torque, and consistency.
+
+        Raises ImportError where pandas is missing.
+        """
+        rows = [candidate for candidate in self.candidates if candidate.result.held_out is not None]
+        columns = {
+            "held-out error": [mean_error(candidate.result) for candidate in rows],
+            "consistent": [one.consistent if one else None for one in (row.result.plausibility for row in rows)],
+            "recommended": [candidate.name == self.recommendation.name for candidate in rows],
+        }
+        return data_frame(columns, [candidate.name for candidate in rows], "method")
 
     @property
     def predicted_recordings(self) -> tuple[str, ...]:

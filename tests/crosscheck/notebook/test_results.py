@@ -1,5 +1,6 @@
 """Results in notebooks: HTML that a parser accepts, with a picture, in colors of the page around it, and short text."""
 
+import sys
 import tomllib
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -130,6 +131,33 @@ def test_names_of_others_are_text(results):
     found = Elements(html(replace(results["model"], name=HOSTILE)))
     assert "script" not in found.names
     assert HOSTILE in found.text
+
+
+class TestTables:
+    def test_results_are_tables(self, results):
+        pytest.importorskip("pandas", reason="the extra graphdyn[pandas] is not installed")
+        quantities = results["comparison"].to_pandas()
+        assert quantities.index.name == "quantity"
+        assert quantities.loc["inverse_dynamics", "agrees"]
+        assert (quantities["error"] <= quantities["bound"]).all()
+        judged = results["judgment"].to_pandas()
+        assert list(judged["reference"][:2]) == ["graphdyn", "pinocchio"]
+        assert not judged["agrees"].any()
+        motion = results["simulation"].to_pandas()
+        assert list(motion.columns) == ["q swing", "v swing", "a swing", "tau swing"]
+        np.testing.assert_array_equal(motion["q swing"], results["simulation"].q[:, 0])
+        np.testing.assert_array_equal(motion.index, results["simulation"].time)
+        assert list(results["virtual recording"].to_pandas().columns) == list(motion.columns)
+        assert list(results["recording"].to_pandas().columns[:2]) == ["block", "q swing"]
+        assert results["model"].to_pandas().loc["swing", "mass"] == 1.5
+        assert set(results["inspection"].to_pandas().columns) >= {"severity", "code", "line", "remedy"}
+        assert "OLS" in results["identification"].to_pandas().index
+
+    def test_without_pandas_the_error_says_how_to_install_it(self, results, monkeypatch):
+        monkeypatch.setitem(sys.modules, "pandas", None)
+        for name in ("model", "simulation", "recording", "inspection", "comparison", "judgment", "identification"):
+            with pytest.raises(ImportError, match=r"run: python -m pip install 'graphdyn\[pandas\]'"):
+                results[name].to_pandas()
 
 
 class TestFragment:
