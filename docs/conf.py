@@ -22,7 +22,7 @@ author = "the graphdyn authors"
 copyright = "the graphdyn authors"
 release = version = graphdyn.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "formulas", "guides"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "formulas", "guides"]
 exclude_patterns = ["site", "schemas", "rooms"]
 default_role = "code"
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence"]
@@ -32,6 +32,10 @@ autodoc_type_aliases = {name: name for name in ("Array", "ArrayLike", "Method", 
 autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 88
 toc_object_entries_show_parents = "hide"
+nb_execution_mode = "cache"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
 html_math_renderer = "svg"
 html_theme = "furo"
 html_title = "graphdyn"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from graphdyn.errors import not_installed
 from graphdyn.layout import Array
 
 if TYPE_CHECKING:
@@ -23,9 +24,7 @@ def data_frame(
     try:
         import pandas
     except ImportError as error:
-        raise ImportError(
-            "tables need pandas, which is not installed; run: python -m pip install 'graphdyn[pandas]'"
-        ) from error
+        raise ImportError(not_installed("pandas", "pandas")) from error
     return pandas.DataFrame(dict(columns), index=None if index is None else pandas.Index(index, name=name))
 
 

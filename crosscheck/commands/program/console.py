@@ -8,6 +8,7 @@ from __future__ import annotations
 import codecs
 import io
 import logging
+import os
 import sys
 import time
 import traceback
@@ -110,13 +111,20 @@ def warnings_shown() -> Iterator[None]:
         warn(warning.message)
 
 
+def in_notebook() -> bool:
+    """Whether a cell of a notebook runs the program (`!graphdyn`): it shows colors, and no moves of the cursor."""
+    return "JPY_PARENT_PID" in os.environ or "matplotlib_inline" in os.environ.get("MPLBACKEND", "")
+
+
 @contextmanager
 def progress(title: str, total: int | None = None) -> Iterator[Advance]:
     """A bar on a terminal; elsewhere a line on standard error from time to time, none for what is done quickly.
 
-    Messages of the packages' loggers are shown beside it: what begins, in the parts that take long.
+    Cells of notebooks count as elsewhere. Messages of the packages' loggers are shown beside it: what begins, in the
+    parts that take long.
     """
-    with _bar(title, total) if err.is_terminal else nullcontext(_lines(title, total)) as advance, _told(advance):
+    moving = err.is_terminal and not in_notebook()
+    with _bar(title, total) if moving else nullcontext(_lines(title, total)) as advance, _told(advance):
         yield advance
 
 

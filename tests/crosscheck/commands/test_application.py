@@ -318,6 +318,8 @@ class TestProgress:
     def terminal(self, monkeypatch):
         for name, value in {"FORCE_COLOR": "1", "TERM": "xterm", "COLUMNS": "140"}.items():
             monkeypatch.setenv(name, value)
+        for name in ("JPY_PARENT_PID", "MPLBACKEND"):  # of notebooks
+            monkeypatch.delenv(name, raising=False)
         monkeypatch.setattr(console.err, "is_interactive", True)
         monkeypatch.setattr(type(console.err), "is_terminal", True)  # rich 13.0 asks FORCE_COLOR when it is imported
 

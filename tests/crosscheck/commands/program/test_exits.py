@@ -121,6 +121,17 @@ class TestProgressInLines:
         assert capsys.readouterr().err == "ur5: 0 of 40 after 12 s, compiling mass_matrix\n"
         assert not logger.isEnabledFor(logging.INFO)
 
+    @pytest.mark.parametrize(
+        ("name", "value"), [("JPY_PARENT_PID", "7"), ("MPLBACKEND", "module://matplotlib_inline.backend_inline")]
+    )
+    def test_in_cells_of_notebooks_where_the_cursor_cannot_move(self, clock, capsys, monkeypatch, name, value):
+        monkeypatch.setattr(type(console.err), "is_terminal", True)
+        monkeypatch.setenv(name, value)
+        with console.progress("ur5") as advance:
+            clock[0] += 75
+            advance("", 3)
+        assert capsys.readouterr().err == "ur5: 3 after 75 s\n"
+
     def test_without_total_or_name(self, clock, capsys):
         with console.progress("ur5") as advance:
             clock[0] += 75
