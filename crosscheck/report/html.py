@@ -54,6 +54,9 @@ PACKED_FROM = 8_000
 MAX_NAME_LENGTH = 28
 """Characters from which the name in a table is cut (style.css), so that hovering has to show the whole."""
 
+NAME_TAIL = 10
+"""Characters of the end of a long name that are never cut."""
+
 PAGE, VENDOR = Path(__file__).parent / "page", Path(__file__).parents[1] / "vendor"
 
 
@@ -192,6 +195,7 @@ def environment() -> Environment:
         plot_picture=plot_picture,
         stage_page=_stage_page,
         MAX_NOTE_LENGTH=MAX_NOTE_LENGTH,
+        NAME_TAIL=NAME_TAIL,
         PACKED_FROM=PACKED_FROM,
     )
     return environment

@@ -2,6 +2,8 @@
 
 import json
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,12 +18,13 @@ import crosscheck
 import graphdyn
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
+from crosscheck.commands.simulate.record import PassedLimit, SimulatedRun
 from crosscheck.identifying import Preparation
 from crosscheck.recordings import BadRecordingFile, load_recording, load_virtual_recording
 from crosscheck.recordings.formats.format import motion_document
 from crosscheck.reference.mujoco_model import MujocoModel
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
-from graphdyn import ComputedTorqueControl, Friction, InvalidInput, kr500, rollout, simulate
+from graphdyn import ComputedTorqueControl, Friction, InvalidInput, JointLimits, kr500, rollout, simulate
 from graphdyn.identification.terms import Coulomb, Offset, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
@@ -167,6 +170,50 @@ def test_limits_end_it(program, small_arm, tmp_path):
     record = json.loads(file.read_text(encoding="utf-8"))
     assert record["ended"] == record["occurrences"][-1]["name"] == "upper limit of joint 'a_slide'"
     assert record["duration"] < 9
+
+
+LIMITED = (JointLimits(-0.5, 2.0, 4.0, 3.0), JointLimits(velocity=1.0), JointLimits(-0.1, 0.4, 1.0, 3.0))
+
+
+def limited(q, v, tau):
+    """Three joints, the last of which slides, at three instants a second apart, with q, v, τ (3, 3)."""
+    tree = mixed_tree()
+    joints = [
+        replace(joint, limits=limits)
+        for joint, limits in zip(sorted(tree.joints, key=lambda one: one.is_prismatic), LIMITED, strict=True)
+    ]
+    model = SimpleNamespace(
+        joints=joints, n_bodies=3, degrees_of_freedom=SimpleNamespace(independent=[0, 1, 2], matrix=np.eye(3)),
+        joint_positions=lambda q: q,
+    )  # fmt: skip
+    motion = SimpleNamespace(model=model, time=np.arange(3.0), q=np.array(q), v=np.array(v), tau=np.array(tau))
+    return SimulatedRun(motion, "arm", urdf.Reading(), "zero", "dop853", None, None).passed_limits, joints
+
+
+def test_passed_limits():
+    """The farthest value of each kind, both ways, and when it is first beyond. Reaching a limit passes none."""
+    q = [[0, 9, 0], [-0.7, 9, 0.4], [-0.6, 9, 0.4 + 1e-8]]
+    v = [[0, 0, 1], [0, 0.5, -1.5], [0, -1.2, 0]]
+    found, joints = limited(q, v, [[0, 50, 0], [3, 50, 2], [0, 50, -3.5]])
+    assert found == [
+        PassedLimit(joints[0].name, False, "position", -0.5, -0.7, 1.0),
+        PassedLimit(joints[1].name, False, "velocity", 1.0, 1.2, 2.0),
+        PassedLimit(joints[2].name, True, "velocity", 1.0, 1.5, 1.0),
+        PassedLimit(joints[2].name, True, "effort", 3.0, 3.5, 2.0),
+    ]
+
+
+def test_passed_limits_are_told(program, small_arm, tmp_path):
+    file = tmp_path / "r.json"
+    done = program("simulate", small_arm, "--velocity", "0,3,0", "--duration", 2, "--json", file)
+    passed = json.loads(file.read_text(encoding="utf-8"))["passed_limits"]
+    assert "Limits that the motion passes" in done.out
+    said = " ".join(done.out.split())
+    for one in passed:
+        unit = {"position": "m", "velocity": "m/s", "effort": "N"}[one["kind"]] if one["prismatic"] else "rad"
+        assert f"{one['joint']}: its {one['kind']} reaches {one['farthest']:.4g} {unit}" in said
+        assert f"; it passes the limit of {one['limit']:.4g} {unit}" in said
+    assert "a_slide" in {one["joint"] for one in passed}
 
 
 def test_page(program, small_arm, tmp_path):

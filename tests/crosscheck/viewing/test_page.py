@@ -72,7 +72,7 @@ def figures():
     recording = Recording(tree.independent_joints, np.linspace(0.5, 0.7, 11), q, v, a, tau)
     moving = Figure("tree", ShownRobot(tree, stand_ins(tree)), *recorded_motion(tree, recording))
     bar = four_bar()
-    standing = Figure("arm", ShownRobot(arm, stand_ins(arm)))
+    standing = Figure("arm", ShownRobot(arm, stand_ins(arm), collision=stand_ins(arm)[:1]))
     return recording, (moving, standing, Figure("bar", ShownRobot(bar, stand_ins(bar)), *closed_instant(bar)))
 
 
@@ -627,3 +627,104 @@ def test_noise_is_drawn_as_nothing(shown):
 def test_the_scale_of_arcs(shown, loads, usual, torque):
     figure = f"{{ robot: {{ usual: {{ force: 0, {usual} }} }}, loads: () => ({{ force: [0], {loads} }}) }}"
     assert shown.value(f"firstScales([{figure}], 1).torque") == pytest.approx(torque)
+
+
+def first_met(triangles, near, far):
+    """The smallest part of the way from near to far (3,) up to one of the triangles (k, 3, 3); inf where none is."""
+    a, b, c = np.moveaxis(triangles, 1, 0)
+    way = np.broadcast_to(near - far, a.shape)
+    v, w, u = np.linalg.solve(np.stack([b - a, c - a, way], axis=-1), (near - a)[..., None])[..., 0].T
+    return np.where((v >= 0) & (w >= 0) & (v + w <= 1) & (u >= 0) & (u <= 1), u, np.inf).min()
+
+
+def test_a_click_finds_the_link_that_is_seen(shown, figures):
+    """Through the middle of every shape, and beside all, against every triangle of every shape."""
+    shown.value("player.seek(0); player.stage.draw()")
+    shifts = shown.value("player.figures.map((figure) => figure.place.position.toArray())")
+    shapes = []
+    for k, figure in enumerate(figures[1]):
+        placements, _ = drawn(shown, k)
+        for shape in figure.robot.shapes:
+            place = placements[shape.body]
+            vertices = shape.vertices @ place[:3, :3].T + place[:3, 3] + shifts[k]
+            shapes.append(([k, shape.body], vertices[shape.faces]))
+    middles = [triangles.mean(axis=(0, 1)).tolist() for _, triangles in shapes]
+    found = shown.value(
+        f"""{middles}.map((middle) => new THREE.Vector3(...middle).project(player.stage.camera))
+          .concat({{ x: 0.99, y: 0.99 }}).map(({{ x, y }}) => {{
+            const seen = seenAt(player.stage, x, y);
+            const end = (z) => new THREE.Vector3(x, y, z).unproject(player.stage.camera).toArray();
+            return [end(-1), end(1), seen && [player.figures.indexOf(seen[0]), seen[1]]];
+          }})"""
+    )
+    for near, far, answer in found[:-1]:
+        parts = [first_met(triangles, np.array(near), np.array(far)) for _, triangles in shapes]
+        assert answer == shapes[int(np.argmin(parts))][0]
+    assert len({tuple(answer) for _, _, answer in found[:-1]}) > 5
+    assert found[-1][2] is None
+
+
+def test_numbers_of_a_chosen_link(shown, figures):
+    """Mass, center, tensor and loads of the joint, as they are at the instant shown."""
+    recording, (figure, *_) = figures
+    model, body = figure.robot.model, figure.robot.model.bodies[2]
+    loads = inverse_dynamics(model, recording.q[0], recording.v[0], recording.a[0])
+    told = dict(shown.value("(player.seek(0), toldOf(player.figures[0], 3))"))
+    force = maximal_state(model, recording.q[0]).rotation[2] @ loads.joint_wrenches[2, LINEAR]
+    read = [float(x.replace("−", "-")) for x in told["force"].split("]")[0].strip("[").split(", ")]
+    assert read == pytest.approx(force, rel=1e-3, abs=1e-3 * np.abs(force).max())
+    assert told["mass"] == f"{shown.value(f'written({body.mass})')} kg"
+    assert told["joint"] == f"{model.joints[2].name}, {model.joints[2].kind}"
+    xx, yy, zz = (shown.value(f"written({body.inertia[i, i]})") for i in range(3))
+    assert told["inertia"].startswith(f"xx, yy, zz [{xx}, {yy}, {zz}], ")
+    shown.value("document.getElementById('body').selectedIndex = 4")
+    shown.value("document.getElementById('body').dispatchEvent(new Event('change'))")
+    assert shown.value("document.getElementById('told').textContent").startswith(f"mass{told['mass']}")
+    marked = (
+        "player.figures[0].layers.shapes.filter((mesh) => mesh.material.emissive.getHex()).map((m) => m.userData.body)"
+    )
+    assert set(shown.value(marked)) == {3}
+    assert set(shown.value(f"(player.figures[0].mark(-1), {marked})")) == set()
+
+
+def test_the_largest_instants_are_marked(shown, figures):
+    """Of force and moment, on the line of the time; a press goes there."""
+    recording, (figure, *_) = figures
+    wrenches = inverse_dynamics(figure.robot.model, recording.q, recording.v, recording.a).joint_wrenches
+    marks = shown.value("[...document.querySelectorAll('#marks button')].map((mark) => [mark.className, mark.title])")
+    assert [kind for kind, _ in marks] == ["force", "moment"]
+    for k, part in enumerate((LINEAR, ANGULAR)):
+        sizes = np.linalg.norm(wrenches[..., part], axis=-1)
+        row, joint = np.unravel_index(sizes.argmax(), sizes.shape)
+        time = float(recording.t[row] - recording.t[0])
+        assert marks[k][1].endswith(f" at {figure.robot.model.joints[joint].name}, {time:.2f} s")
+        shown.value(f"document.querySelectorAll('#marks button')[{k}].click()")
+        assert shown.value("player.state.t") == pytest.approx(time)
+
+
+def test_why_sliders_are_gray(shown):
+    why = "new JointRows(document.createElement('tbody'), player.figures[{}], {}, () => 0).why"
+    assert shown.value(why.format(0, "false")) == "Gray sliders: joint6 is driven by joint1 and joint4."
+    assert shown.value(why.format(1, "false")) == ""
+    assert "would open the loops" in shown.value(why.format(2, "false"))
+
+
+def test_collision_shapes_on_demand(shown):
+    visible = "player.figures[1].layers.collision.map((mesh) => mesh.visible)"
+    press = "document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 'k', bubbles: true}))"
+    assert shown.value(visible) == [False]
+    assert shown.value(f"({press}, {visible})") == [True]
+    assert shown.value(f"({press}, {visible})") == [False]
+
+
+def test_the_picture_that_is_saved(shown):
+    """As large as the view, with what is drawn, and the legend over it."""
+    size, colors, same = shown.value(
+        """(() => {
+          const { stage } = player, canvas = pictureOf(stage), drawn = stage.renderer.domElement;
+          const pixels = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+          return [[canvas.width, canvas.height], new Set(pixels).size, [drawn.width, drawn.height]];
+        })()"""
+    )
+    assert size == same
+    assert colors > 50

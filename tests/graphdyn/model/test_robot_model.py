@@ -18,6 +18,7 @@ from graphdyn import (
     Frame,
     InvalidInput,
     InvalidModel,
+    Joint,
     JointLimits,
     Placement,
     RobotModel,
@@ -25,6 +26,7 @@ from graphdyn import (
     identification,
 )
 from graphdyn.identification import terms
+from graphdyn.model import unit_of
 from graphdyn.model.inertia import consistency_problems
 
 ANYTHING = np.zeros(6)
@@ -257,3 +259,13 @@ def test_pseudo_inertia_eigenvalue_has_the_sign_of_the_verdict():
     verdict = RobotModel("r", (slab,), (hinge(),)).physical_consistency()[0]
     # ½ tr J E - J has the smallest entry ½ · 4.5 - 2.5
     assert verdict.pseudo_inertia_eigenvalue == pytest.approx(-0.25, abs=1e-15)
+
+
+def test_units_of_the_joints_at_hand():
+    """Of those that turn, of those that slide, or both; of no joint as of one that turns."""
+    turning = Joint("a", "revolute", 0, Placement(), (0, 0, 1))
+    sliding = Joint("b", "prismatic", 1, Placement(), (0, 0, 1))
+    for joints, unit in (
+        ([turning], "N m"), ([sliding], "N"), ([sliding, turning], "N m or N"), ([], "N m"),
+    ):  # fmt: skip
+        assert unit_of(joints, "N m", "N") == unit

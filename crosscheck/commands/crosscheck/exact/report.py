@@ -103,6 +103,7 @@ def _section(one: TrueErrors, key: str, *, detailed: bool) -> Section:
         ),
         verdict_of(one.agrees, reason=_what(one)),
         sheet=True,
+        folded="" if detailed or not one.agrees else f"{name}: picture, joints, every quantity",
     )
 
 
@@ -181,6 +182,7 @@ def _table(one: TrueErrors) -> Table:
         ),
         tuple(rows),
         title="Every quantity",
+        folded=one.agrees,
         caption="Errors in eps = 2.2e-16 of the scale of the quantity",
         on=("page",),
     )
@@ -197,7 +199,7 @@ def _points(one: TrueErrors) -> Picture:
         f"Points: {QUANTILE_WORDS}; the line ends at the largest error of all states. The upright line is the bound."
     )
     draw = partial(error_points, rows=rows, usual=f"Errors ({QUANTILE_WORDS})")
-    return Picture(draw, caption, title="Errors beside the bounds", on=("page",))
+    return Picture(draw, caption, title="Errors beside the bounds", on=("page",), folded=one.agrees)
 
 
 def _notes(one: TrueErrors) -> Iterator[Note]:

@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from robots.mechanisms import four_bar
 from shared_data import REPOSITORY
-from shown.pages import rows
+from shown.pages import opened, rows
 from typer.testing import CliRunner
 from urdf_text import joint, link, robot_text
 
@@ -77,7 +77,7 @@ def test_terminal_file_and_page_have_the_same_numbers(few, arm, tmp_path):
         last = list(quantity["codes"].values())[-1]
         assert eps_text(last["largest"]) in table[name]
     assert "exact are the doubles of the model in memory" in " ".join(done.output.split())
-    drawn = page.read_text(encoding="utf-8")
+    drawn = opened(page.read_text(encoding="utf-8"))
     assert "eps of the scale" in drawn
     assert all(f">{name}</text>" in drawn for name in MEASURED)
 

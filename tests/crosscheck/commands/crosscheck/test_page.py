@@ -15,7 +15,9 @@ import pytest
 from faults.judged_functions import DIAGNOSIS, judged, judgment, judgment_page
 from lxml import etree
 from planting import compared
+from shown.axe import AXE, violations
 from shown.browser import CHROMIUM, too_wide
+from shown.driven_browser import DrivenBrowser
 from shown.pages import COMMAND, balanced, comparison_page, complaints, opened, parsed, rows, snippets
 
 import crosscheck
@@ -212,7 +214,7 @@ class TestForm:
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
 def test_in_a_browser(tmp_path, wrong_comparison, tree):
-    """No page is wider than its window, no script fails, and the buttons appear."""
+    """No page is wider than its window, no script fails, and axe-core finds nothing."""
     function = judged(tree, "joint_torque_regressor", 1.5)
     verdict = judgment(tree, function, diagnoses=(DIAGNOSIS,))
     pages = {
@@ -220,3 +222,8 @@ def test_in_a_browser(tmp_path, wrong_comparison, tree):
         "judged.html": judgment_page(verdict),
     }
     assert too_wide(pages, tmp_path) == []
+    if AXE is not None:
+        with DrivenBrowser(tmp_path / "profile") as browser:
+            for name in pages:
+                browser.load((tmp_path / name).as_uri(), "0")
+                assert violations(browser) == []

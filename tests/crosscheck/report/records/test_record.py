@@ -1,8 +1,10 @@
 """Records: which fields of a result are written, and the schema that describes them."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
 from typing import Literal
 
 import numpy as np
@@ -10,7 +12,16 @@ import pytest
 from numpy.typing import NDArray
 
 from crosscheck.report.records.json_schema import schema_of
-from crosscheck.report.records.record import Count, Record, attribute, plain, written
+from crosscheck.report.records.record import (
+    FURTHER_LIBRARIES,
+    Count,
+    Record,
+    attribute,
+    plain,
+    taking_part,
+    versions,
+    written,
+)
 
 
 @dataclass(frozen=True)
@@ -199,3 +210,14 @@ class TestSchema:
 
         with pytest.raises(TypeError, match="the line of an array gives no shape"):
             schema_of(Shapeless)
+
+
+def test_all_that_took_part_is_told(monkeypatch):
+    """Python, compiler and platform in any case, references and solvers once they are imported."""
+    for name in FURTHER_LIBRARIES:
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    known = taking_part()
+    assert {**versions(), **known} == known
+    assert set(known) - set(versions()) == {"llvmlite", "python", "platform"}
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert taking_part() == {**known, "mujoco": version("mujoco")}
