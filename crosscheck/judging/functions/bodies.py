@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, turned
+from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, turned, turned_back
 from crosscheck.judging.functions.motions import Motions, flat, motions, stacked
 from crosscheck.judging.slips.operations import ONCE, Operations
 from crosscheck.judging.slips.turning import center_in_world, tensor_in_world
@@ -92,8 +92,12 @@ class BodySums:
             inside = m.omegas[code.inside[b]]
             spin = do.result("J ω in the angular momentum", b, turned(body.tensor, body.omega), {
                 "taken with ω of the inside link": lambda: turned(body.tensor, inside) + 0 * body.omega,
+                "taken with ω of the outer link": lambda: turned(
+                    body.tensor, m.omegas[outer[0] + 1] if (outer := _outside(code, b)) else body.omega
+                ),
             }, of="body")  # fmt: skip
             lever = do.result("the moment of momentum (c − c_all) × m ċ", b, crossed(body.center - whole, pushed), {
+                "taken without m": lambda: crossed(body.center - whole, body.velocity),
                 "taken about the world's origin": lambda: crossed(body.center, pushed),
                 "taken of the link origin": lambda: crossed(body.center - body.offset - whole, pushed),
                 "taken with c of the link alone": lambda: crossed(body.offset, pushed),
@@ -175,6 +179,7 @@ class BodySums:
             }, of="body")  # fmt: skip
             swing = do.result("ω × c in the velocity of the center of mass", b, crossed(w, offset), {
                 "taken with ω of the inside link": lambda: crossed(m.omegas[inside], offset),
+                "taken with ω in link axes": lambda: crossed(turned_back(R, w), offset),
             }, of="body")  # fmt: skip
             origin = do.result("the place of the link origin", b, m.origins[b + 1], {
                 "that of the inside link's origin": lambda: m.origins[inside] + 0 * m.origins[b + 1],
@@ -200,3 +205,8 @@ class BodySums:
 
     def _ordered(self, answer: Array) -> Array:
         return np.roll(answer, 3, axis=0) if self.chosen["order"] == "angular first" else answer
+
+
+def _outside(code: DynamicsCode, b: int) -> list[int]:
+    """Numbers of the bodies next to body b on its outside, all from 0."""
+    return [k for k, inside in enumerate(code.inside) if inside == b + 1]

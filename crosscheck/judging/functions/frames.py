@@ -34,7 +34,7 @@ class FrameFormulations:
     def placement(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """[[R, p], [0, 1]], row by row (16, K, R)."""
         m = places(code, x, state[0], do, self.base)
-        R, p, _ = self._placed(m, do)
+        R, p, _ = self._placed(x, m, do)
         zero = 0 * p[0]
         rows = [number for i in range(3) for number in (*R[i], p[i])]
         return stacked([*rows, zero, zero, zero, zero + 1])
@@ -42,7 +42,7 @@ class FrameFormulations:
     def jacobian(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """Column by column z × (p − o), z (6 n, K, R), row by row."""
         m = places(code, x, state[0], do, self.base)
-        placed = self._placed(m, do)
+        placed = self._placed(x, m, do)
         p, offset = placed[1], placed[2]
         columns: list[Twist] = []
         for j, z in enumerate(m.axes):
@@ -92,13 +92,13 @@ class FrameFormulations:
 
     def velocity(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         m = motions(code, x, state, do, self.base)
-        placed = self._placed(m, do)
+        placed = self._placed(x, m, do)
         return self._six(self._read(m, placed, self._moving(m, placed[2], do), do))
 
     def rates(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """The rate of the Jacobian, ż × (p − o) + z × (ṗ − ȯ), ż (6 n, K, R)."""
         m = motions(code, x, state, do, self.base)
-        placed = self._placed(m, do)
+        placed = self._placed(x, m, do)
         p, offset = placed[1], placed[2]
         twist = self._moving(m, offset, do)
         columns: list[Twist] = []
@@ -130,7 +130,7 @@ class FrameFormulations:
 
     def acceleration(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         m = motions(code, x, state, do, self.base)
-        R, p, offset = self._placed(m, do)
+        R, p, offset = self._placed(x, m, do)
         b = self.frame.body
         w, dw = m.omegas[b], m.alphas[b]
         tangential = do.result("the term ω̇ × r of the frame", ONCE, crossed(dw, offset))
@@ -153,12 +153,13 @@ class FrameFormulations:
             linear, angular = turned_back(R, linear), turned_back(R, angular)
         return self._six((linear, angular))
 
-    def _placed(self, m: Motions, do: Operations) -> tuple[Array, Array, Array]:
+    def _placed(self, x: Numbers, m: Motions, do: Operations) -> tuple[Array, Array, Array]:
         """Rotation and place of the frame, and where it is from its link's origin."""
         b, own = self.frame.body, self.frame.placement
         link, t = m.rotations[b], own.translation[:, None, None]
         offset = do.result("the offset of the frame from its link's origin", ONCE, turned(link, t), {
             NOT_TURNED: lambda: t + 0 * link[0], WRONG_WAY: lambda: turned_back(link, t),
+            "that of the link's center of mass": lambda: turned(link, x.centers[b - 1]),
         })  # fmt: skip
         rf = own.rotation[:, :, None, None]
         R = do.result("the rotation of the frame", ONCE, times(link, rf), {

@@ -112,6 +112,7 @@ def _multipliers(
         moment = do.result("the moment of λ_4, λ_5 in axes that the joint does not turn", j, turned(own, n), {
             "taken in link axes, not turned": lambda: n + 0 * own[0], WRONG_WAY: lambda: turned_back(own, n),
             "taken about the center of mass": lambda: turned(own, n - crossed(x.centers[j], f)),
+            "turned into axes of the inside link": lambda: turned(x.rotations[j], turned(own, n)),
         })  # fmt: skip
         about = [(axis * moment).sum(axis=0) for axis in (first, second)]
         names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")

@@ -70,6 +70,12 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
             "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
             lambda s, c: np.swapaxes(x := known.of_graphdyn(s, c), -1, -2).reshape(x.shape),
         )  # fmt: skip
+    if known.shape[-1:] == ("n",) and len(known.shape) > 1:
+        for shift, where in ((1, "before"), (-1, "after")):
+            yield AnswerFault(
+                "joint_order", f"each column is that of the joint {where} it", "fill in the columns by joint",
+                lambda s, c, shift=shift: np.roll(known.of_graphdyn(s, c), shift, axis=-1),  # type: ignore[misc]
+            )  # fmt: skip
     if known.name == "mass_matrix_inverse":
         for name, part in (("lower", np.tril), ("upper", np.triu)):
             yield AnswerFault(

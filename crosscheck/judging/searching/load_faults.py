@@ -31,6 +31,14 @@ def other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
         ),
         ("are taken as acting at the centers of mass", lambda s: _moved(s, _centers(s))),
         ("are taken as acting at the origins of the inside links", lambda s: _moved(s, _inside_origins(s))),
+        (
+            "are taken as those of the body before",
+            lambda s: np.roll(s.all_loads, 1, axis=1) * (np.arange(s.model.n_bodies) > 0)[:, None],
+        ),
+        (
+            "are taken as those of the body after",
+            lambda s: np.roll(s.all_loads, -1, axis=1) * (np.arange(s.model.n_bodies) < s.model.n_bodies - 1)[:, None],
+        ),
         *(_of_bodies(states.model)),
     ):
         yield AnswerFault(

@@ -67,6 +67,10 @@ def _unsolved(inner: Quantity, states: JudgedStates, right: JudgedStates) -> Ite
         message = f"M⁻¹ is left out: the answers are {what} at the accelerations that belong to the torques"
         remedy = f"solve with the mass matrix: -M⁻¹ {inner.name}"
         yield FaultDescription("other_function", message, remedy), np.asarray(sign * matrix)
+    if states.model.n_bodies > 1:
+        diagonal = np.einsum("nii->ni", states.mass)[..., None]
+        message = f"{inner.name} is divided by the diagonal of M, not multiplied by M⁻¹"
+        yield FaultDescription("other_function", message, "solve with the mass matrix"), -matrix / diagonal
     if matrix.shape[-1] == states.mass.shape[-1]:
         inverse = np.linalg.inv(states.mass)
         message = f"{inner.name} is multiplied by M⁻¹ from the right, not from the left"
@@ -77,6 +81,10 @@ def _unsolved(inner: Quantity, states: JudgedStates, right: JudgedStates) -> Ite
     remedy = "compute the accelerations by forward dynamics first"
     swapped = inner.of_graphdyn(states.but(a=states.tau), {})
     yield FaultDescription("argument", message, remedy), _solved(states, swapped)
+    without = np.linalg.solve(states.mass, states.tau[..., None])[..., 0].astype(float)
+    message = "the accelerations are M⁻¹ τ: bias and gravity are not subtracted from the torques"
+    remedy = "the accelerations are M⁻¹ (τ - h)"
+    yield FaultDescription("argument", message, remedy), _solved(states, inner.of_graphdyn(states.but(a=without), {}))
 
 
 def _solved(states: JudgedStates, matrix: Array) -> Array:

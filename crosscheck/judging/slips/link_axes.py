@@ -226,6 +226,7 @@ def _along_axis(
     (p, rotation, translation), (turn, r), (f, n) = joint, place, wrench
     fixed, vector = turned_back(rotation, translation), f if slides else n
     found = do.result(TORQUE_ALONG_AXIS, j, (p * vector).sum(axis=0), {
+        "taken as the third component, whatever the axis": lambda: 1.0 * vector[2],
         "taken with p turned by the joint's rotation": lambda: (turned(rotation, p) * vector).sum(axis=0),
         "taken with p turned into the inside link": lambda: (turned(turn, p) * vector).sum(axis=0),
         "taken about the origin of the inside link": lambda: (

@@ -123,6 +123,13 @@ class ByHand:
                 for half, words in ((slice(0, 3), "have forces that are"), (slice(3, 6), "have moments that are")):
                     if found[1] in ("are", words):
                         self.loads[:, k, half] = np.einsum("nab,nb->na", turn, self.loads[:, k, half])
+        elif how in ("are taken as those of the body after", "are taken as those of the body before"):
+            shifted = np.zeros_like(self.loads)
+            if how.endswith("before"):
+                shifted[:, 1:] = self.loads[:, :-1]
+            else:
+                shifted[:, :-1] = self.loads[:, 1:]
+            self.loads = shifted
         elif how == "are taken as acting at the origins of the inside links":
             state = graphdyn.maximal_state(self.model, self.states.q)
             places = [graphdyn.frame_placement(self.model, self.states.q, x.name)[1] for x in self.model.bodies]
@@ -218,6 +225,12 @@ CHANGES = {
     "all answers have the opposite sign": lambda self: -self.answer(),
     "the matrix is made symmetric, ½ .X . Xᵀ.": lambda self: (self.answer() + self.answer().swapaxes(1, 2)) / 2,
     "each entry is the sum of those of all joints before it, and its own": lambda self: self.answer().cumsum(axis=1),
+    "each column is that of the joint before it": lambda self: self.answer()[
+        ..., [-1, *range(self.states.q.shape[1] - 1)]
+    ],
+    "each column is that of the joint after it": lambda self: self.answer()[
+        ..., [*range(1, self.states.q.shape[1]), 0]
+    ],
     "the matrix is transposed": lambda self: self.answer().swapaxes(1, 2),
     "only the diagonal of the matrix is filled in": lambda self: self.answer() * np.eye(self.answer().shape[-1]),
     "only the lower triangle of the matrix is filled in": lambda self: np.tril(self.answer()),
