@@ -1,4 +1,4 @@
-"""The site: `python -m pip install ".[docs]" && python -m sphinx -W docs build/docs`."""
+"""The site: `python -m pip install ".[docs]" && python -m sphinx -W -j auto docs build/docs`."""
 
 import sys
 from pathlib import Path
