@@ -39,9 +39,6 @@ from crosscheck.commands.study import command as study
 from crosscheck.commands.vectors import command as vectors
 from crosscheck.commands.view import command as view
 
-PROGRAM_NAME = "graphdyn"
-"""The name of the program, however it was started."""
-
 CODE, ROBOTS, RECORDINGS, PROGRAM = "Dynamics code", "Robot files", "Recordings", "The paper and the program"
 """Headings of the help."""
 
@@ -131,7 +128,7 @@ def _commands() -> Any:
 
 def run() -> None:
     """The command that was typed. Errors are handled in crosscheck.commands.program.exits."""
-    _commands()(prog_name=PROGRAM_NAME)
+    _commands()(prog_name="graphdyn")
 
 
 own_process.program = run

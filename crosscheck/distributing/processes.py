@@ -20,7 +20,7 @@ from crosscheck.distributing.workers import Answer, Lost, Task
 log = logging.getLogger(__name__)
 
 LOGGERS = ("graphdyn", "urdf", "crosscheck")
-"""Loggers whose messages of level INFO say what begins. What they say in a process is logged here, too."""
+"""Loggers whose messages of level INFO say what begins; those of a process are logged here, too."""
 
 TOLD_INTERVAL = 0.2
 """Shortest time from one message of a process to the next [s]; those between are left out."""

@@ -11,7 +11,7 @@ import typer
 
 from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, DISAGREED
-from crosscheck.commands.program.options import EXAMPLES, ReportOptions, RobotOption
+from crosscheck.commands.program.options import EXAMPLES, ReportOptions, RobotOption, command_line
 from crosscheck.commands.program.output_files import OutputFile
 from crosscheck.commands.program.reading_options import ReadingOptions, reading_arguments
 from crosscheck.commands.program.recording_options import numbers
@@ -108,7 +108,10 @@ def run(options: RecognitionOptions) -> None:
     found = recognize(options.logs, model, untold, topic=options.topic)
     name = options.write_mapping.name if options.write_mapping else MAPPING_NAME
     following = ["graphdyn", "identify", *found.files, "--robot", options.robot, "--mapping", name]
-    deliver(recording_report(found, join([*following, *reading_arguments(options)])), options)
+    lines = [join([*following, *reading_arguments(options)])]
+    if options.write_mapping is None:
+        lines.insert(0, join([*command_line(), "--write-mapping", name]))
+    deliver(recording_report(found, "\n".join(lines)), options)
     if options.write_mapping is not None:
         options.write_mapping.write(found.mapping.encode())
     raise typer.Exit(AGREED if found.complete else DISAGREED)

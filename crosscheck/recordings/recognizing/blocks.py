@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from crosscheck.recordings.mapping.column_names import QUANTITY_WORDS, SUFFIX_UNITS
-from crosscheck.recordings.mapping.units import unit_of
+from crosscheck.recordings.mapping.units import DRIVE_UNITS, unit_of
 from crosscheck.recordings.table import RecordedTable
 
 BLOCK_WORDS = {
@@ -37,6 +37,10 @@ OTHER_WORDS = frozenset(["tcp", "cartesian", "pose", "tool", "wrench", "force", 
 
 SIDE_WORDS = {"joint": frozenset(("link", "load")), "motor": frozenset(("motor", "mot", "rotor"))}
 """Words that tell the side of the gears; motor encoders converted to the link have both, and are of the link."""
+
+
+BRACKET = re.compile(r"[\[(]([^\[\]()*]+)[\])]")
+"""A unit in brackets."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,9 +136,19 @@ def _in_order(label: str) -> list[str]:
 
 
 def quantity_of(label: str) -> str:
-    """The quantity that the first telling word of a name tells; "" if there is none."""
-    words = _in_order(label)
+    """The quantity that a unit in brackets tells, or else the first telling word of a name; "" if there is none.
+
+    Single letters tell less than words: the a of A1 may be that of an axis.
+    """
+    bracket = re.search(BRACKET, label)
+    if bracket:
+        of_unit = [quantity for quantity in ("q", "v", "a", "tau") if unit_of(quantity, bracket[1].strip())]
+        if len(of_unit) == 1 and bracket[1].strip() not in DRIVE_UNITS:
+            return of_unit[0]
+    words = sorted(_in_order(label), key=lambda word: len(word) == 1)
     found = [quantity for word in words for quantity, known in BLOCK_WORDS.items() if word in known]
+    if bracket and found[:1] == ["a"]:  # in a unit that no acceleration has
+        return ""
     return found[0] if found else "q" if ENCODER_WORDS.intersection(words) else ""
 
 
@@ -143,7 +157,7 @@ def _unit(label: str, quantity: str) -> str:
     known = "tau" if quantity == "current" else quantity
     if known not in SUFFIX_UNITS:
         return ""
-    bracket = re.search(r"[\[(]([^\[\]()*]+)[\])]", label)
+    bracket = re.search(BRACKET, label)
     if bracket and unit_of(known, bracket[1].strip()):
         return bracket[1].strip()
     for suffix, unit in sorted(SUFFIX_UNITS[known].items(), key=lambda pair: -len(pair[0])):

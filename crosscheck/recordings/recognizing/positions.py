@@ -27,7 +27,7 @@ def positions(
     if not found:
         question = "no columns are recognized as positions of the joints"
         lines = ('[q] columns = ["…"]', 'unit = "rad"')
-        work.open.append(OpenChoice("q", question, ("--take q=LABEL",), lines))
+        work.open.append(OpenChoice("q", question, work.take("q"), lines))
         return []
     chosen, blocks = work.chosen("q", found)
     if chosen is None:

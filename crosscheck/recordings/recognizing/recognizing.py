@@ -6,6 +6,7 @@ Where one reading is possible, it is taken, and said; where several are, they ar
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
@@ -76,7 +77,12 @@ def _recognized(work: LogWork, topic: str | None) -> RecognizedLog:
     joints = work.model.independent_joints
     clocks = clocks_of(work)
     clock = next((one for one in clocks if one.taken), None)
-    found = named_blocks(work.tables, joints)
+    asked = {label: quantity for quantity, label in work.untold.take.items()}
+    found = [
+        replace(block, quantity=asked[block.label]) if block.label in asked and not block.quantity else block
+        for block in named_blocks(work.tables, joints)
+    ]
+    work.without_quantity += [block.label for block in found if not block.quantity]
     if not any(block.quantity == "q" for block in found):
         found = unnamed_blocks(work, found, clocks) or found
     rate = clock.rate if clock else work.untold.rate

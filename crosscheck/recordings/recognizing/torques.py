@@ -29,7 +29,7 @@ def torques(
 ) -> list[RecognizedBlock]:
     if not found:
         question = "no columns are recognized as torques or currents"
-        work.open.append(OpenChoice("tau", question, ("--take tau=LABEL",), ('[tau] columns = ["…"]',)))
+        work.open.append(OpenChoice("tau", question, work.take("tau"), ('[tau] columns = ["…"]',)))
         return []
     fits = {block.label: fit_of(work, q, block, rate) for block in found}
     found, dropped = _of_motors(work, list(found))

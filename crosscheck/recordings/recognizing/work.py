@@ -22,6 +22,7 @@ class LogWork:
 
     tables: of its files; model: the robot; untold: what the user says
     assumed: what was taken though the log does not prove it; open: what is left to be said
+    without_quantity: labels of the blocks whose quantity is not known
     """
 
     tables: Sequence[RecordedTable]
@@ -29,6 +30,11 @@ class LogWork:
     untold: Untold
     assumed: list[str] = field(default_factory=list)
     open: list[OpenChoice] = field(default_factory=list)
+    without_quantity: list[str] = field(default_factory=list)
+
+    def take(self, quantity: str) -> tuple[str, ...]:
+        """Options that say which block is of a quantity that no block is known to have."""
+        return tuple(f"--take {quote(f'{quantity}={label}')}" for label in self.without_quantity or ["LABEL"])
 
     def values(self, block: ColumnBlock) -> Array:
         table = self.tables[block.table]

@@ -29,6 +29,34 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.fixture
+def axes(folder):
+    """The log as a controller in German writes it: axes, degrees, semicolons and decimal commas."""
+    table = np.loadtxt("log.csv", delimiter=",", skiprows=1)
+    head = ["Zeit [s]", "A1 Ist [Grad]", "A2 Ist [Grad]", "A1 Moment [Nm]", "A2 Moment [Nm]"]
+    columns = np.column_stack([table[:, 0], np.degrees(table[:, 2:4]), table[:, 4:]])
+    rows = [";".join(f"{x:.5f}".replace(".", ",") for x in row) for row in columns]
+    (folder / "axes.csv").write_text("\n".join([";".join(head), *rows, ""]), encoding="utf-8")
+
+
+@pytest.mark.usefixtures("axes")
+def test_what_is_printed_leads_to_a_mapping(program, folder):
+    """The option for what is not recognized, then the command that writes the mapping, then the one that reads it."""
+    told = program("recording", "axes.csv", "--robot", "small.urdf")
+    assert told.code == DISAGREED
+    option, value = shlex.split(re.search(r"--take 'q=[^']*'", told.out)[0])
+    assert value == "q=A* Ist [Grad]"
+    said = program("recording", "axes.csv", "--robot", "small.urdf", option, value, "--unit", "q=deg")
+    assert said.code == AGREED
+    writing, reading = (shlex.split(line)[1:] for line in said.out.splitlines() if line.startswith("graphdyn "))
+    assert not (folder / "columns.toml").exists()
+    assert program(*writing).code == AGREED
+    assert (folder / "columns.toml").is_file()
+    assert reading == ["identify", "axes.csv", "--robot", "small.urdf", "--mapping", "columns.toml"]
+    used = program(*reading, "--cutoff", "8", "--methods", "wls", "--folds", "1000")  # read, then refused
+    assert "mapping" not in used.err
+
+
 @pytest.mark.usefixtures("unexamined")
 def test_identify_prints_the_command_that_helps(program, folder):
     stopped = program("identify", "log.csv", "--robot", "small.urdf", "--lock", "elbow=0.1")

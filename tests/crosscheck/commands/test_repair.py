@@ -29,6 +29,24 @@ def printed_command(text):
     return shlex.split(re.search(r"graphdyn (repair .* --out \S+)", " ".join(text.split()))[1])
 
 
+@pytest.mark.parametrize("asked", ["crosscheck", "show", "view"])
+def test_a_command_that_refuses_a_file_prints_what_mends_it(program, crossed, asked):
+    refused = program(asked, crossed.name)
+    assert refused.code == BAD_INPUT
+    error, mended = refused.err.splitlines()
+    assert error.startswith("error: my arm.urdf:")
+    assert program(*printed_command(mended)).code == AGREED
+    assert urdf.inspect("repaired.urdf").usable
+
+
+def test_what_no_repair_mends_is_the_error_alone(program, tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(changed('<mass value="2.5"/>', '<mass value="-2"/>'), encoding="utf-8")
+    refused = program("show", path)
+    assert refused.code == BAD_INPUT
+    assert len(refused.err.splitlines()) == 1
+
+
 @pytest.mark.parametrize("asked", ["inspect", "repair"])
 def test_what_is_printed_can_be_typed_as_it_stands(program, crossed, asked):
     told = program(asked, crossed.name, *["--list"] * (asked == "repair"))
