@@ -58,7 +58,7 @@ def every_block():
     t = np.linspace(0, 1, 20)
     box = '<svg role="img" aria-label="a box" width="900"></svg>'
     blocks = (
-        Table(columns, (row,), title="A table"),
+        Table(columns, (row, Row(("", *row.cells[1:]))), title="A table"),
         Plot(t, "t [s]", (Panel("x", (Series("sine", np.sin(t)),), "m"),), "A curve", title="A plot"),
         Picture(lambda key: Markup(box), title="A picture"),
         Facts((("name", "said"),), title="Facts"),
