@@ -9,7 +9,7 @@ from pathlib import Path
 from uuid import uuid4
 
 import pytest
-from deadly_tasks import deadly, own_number
+from deadly_tasks import deadly, own_number, telling
 from typer.testing import CliRunner
 
 from crosscheck.commands import app
@@ -33,6 +33,11 @@ class TestProcesses:
         next(answers)
         answers.close()
         assert multiprocessing.active_children() == []
+
+    def test_what_a_process_logs_is_logged_here(self, caplog):
+        with caplog.at_level("INFO", "crosscheck"):
+            assert list(LocalProcesses(1).each(telling, [7])) == [(0, 7)]
+        assert caplog.messages == ["task 7 begins"]
 
     def test_kept_between_two_works(self):
         """One that has died in the meantime is replaced; none is left at the end."""
