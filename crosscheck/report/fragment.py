@@ -5,6 +5,8 @@ It needs no script. Its colors come from those of the text around it, so that it
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -37,6 +39,9 @@ MAX_FRAGMENT_ROWS = 10
 POINTS_PER_CURVE = 300
 """Points of a drawn curve, each with two values."""
 
+HEADING = re.compile(r"<h\d>([^<]*)</h\d>")
+"""Headings of blocks, which are paragraphs here: the headings of a notebook are its own."""
+
 _numbers = count(1)
 """Numbers of the fragments of this process: ids of a notebook must differ between its cells."""
 
@@ -49,12 +54,13 @@ def fragment(report: Report) -> str:
         .get_template("fragment.html")
         .render(
             report=report,
+            PACKED_FROM=math.inf,  # nothing here needs a script
             shown=list(_beginning(report)),
             style=Markup(file_text(Path(PAGE) / "fragment.css")),
             key=map(f"graphdyn{number}-{{}}".format, count(1)).__next__,
         )
     )
-    return html.replace("<h3>", '<p class="subtitle">').replace("</h3>", "</p>")  # the headings are the notebook's own
+    return HEADING.sub(r'<p class="subtitle">\1</p>', html)
 
 
 def _beginning(report: Report) -> Iterator[Block]:

@@ -11,6 +11,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn import Body, Joint, RobotModel
+from graphdyn.display import short_repr
 from graphdyn.layout import Array
 from urdf.document.document import check_size, root_of
 from urdf.document.files import write_whole
@@ -38,6 +39,7 @@ DRIVE = {"damping": "damping", "frictionloss": "friction", "armature": "armature
 
 
 @dataclass(frozen=True)
+@short_repr
 class Patch:
     """What urdf.patch_mjcf did.
 
