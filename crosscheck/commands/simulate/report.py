@@ -66,15 +66,15 @@ def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
     return robot_picture(model, name), Group((Facts(tuple(facts)),))
 
 
-UNITS = {"position": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N m", "N")}
-"""Of limits of joints that turn, and that slide."""
+LIMIT_UNITS = {"position": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N m", "N")}
+"""Units of each kind of limit: of a joint that turns, of one that slides."""
 
 
 def _passed(run: SimulatedRun) -> Notes:
     """The limits of the file that the motion passes."""
     notes = []
     for one in run.passed_limits:
-        unit = UNITS[one.kind][one.prismatic]
+        unit = LIMIT_UNITS[one.kind][one.prismatic]
         reached = f"its {one.kind} reaches {one.farthest:.4g} {unit}"
         passed = f"it passes the limit of {one.limit:.4g} {unit} at {one.time:.4g} s"
         notes.append(Note(f"{reached}; {passed}", where=one.joint, state="undecided"))
