@@ -67,7 +67,7 @@ def _overview(run: SimulatedRun, model: RobotModel) -> tuple[Block, ...]:
 
 
 LIMIT_UNITS = {"position": ("rad", "m"), "velocity": ("rad/s", "m/s"), "effort": ("N m", "N")}
-"""Units of limits, of joints that turn, and that slide."""
+"""Units of each kind of limit: of a joint that turns, of one that slides."""
 
 
 def _passed(run: SimulatedRun) -> Notes:

@@ -46,7 +46,7 @@ FRICTION_LAWS: dict[str, tuple[Law, tuple[str, ...], int]] = {
     "Stribeck": (_stribeck, ("viscous", "dry", "width of tanh", "Stribeck torque", "Stribeck velocity"), 5),
 }
 FRICTION_UNITS = (("N m s/rad", "N s/m"), ("N m", "N"), ("rad/s", "m/s"), ("N m", "N"), ("rad/s", "m/s"))
-"""Units of friction, of joints that turn, and of those that slide."""
+"""Units of the numbers of a law of friction: of a joint that turns, of one that slides."""
 
 
 def limits(model: RobotModel, torque: Array) -> Iterator[CodeFault]:

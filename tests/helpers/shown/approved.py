@@ -14,7 +14,7 @@ from dataclasses import fields, is_dataclass
 from pathlib import Path
 
 import numpy as np
-from shown.pages import parsed
+from shown.pages import opened, parsed
 
 from crosscheck.report.html import page
 from crosscheck.report.text import as_text
@@ -141,7 +141,8 @@ def page_text(text):
         if element.tag in ("td", "th"):
             lines[-1] += " |"
 
-    read(parsed(text).find("body"))
+    whole = opened(text).replace('</span><span class="tail">', "")  # a name in two parts, of which the first may be cut
+    read(parsed(whole).find("body"))
     return "\n".join(lines)
 
 
