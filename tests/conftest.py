@@ -17,7 +17,7 @@ from graphdyn.simulation.integration import compiled
 sys.dont_write_bytecode = False  # else each of the programs that tests start compiles every file again
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 
-settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=40)
+settings.register_profile("graphdyn", deadline=None, derandomize=True, max_examples=20)
 settings.register_profile("nightly", deadline=None, derandomize=False, max_examples=1000, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "graphdyn"))
 

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+from itertools import islice
 from pathlib import Path
 
 import pyarrow
@@ -27,6 +28,7 @@ from crosscheck.commands import main
 from crosscheck.commands.program import console, own_process
 from crosscheck.commands.study.report import study_report
 from crosscheck.comparing import compare as comparing
+from crosscheck.distributing import LocalProcesses
 from crosscheck.paper import errata
 from crosscheck.report.html import page
 
@@ -243,6 +245,20 @@ def _commands_once():
 @pytest.fixture
 def plant(monkeypatch):
     return Plant(monkeypatch)
+
+
+@pytest.fixture
+def random_states_alone(monkeypatch):
+    """Comparisons without the states that are chosen to be difficult, where any states will do."""
+    cases = comparing.cases
+    monkeypatch.setattr(comparing, "cases", lambda *arguments: islice(cases(*arguments), 1))
+
+
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """What is given to other processes is done here: they take a second to start."""
+    monkeypatch.setattr(LocalProcesses, "each", lambda _self, function, items: enumerate(map(function, items)))
+    monkeypatch.setattr(own_process, "tell", lambda _: None)
 
 
 @pytest.fixture

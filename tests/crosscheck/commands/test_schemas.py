@@ -143,6 +143,7 @@ class TestNumbers:
             check(json.loads(json.dumps(spoiled, allow_nan=False)))
 
 
+@pytest.mark.usefixtures("random_states_alone")
 class TestCrosscheck:
     def test_agreement(self, written, small_arm):
         record, code = written("crosscheck", small_arm, "--samples", 2, "--lock", "y_elbow=0.2")

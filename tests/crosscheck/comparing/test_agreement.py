@@ -121,6 +121,7 @@ class TestRobotsOfTheCommandLine:
         assert rejected < 1e-9 < accepted
 
 
+@pytest.mark.usefixtures("random_states_alone")
 def test_robot_model_takes_one_route():
     tree = mixed_tree()
     comparison = crosscheck.compare(tree, 2)

@@ -73,6 +73,7 @@ def tilted(tmp_path):
     return path
 
 
+@LONG
 def test_a_tilted_base_link(tilted):
     comparison = crosscheck.compare(tilted, SAMPLES, chain=ARM)
     assert comparison.model.joint_names == ("y_lift", "x_roll")
@@ -134,6 +135,7 @@ class TestReports:
     def test_json(self, comparison):
         assert plain(robot_record(comparison))["chain"] == list(ARM)
 
+    @pytest.mark.usefixtures("unpictured")
     def test_without_a_chain(self, comparison):
         whole = dataclasses.replace(comparison, reading=urdf.Reading())
         assert plain(robot_record(whole))["chain"] is None
@@ -141,6 +143,7 @@ class TestReports:
         assert "chain=" not in page_of(crosscheck_report([whole]), ["graphdyn"], {})
 
 
+@pytest.mark.usefixtures("random_states_alone")
 def test_command(tilted, tmp_path):
     out = tmp_path / "out.json"
     done = CliRunner().invoke(

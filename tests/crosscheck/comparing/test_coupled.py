@@ -43,6 +43,7 @@ def test_agrees_in_all_quantities(comparison):
     assert crosscheck.compare(comparison.model, samples=1).quantities.keys().isdisjoint(COUPLED)
 
 
+@pytest.mark.usefixtures("random_states_alone")
 @pytest.mark.parametrize(
     ("place", "field", "seen"),
     [
@@ -60,6 +61,7 @@ def test_an_error_of_pinocchio_is_seen(file, monkeypatch, place, field, seen):
     assert {name for name in COUPLED if not found[name].agrees} == seen
 
 
+@pytest.mark.usefixtures("random_states_alone", "unpictured")
 def test_on_the_command_line(file, tmp_path):
     out, page = tmp_path / "out.json", tmp_path / "page.html"
     command = ["crosscheck", str(file), "--samples", str(SAMPLES), "--json", str(out), "--html", str(page)]

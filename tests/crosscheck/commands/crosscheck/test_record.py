@@ -21,6 +21,30 @@ REPRODUCED = 1e-3
 """An error of 1e-9, computed a second time from the recorded state: rounding is 1e-15 of the same scale."""
 
 
+def test_worst_state_is_enough_to_reproduce(program, small_arm, tmp_path, monkeypatch):
+    """From the file alone: robot, case, q, v, a give the recorded error again."""
+    Plant(monkeypatch).pinocchio_model(
+        lambda model: model.with_inertial_parameters(
+            model.inertial_parameters * np.where(np.arange(30) == 10, 1 + PLANTED, 1.0)
+        )
+    )
+    path = tmp_path / "result.json"
+    assert program("crosscheck", small_arm, "--samples", 3, "--seed", 2, "--json", path).code == DISAGREED
+    (record,) = json.loads(path.read_text(encoding="utf-8"))["robots"]
+    torque = record["quantities"]["inverse_dynamics"]
+    worst = torque["worst"]
+    assert worst["route"] == "model"  # the file itself is right
+    model = urdf.load(record["robot"])
+    case = next(c for c in cases(model, record["samples"], record["seed"]) if c.name == worst["case"])
+    q, v, a = (np.array([worst[name]]) for name in "qva")
+    pinocchio = PinocchioModel.from_model(case.model)
+    reference = PinocchioAnswers(pinocchio, case.model, q, v, a, np.zeros_like(q))
+    error = np.abs(inverse_dynamics(case.model, q, v, a).tau - reference.tau).max()
+    scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
+    assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
+
+
+@pytest.mark.usefixtures("random_states_alone")
 class TestJson:
     def test_content(self, program, small_arm, tmp_path):
         path = tmp_path / "result.json"
@@ -40,28 +64,6 @@ class TestJson:
             assert (result["bound"], result["bound_reason"]) == (tolerance.bound, tolerance.why)
             assert result["agrees"] is (result["max_relative_error"] <= result["bound"]) is True
         assert robot["identification"]["rank"] == robot["identification"]["rank_there"]
-
-    def test_worst_state_is_enough_to_reproduce(self, program, small_arm, tmp_path, monkeypatch):
-        """From the file alone: robot, case, q, v, a give the recorded error again."""
-        Plant(monkeypatch).pinocchio_model(
-            lambda model: model.with_inertial_parameters(
-                model.inertial_parameters * np.where(np.arange(30) == 10, 1 + PLANTED, 1.0)
-            )
-        )
-        path = tmp_path / "result.json"
-        assert program("crosscheck", small_arm, "--samples", 3, "--seed", 2, "--json", path).code == DISAGREED
-        (record,) = json.loads(path.read_text(encoding="utf-8"))["robots"]
-        torque = record["quantities"]["inverse_dynamics"]
-        worst = torque["worst"]
-        assert worst["route"] == "model"  # the file itself is right
-        model = urdf.load(record["robot"])
-        case = next(c for c in cases(model, record["samples"], record["seed"]) if c.name == worst["case"])
-        q, v, a = (np.array([worst[name]]) for name in "qva")
-        pinocchio = PinocchioModel.from_model(case.model)
-        reference = PinocchioAnswers(pinocchio, case.model, q, v, a, np.zeros_like(q))
-        error = np.abs(inverse_dynamics(case.model, q, v, a).tau - reference.tau).max()
-        scale = max(np.abs(reference.tau).max(), np.abs(reference.joint_wrenches).max())
-        assert error / scale == pytest.approx(torque["max_relative_error"], rel=REPRODUCED)
 
     def test_failures(self, program, pendulum, tmp_path):
         path = tmp_path / "result.json"
@@ -134,7 +136,7 @@ class TestJson:
         assert path.read_text(encoding="utf-8") == "precious"
 
 
-@pytest.mark.usefixtures("unpictured")
+@pytest.mark.usefixtures("random_states_alone", "unpictured")
 class TestHtml:
     def test_beside_json(self, program, pendulum, tmp_path, wrong_torque):
         page, record = tmp_path / "r.html", tmp_path / "r.json"

@@ -67,6 +67,7 @@ class TestText:
         assert robot.rstrip() == f"{tree.name}: agrees"
         assert what.rstrip() == f"3 joints; {SAMPLES} random states and the special ones, seed {SEED}; routes: model"
 
+    @pytest.mark.usefixtures("random_states_alone")
     def test_heading_names_locked_joints(self, small_arm):
         assert ", locked: a_slide = 0;" in printed(crosscheck.compare(small_arm, 1, lock=["a_slide"]))
 

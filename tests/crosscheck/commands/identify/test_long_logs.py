@@ -1,6 +1,7 @@
 """`graphdyn identify` of long LOGs: which are read part by part although nobody asks for it, and what is said of it."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pyarrow as pa
@@ -9,6 +10,8 @@ from identified import identified_arm
 from long_check import few
 from pyarrow import csv, parquet
 
+from crosscheck.commands.identify.long_logs import are_long
+from crosscheck.commands.identify.options import IdentifyOptions
 from crosscheck.commands.program.exits import BAD_INPUT
 
 IN_PARTS = "note: the LOGs are long, and read part by part, by methods that need no more than sums"
@@ -51,12 +54,11 @@ def test_read_part_by_part(program, folder, small_arm, name):
     np.testing.assert_allclose(wls["mean_error"], other["mean_error"], rtol=0.05)  # the borders are others
 
 
-@pytest.mark.usefixtures("unexamined")
-@pytest.mark.parametrize("options", [("--folds", "4"), ("--methods", "huber"), ("--decimate", "2")])
-def test_options_that_need_every_sample(program, folder, small_arm, options):
-    done = program("identify", "log.csv", "--robot", str(small_arm), *QUICK, *options)
-    assert done.code != BAD_INPUT, done.err
-    assert IN_PARTS not in done.err
+@pytest.mark.parametrize("options", [{"folds": 4}, {"methods": "huber"}, {"decimate": 2}], ids=str)
+def test_options_that_need_every_sample(folder, small_arm, options):
+    quick = IdentifyOptions(logs=[folder / "log.csv"], robot=str(small_arm), methods="wls", cutoff="10")
+    assert are_long(quick)
+    assert not are_long(replace(quick, **options))
 
 
 def test_rows_that_must_be_dropped(program, folder, small_arm):

@@ -126,6 +126,7 @@ class TestParameters:
         assert "determined in combinations only" in text
 
 
+@pytest.mark.usefixtures("unexamined")
 class TestTorques:
     def test_measured_and_predicted(self, found, report):
         plots = section(report, "torques").blocks

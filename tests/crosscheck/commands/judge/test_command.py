@@ -199,10 +199,10 @@ def catches(q):
 
 
 @pytest.mark.parametrize("name", few(["sleeps", "catches"], "catches"))
-def test_a_function_that_does_not_return_ends_with_an_error(small_arm, tmp_path, name):
+def test_a_function_that_does_not_return_ends_with_an_error(pendulum, tmp_path, name):
     (tmp_path / "slow.py").write_text(SLOW)
     named = f"gravity_torque={tmp_path / 'slow.py'}:{name}"
-    command = [sys.executable, "-m", "crosscheck", "judge", str(small_arm), "--function", named, "--time-limit", "0.2"]
+    command = [sys.executable, "-m", "crosscheck", "judge", str(pendulum), "--function", named, "--time-limit", "0.2"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "had not returned after 0.2 s" in done.stderr

@@ -144,6 +144,7 @@ class TestCrosscheck:
         assert again.code == 0
         assert again.out.startswith("graphdyn against Pinocchio: nothing new\n")
 
+    @pytest.mark.usefixtures("in_this_process", "random_states_alone")
     def test_a_folder(self, program, here):
         (here / "doubtful.urdf").unlink()
         done = program("crosscheck", here, "--samples", 1, "--jobs", 1, "--sarif", "r.sarif", "--junit", "r.xml")
@@ -195,10 +196,11 @@ class TestJudge:
     def test_what_is_compiled_has_no_place(self):
         assert place_of(abs) is None
 
-    def test_the_command(self, program_with_processes, here):
+    @pytest.mark.usefixtures("in_this_process")
+    def test_the_command(self, program, here):
         code = "import numpy as np\n\n\ndef g(q):\n    return np.zeros(2)\n"
         (here / "code.py").write_text(code, encoding="utf-8")
-        done = program_with_processes(
+        done = program(
             "judge", "clean.urdf", "--function", "gravity_torque=code.py:g", "--samples", 2, "--sarif", "r.sarif"
         )
         assert done.code == 1

@@ -118,11 +118,15 @@ class TestEnds:
 
     @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
     def test_by_a_fault_of_compiled_code(self, judged):
-        done = judged("crashes")
+        """All that ran is named: the last one may not be the culprit."""
+        done = judged("crashes", "--mass-matrix", "own.py:exits")
         assert (done.code, done.out) == (BAD_INPUT, "")
         line = CODE.splitlines().index("def crashes(q, v, a):") + 2
         assert f'own.py", line {line} in crashes' in done.err
-        assert f"error: the process was ended by signal {int(signal.SIGSEGV)} (" in done.err.splitlines()[-1]
+        last = done.err.splitlines()[-1]
+        assert f"error: the process was ended by signal {int(signal.SIGSEGV)} (" in last
+        ran = "while it ran --inverse-dynamics own.py:crashes and --mass-matrix own.py:exits"
+        assert f"{ran}; {NO_RESULT.rstrip()}" in last
 
     @pytest.mark.parametrize("option", few(["--term", "--known-torque", "--methods"], "--term"))
     def test_when_imported_for_an_identification(self, folder, program_with_processes, option):
@@ -131,8 +135,8 @@ class TestEnds:
         assert (done.code, done.out) == (BAD_INPUT, "")
         assert f"ended itself with exit code 0 while it ran {option} own.py:f" in done.err
 
-    def test_all_that_ran_is_named(self, judged):
-        """The last one may not be the culprit."""
+    @LONG
+    def test_two_at_once(self, judged):
         done = judged("ends", "--mass-matrix", "own.py:exits")
         assert (done.code, done.out) == (BAD_INPUT, "")
         assert done.err == (

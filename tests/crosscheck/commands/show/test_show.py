@@ -1,6 +1,7 @@
 """`graphdyn show`: the description, and the terminal, the file and the page made of it."""
 
 import dataclasses
+import functools
 import json
 import re
 import sys
@@ -32,6 +33,8 @@ NARROW = 80
 
 
 TREE, ARM = mixed_tree(), kr500()
+
+robot_called = functools.cache(urdf.load)
 
 
 @pytest.fixture(scope="module")
@@ -177,8 +180,7 @@ class TestText:
         assert any("┼" in line and "├───" in line for line in lines[-30:])
 
     def test_too_large_to_draw(self, monkeypatch):
-        model = urdf.load("tiago")
-        said = shown(describe(model, "tiago"), NARROW, monkeypatch)
+        said = shown(describe(robot_called("tiago"), "tiago"), NARROW, monkeypatch)
         assert "incidence S: too wide for 80 characters; --json and --html have it" in said
         assert "too wide for 80 characters; --json and --html have it" in said
 
@@ -331,7 +333,7 @@ class TestState:
 
     @pytest.mark.parametrize("robot", ["ur5", "tiago"])
     def test_fits_into_80_characters(self, robot, monkeypatch):
-        model = urdf.load(robot)
+        model = robot_called(robot)
         q, v = model.random_state(np.random.default_rng(0))
         state = describe_state(model, q, v, tip(model), "world")
         lines = shown(describe(model, robot, state=state), NARROW, monkeypatch).splitlines()

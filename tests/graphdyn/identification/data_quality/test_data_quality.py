@@ -202,6 +202,7 @@ class TestFaults:
         assert (fault.change.kind, fault.change.joints) == (kind, joints)
         np.testing.assert_allclose(fault.after, clean().errors, rtol=0.1)
 
+    @LONG
     def test_degrees(self):
         scale = np.eye(N) * 180 / np.pi
         found = assess_recording(torque_model(), [changed(position=scale, velocity=scale)])
@@ -323,6 +324,7 @@ class TestDelays:
         assert abs(found.lag.common - seconds) < 6 * found.lag.deviation
         assert [fault.change.kind for fault in found.faults][:1] == ["late torque"]
 
+    @LONG
     def test_of_one_joint(self):
         found = assess_recording(torque_model(), [recording([0, 0, 0.03, 0])])
         assert [(fault.change.kind, fault.change.joints) for fault in found.faults] == [("late torque", (2,))]
