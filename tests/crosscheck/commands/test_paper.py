@@ -221,7 +221,7 @@ class TestPage:
         broken = dataclasses.replace(found, checks=(Check("here", "this", math.nan, 1.0, "because"),))
         whole = paper_report(broken)
         html = html_page(dataclasses.replace(whole, sections=whole.sections[:1]), COMMAND, versions())
-        assert "✗ 1 of 1 checks DO NOT HOLD" in html
+        assert "✗ 1 of 1 checks do not hold." in html
         assert "Not every number is" in html
         assert table(html, "Each number with its bound")[0] == [
             "here",
