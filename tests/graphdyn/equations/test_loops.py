@@ -210,7 +210,7 @@ def enlarged(model, size):
     ("kind", "size"),
     few(
         [(kind, size) for kind in ("plane", *CHORD_ROWS) for size in (1e-6, 1e6)],
-        *(("plane", 1e-6), ("hinge", 1e6), ("ball", 1e-6), ("slide", 1e6), ("weld", 1e-6), ("distance", 1e6)),
+        *(("plane", 1e-6), ("slide", 1e6), ("weld", 1e-6), ("distance", 1e6)),
     ),
 )
 def test_a_linkage_of_a_micrometer_and_one_of_a_thousand_kilometers_move_as_one_of_a_meter(kind, size):
@@ -250,7 +250,7 @@ def test_assembly_tells_the_gaps_that_it_leaves(size):
 
 
 @pytest.mark.usefixtures("interpreted")
-@pytest.mark.parametrize("kind", few(["hinge", "slide", "weld"], "hinge", "weld"))
+@pytest.mark.parametrize("kind", few(["hinge", "slide", "weld"], "hinge"))
 def test_a_chord_that_is_open_by_an_angle_alone_is_refused(kind):
     """About each axis that it holds; turns about the axis of a hinge leave it closed."""
     model, q = closed_chain(kind)
@@ -356,13 +356,16 @@ def test_a_linkage_at_rest_on_a_turning_table_has_the_torque_of_the_tree():
 
 @pytest.mark.parametrize(
     ("bars", "is_on_turntable"),
-    [
-        ((1, 1, 1, 3), False),
-        ((3e-6, 1e-6, 1e-6, 1e-6), False),
-        ((1e6, 4e6, 2e6, 1e6), False),
-        ((1, 1, 1, 3 + 1e-9), False),
-        ((1, 1, 1, 3), True),
-    ],
+    few(
+        [
+            ((1, 1, 1, 3), False),
+            ((3e-6, 1e-6, 1e-6, 1e-6), False),
+            ((1e6, 4e6, 2e6, 1e6), False),
+            ((1, 1, 1, 3 + 1e-9), False),
+            ((1, 1, 1, 3), True),
+        ],
+        *(((1e6, 4e6, 2e6, 1e6), False), ((1, 1, 1, 3 + 1e-9), False), ((1, 1, 1, 3), True)),
+    ),
 )
 def test_stretched_linkages_have_infinitesimal_mobility_and_no_accelerations(bars, is_on_turntable):
     model = on_turntable(four_bar(*bars)) if is_on_turntable else four_bar(*bars)
@@ -423,8 +426,8 @@ SIZES = (1e-6, 100.0, 1e6)
     ("name", "size"),
     few(
         [(name, size) for name in (*SCALED, *CHORD_ROWS) for size in SIZES],
-        *zip(SCALED, itertools.cycle(SIZES[::2])),  # small and large in turn
-        *(("hinge", 1e-6), ("hinge", 1e6), ("distance", 1e6), ("weld", 100.0)),
+        *(("crank and rocker", 1e-6), ("in line", 1e6), ("with a slide below", 1e-6), ("bricard", 1e6)),
+        *(("hinge", 1e6), ("weld", 100.0)),
     ),
 )
 def test_the_analysis_does_not_depend_on_the_unit_of_length(name, size):
