@@ -181,5 +181,5 @@ def test_refused(monkeypatch):
     with pytest.raises(InvalidInput, match="robot 'four-bar' has loops: there are no exact values of it"):
         crosscheck.prove(four_bar())
     monkeypatch.setitem(sys.modules, "flint", None)
-    with pytest.raises(InvalidInput, match="exact values need python-flint"):
+    with pytest.raises(InvalidInput, match="exact values: the package python-flint is not installed"):
         crosscheck.prove(NAMED["one_revolute"])

@@ -13,6 +13,7 @@ from lxml import etree
 from graphdyn import Body, Joint, RobotModel
 from graphdyn.display import short_repr
 from graphdyn.layout import Array
+from graphdyn.model import check_model
 from urdf.document.document import check_size, root_of
 from urdf.document.files import write_whole
 from urdf.document.mjcf import Compiled, compiled_mjcf, expand_mjcf, is_mjcf
@@ -66,6 +67,7 @@ def patch_mjcf(model: RobotModel, source: str | PathLike[str], destination: str 
     <replicate> or without a name); CannotSave for inertials that MuJoCo refuses; urdf.load's errors for the source;
     OSError.
     """
+    check_model(model)
     path = Path(source)
     data = editable(path)
     check_size(data, path)

@@ -150,7 +150,7 @@ class TestProvenDigits:
         monkeypatch.setitem(sys.modules, "flint", None)
         done = program("vectors", small_arm, "--digits", 30, "--out", tmp_path / "v")
         assert done.code == BAD_INPUT
-        assert done.err.startswith("error: exact values need python-flint")
+        assert done.err.startswith("error: exact values: the package python-flint is not installed")
         assert not (tmp_path / "v").exists()
 
 
