@@ -295,7 +295,9 @@ class TestPrecision:
 class TestRefusals:
     def test_without_python_flint(self, monkeypatch):
         monkeypatch.setitem(sys.modules, "flint", None)
-        with pytest.raises(InvalidInput, match=r"exact values need python-flint, .*'graphdyn\[exact\]'"):
+        with pytest.raises(
+            InvalidInput, match=r"exact values: the package python-flint is not installed.*'graphdyn\[exact\]'"
+        ):
             crosscheck.exact_values(NAMED["one_revolute"], "gravity_torque", [0.1])
 
     def test_what_has_no_exact_form_on_a_moving_base(self):

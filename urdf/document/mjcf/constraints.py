@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from lxml import etree
-from scipy.spatial.transform import Rotation
 
 from graphdyn import Placement
 from urdf.document.mjcf.bodies import Mimic, Tree
@@ -93,6 +92,8 @@ def _ends(native: Native, k: int, tree: Tree) -> tuple[tuple[str, Placement], tu
     if int(model.eq_type[k]) == int(native.mujoco.mjtEq.mjEQ_CONNECT):
         on_first, on_second = Placement(translation=data[:3]), Placement(translation=data[3:6])
     else:
+        from scipy.spatial.transform import Rotation  # imported where first used: help needs no scipy
+
         rotation = Rotation.from_quat(data[RELATIVE_ROTATION], scalar_first=True).as_matrix()
         on_first = Placement(rotation, data[RELATIVE_POSITION])
         on_second = Placement(translation=data[ANCHOR])

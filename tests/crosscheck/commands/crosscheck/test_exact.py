@@ -124,7 +124,7 @@ def test_without_python_flint(arm, monkeypatch):
     monkeypatch.setitem(sys.modules, "flint", None)
     done = run(arm, arm, "--exact")
     assert done.exit_code == BAD_INPUT
-    assert done.output.count("exact values need python-flint") == 1
+    assert done.output.count("exact values: the package python-flint is not installed") == 1
     assert done.output.count("\n") == 1
 
 

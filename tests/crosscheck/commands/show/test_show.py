@@ -226,7 +226,7 @@ class TestCommand:
             (["ur55"], "'ur55' is neither a file nor a robot"),
             (["kr500", "--lock", "O9"], "cannot lock 'O9'"),
             (["kr500", "--lock", "O1=soft"], "'soft' is not a number"),
-            ([], "Missing argument"),
+            ([], "missing argument"),
             (["kr500", "ur5"], "unexpected extra argument"),
         ],
     )
