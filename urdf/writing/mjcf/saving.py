@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 from lxml import etree
-from scipy.spatial.transform import Rotation
 
 from graphdyn import Body, Chord, JointLimits, Placement, RobotModel
 from graphdyn.layout import Array
@@ -169,6 +168,8 @@ def _place(element: etree._Element, placement: Placement) -> None:
     if placement.translation.any():
         element.set("pos", text(placement.translation))
     if not np.array_equal(placement.rotation, np.eye(3)):
+        from scipy.spatial.transform import Rotation  # imported where first used: help needs no scipy
+
         element.set("quat", text(Rotation.from_matrix(placement.rotation).as_quat(canonical=True, scalar_first=True)))
 
 
