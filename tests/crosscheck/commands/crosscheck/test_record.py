@@ -14,7 +14,7 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
 from crosscheck.quantities import COMPARED
 from crosscheck.quantities.states import cases
 from crosscheck.reference.pinocchio_model import PinocchioAnswers, PinocchioModel
-from crosscheck.report.records.record import versions
+from crosscheck.report.records.record import taking_part
 from graphdyn import inverse_dynamics
 
 REPRODUCED = 1e-3
@@ -51,7 +51,7 @@ class TestJson:
         assert program("crosscheck", small_arm, "--samples", 2, "--json", path).code == AGREED
         record = json.loads(path.read_text(encoding="utf-8"))
         assert record["format"] == "graphdyn crosscheck 3"
-        assert record["versions"] == versions()
+        assert record["versions"] == taking_part()
         assert record["command"][:3] == ["graphdyn", "crosscheck", str(small_arm)]
         assert record["agrees"] is True
         assert record["failures"] == []

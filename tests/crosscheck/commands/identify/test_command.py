@@ -201,7 +201,7 @@ class TestFiles:
             for side in ("fitted", "held out"):
                 measured = f"Measured and predicted (torque|force) of {joint}; {side}: root mean square error"
                 assert re.search(measured, page)
-        assert "✓ recommended method: consistent" in text
+        assert "✓ The model of the method “consistent” is recommended." in text
         assert "None" not in text
         assert "nan" not in text.lower().split()
 

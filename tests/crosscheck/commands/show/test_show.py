@@ -449,7 +449,7 @@ class TestPage:
         words = " ".join(" ".join(shown.words).split())
         model = urdf.load("ur5")
         for name in (*model.body_names, *model.joint_names, *(frame.name for frame in model.frames)):
-            assert name in words
+            assert name in "".join(shown.words)  # a long name has two parts, between which it may be cut
         for fact in (
             "16.9939 kg",
             "incidence S",
@@ -487,7 +487,7 @@ def test_couplings():
     ]
     assert described.system.size == 11 * model.n_bodies + 1
     text = page(show_report(described), ["graphdyn", "show"], versions())
-    assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in text
+    assert f"1.5 {TREE.joint_names[2]} + -2 {TREE.joint_names[0]}" in re.sub("<[^>]*>", "", text)
     assert "Couplings" not in page(show_report(describe(TREE, "tree")), ["graphdyn", "show"], versions())
 
 
