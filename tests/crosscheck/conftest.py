@@ -20,6 +20,7 @@ from identified.remembered_quality import remember_quality
 from identified.study_tables import study_tables
 from planting import PLANTED, Plant, compared, mixed_tree, remember_comparisons, remember_our_answers, with_body
 from pyarrow.parquet import write_table
+from shown import pages
 from urdf_text import joint, link, robot_text
 
 import crosscheck
@@ -200,7 +201,7 @@ def studied(study_folder):
 
 @pytest.fixture(scope="session")
 def study_page(studied):
-    return page(studied, ["graphdyn", "study"], {"graphdyn": "1"})
+    return pages.opened(page(studied, ["graphdyn", "study"], {"graphdyn": "1"}))
 
 
 @pytest.fixture(scope="session")
