@@ -154,8 +154,7 @@ def wrenches(code: DynamicsCode, x: Numbers, state: State) -> tuple[list[Array],
     moments: list[Array] = []
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
-        turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
-        arm = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
+        turn, arm = joint_placement(code, x, q, j)
         carried = x.carried[j] * turned_back(turn, omega[inside])
         spin, slide = (0.0 * p, p * v[j]) if slides else (p * v[j], 0.0 * p)
         omega.append(carried + spin)
@@ -181,6 +180,14 @@ def wrenches(code: DynamicsCode, x: Numbers, state: State) -> tuple[list[Array],
             forces[i] = forces[i] + push
             moments[i] = moments[i] + turned(turns[j], moments[j]) + crossed(arms[j], push)
     return forces, moments
+
+
+def joint_placement(code: DynamicsCode, x: Numbers, q: Array, j: int) -> tuple[Array, Array]:
+    """Rotation (3, 3, …) from the link outside of a joint to the inside link, and the link origin there (3, …)."""
+    p, rotation, translation = x.axes[j], x.rotations[j], x.translations[j]
+    if code.prismatic[j]:
+        return rotation, translation + turned(rotation, p * q[j])
+    return times(rotation, turned_about(p, q[j])), translation
 
 
 def turned_about(p: Array, angle: Array) -> Array:

@@ -9,7 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, times, turned, turned_about
+from crosscheck.judging.faults.recursion import (
+    DynamicsCode,
+    Numbers,
+    State,
+    joint_placement,
+)
 from crosscheck.judging.slips.operations import ONCE, Operations
 from graphdyn.layout import Array
 
@@ -27,8 +32,7 @@ def articulated_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operati
     biases: list[Array] = []
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
-        turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
-        r = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
+        turn, r = joint_placement(code, x, q, j)
         X, S = _transform(turn, r), np.concatenate([0 * p, p] if slides else [p, 0 * p])
         velocity = do.result("the velocity of the inside link", j, _of(X, velocities[inside])) + S * v[j]
         inertia = _inertia(x.masses[j], x.centers[j], x.tensors[j])

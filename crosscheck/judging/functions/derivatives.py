@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -31,6 +31,7 @@ Answering = Callable[[DynamicsCode, Numbers, State], Array]
 """(code, numbers (…, K, 1), q, v, a (n, K or 1, R)) → (D, K, R)."""
 
 
+@runtime_checkable
 class Written(Protocol):
     """A function as people write it, open to slips, and faster without them."""
 

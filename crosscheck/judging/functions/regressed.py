@@ -16,10 +16,10 @@ from crosscheck.judging.faults.recursion import (
     Numbers,
     State,
     crossed,
+    joint_placement,
     times,
     torque_recursion,
     turned,
-    turned_about,
     turned_back,
 )
 from crosscheck.judging.functions.motions import Motions, flat, motions, stacked
@@ -65,9 +65,9 @@ def in_link_axes(m: Motions, b: int, gravity: Array, do: Operations) -> Array:
         "that of the inside link's origin": lambda: m.accelerations[inside] + 0 * m.accelerations[b + 1],
     }, of="body")  # fmt: skip
     world = np.stack(np.broadcast_arrays(m.omegas[b + 1], m.alphas[b + 1], place + pulled))
-    turned_in = np.array(do.result("ω, ω̇ and a of the link, turned into its axes,", b, _each(turned_back, R, world), {
+    turned_in = do.result("ω, ω̇ and a of the link, turned into its axes,", b, _each(turned_back, R, world), {
         NOT_TURNED: lambda: world + 0 * R[0], WRONG_WAY: lambda: _each(turned, R, world),
-    }, of="body"))  # fmt: skip
+    }, of="body")  # fmt: skip
     names = ("ω of the link, turned into its axes,", "ω̇ of the link, turned into its axes,")
     found = [
         do.result(name, b, part, {NOT_TURNED: lambda: own + 0 * R[0], WRONG_WAY: lambda: turned(R, own)}, of="body")
@@ -92,8 +92,7 @@ class Momenta:
         momenta: list[tuple[Array, Array]] = []
         for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
             p, w = x.axes[j], omegas[inside]
-            turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
-            r = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
+            turn, r = joint_placement(code, x, q, j)
             carried = do.outward("ω of the inside link", j, turn, w)
             swing = do.result("ω × r in the velocity of the link origin", j, crossed(w, r))
             speed = do.outward("the velocity of the inside link", j, turn, speeds[inside] + swing)

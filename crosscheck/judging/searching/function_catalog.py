@@ -13,9 +13,8 @@ from crosscheck.judging.faults.file_reading import FileFaults
 from crosscheck.judging.faults.link_mistakes import mistakes, shifted
 from crosscheck.judging.faults.link_parameters import PlacedInertial
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, torques_of
-from crosscheck.judging.functions.derivatives import Derivative
+from crosscheck.judging.functions.derivatives import Derivative, Written
 from crosscheck.judging.functions.reactions import JointWrenches, Multipliers
-from crosscheck.judging.functions.regressed import Momenta
 from crosscheck.judging.functions.table import formulation_of
 from crosscheck.judging.observing.observation import Observation
 from crosscheck.judging.searching.parameters import with_parameters
@@ -59,7 +58,7 @@ class RightRecursion:
     def __call__(self, code: DynamicsCode, numbers: Numbers, state: State) -> Array:
         """The answers (D, K, R)."""
         form = self.formulation
-        if isinstance(form, Derivative | JointWrenches | Momenta | Multipliers):
+        if isinstance(form, Written):
             return form.right(code, numbers, state)
         return form(code, numbers, state, Operations([], state[0].shape[-1]))
 

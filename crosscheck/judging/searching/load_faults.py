@@ -31,14 +31,8 @@ def other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
         ),
         ("are taken as acting at the centers of mass", lambda s: _moved(s, _centers(s))),
         ("are taken as acting at the origins of the inside links", lambda s: _moved(s, _inside_origins(s))),
-        (
-            "are taken as those of the body before",
-            lambda s: np.roll(s.all_loads, 1, axis=1) * (np.arange(s.model.n_bodies) > 0)[:, None],
-        ),
-        (
-            "are taken as those of the body after",
-            lambda s: np.roll(s.all_loads, -1, axis=1) * (np.arange(s.model.n_bodies) < s.model.n_bodies - 1)[:, None],
-        ),
+        ("are taken as those of the body before", lambda s: _shifted(s.all_loads, 1)),
+        ("are taken as those of the body after", lambda s: _shifted(s.all_loads, -1)),
         *(_of_bodies(states.model)),
     ):
         yield AnswerFault(
@@ -46,6 +40,14 @@ def other_loads(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
             "they are force, then moment, on each body, at its link origin, in link axes",
             lambda s, c, change=change: known.of_graphdyn(s.but(loads=change(s)), c),  # type: ignore[misc]
         )  # fmt: skip
+
+
+def _shifted(loads: Array, by: int) -> Array:
+    """The wrenches of other bodies; zero where there is none."""
+    found = np.zeros_like(loads)
+    here, there = (slice(by, None), slice(None, -by)) if by > 0 else (slice(None, by), slice(-by, None))
+    found[:, here] = loads[:, there]
+    return found
 
 
 def _of_bodies(model: RobotModel) -> Iterator[tuple[str, Callable[[JudgedStates], Array]]]:

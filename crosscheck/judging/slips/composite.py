@@ -13,10 +13,10 @@ from crosscheck.judging.faults.recursion import (
     Numbers,
     State,
     crossed,
+    joint_placement,
     times,
     torque_recursion,
     turned,
-    turned_about,
     turned_back,
 )
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
@@ -32,10 +32,9 @@ def composite_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operation
     n = len(code.inside)
     frames: list[tuple[Array, Array]] = []
     inertias: list[Inertia] = []
-    for j, slides in enumerate(code.prismatic):
-        p, m, c = x.axes[j], x.masses[j], x.centers[j]
-        turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
-        frames.append((turn, x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)))
+    for j in range(n):
+        m, c = x.masses[j], x.centers[j]
+        frames.append(joint_placement(code, x, q, j))
         inertias.append((m, m * c, x.tensors[j] + m * _about(c, c)))
     tau = list(torque_recursion(code, x, (q, v, 0 * a)))
     for j in reversed(range(n)):

@@ -18,9 +18,9 @@ from crosscheck.judging.faults.recursion import (
     Numbers,
     State,
     crossed,
+    joint_placement,
     times,
     turned,
-    turned_about,
     turned_back,
 )
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
@@ -73,10 +73,9 @@ def _mass_matrix(code: DynamicsCode, x: Numbers, q: Array, do: Operations) -> tu
     path: list[tuple[int, ...]] = []
     mass: list[list[Array]] = [[np.zeros((1, 1))] * n for _ in range(n)]
     weight = [np.zeros((1, 1))] * n
-    for b, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
+    for b, inside in enumerate(code.inside):
         p = x.axes[b]
-        turn = x.rotations[b] if slides else times(x.rotations[b], turned_about(p, q[b]))
-        local = x.translations[b] + (turned(x.rotations[b], p * q[b]) if slides else 0.0)
+        turn, local = joint_placement(code, x, q, b)
         base = attitude[inside]
         R = times(base, turn)
         attitude.append(R)

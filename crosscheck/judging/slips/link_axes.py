@@ -20,9 +20,8 @@ from crosscheck.judging.faults.recursion import (
     Numbers,
     State,
     crossed,
-    times,
+    joint_placement,
     turned,
-    turned_about,
     turned_back,
 )
 from crosscheck.judging.slips.body_wrenches import (
@@ -94,8 +93,7 @@ class LinkAxes:
         moments: list[Array] = []
         for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
             p = x.axes[j]
-            turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
-            r = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
+            turn, r = joint_placement(code, x, q, j)
             w, dw = omega[inside], alpha[inside]
             carried = do.outward("ω of the inside link", j, turn, w)
             spin = do.result(SPIN, j, 0.0 * p if slides else p * v[j])

@@ -18,9 +18,8 @@ from crosscheck.judging.faults.recursion import (
     Numbers,
     State,
     crossed,
-    times,
+    joint_placement,
     turned,
-    turned_about,
     turned_back,
 )
 from crosscheck.judging.slips.operations import Operations
@@ -36,13 +35,6 @@ WAYS_OF_TRANSFORMS = (
     *("used as (-r× E), not (-E r×)", "used with its blocks exchanged", "used inverted"),
 )
 """What a wrong matrix X does to velocities, accelerations and forces at once."""
-
-
-def _transform(code: DynamicsCode, x: Numbers, q: Array, j: int) -> tuple[Array, Array]:
-    """Rotation from link to inside link, and the link origin."""
-    p, slides = x.axes[j], code.prismatic[j]
-    turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
-    return turn, x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
 
 
 def _moved(name: str, j: int, turn: Array, r: Array, m: Spatial, do: Operations) -> Spatial:
@@ -136,7 +128,7 @@ def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Arr
     frames: list[tuple[Array, Array]] = []
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
-        turn, r = _transform(code, x, q, j)
+        turn, r = joint_placement(code, x, q, j)
         frames.append((turn, r))
         speed = do.result("S q̇ in the velocity", j, p * v[j])
         push = do.result("S q̈ in the acceleration", j, p * a[j])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
@@ -18,11 +19,17 @@ Of = Literal["joint", "body"]
 
 def center_in_world(name: str, b: int, R: Array, before: Array, c: Array, do: Operations, of: Of = "joint") -> Array:
     """R c. R, before: rotations of the link and of the inside one"""
-    return do.result(name, b, turned(R, c), {
-        NOT_TURNED: lambda: c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, c),
+    return do.result(name, b, turned(R, c), ways_of_centers(R, before, c), of=of)
+
+
+def ways_of_centers(R: Array, before: Array, c: Array) -> dict[str, Callable[[], Array]]:
+    """What else is done with c than turning it into world axes."""
+    return {
+        NOT_TURNED: lambda: c + 0 * R[0],
+        WRONG_WAY: lambda: turned_back(R, c),
         WITH_THE_INSIDE: lambda: turned(before, c),
         "turned twice": lambda: turned(R, turned(R, c)),
-    }, of=of)  # fmt: skip
+    }
 
 
 def tensor_in_world(b: int, R: Array, before: Array, J: Array, do: Operations, of: Of = "joint") -> Array:

@@ -14,9 +14,9 @@ from crosscheck.judging.faults.recursion import (
     Numbers,
     State,
     crossed,
+    joint_placement,
     times,
     turned,
-    turned_about,
     turned_back,
 )
 from crosscheck.judging.slips.body_wrenches import (
@@ -35,7 +35,7 @@ from crosscheck.judging.slips.body_wrenches import (
     add_body,
 )
 from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
-from crosscheck.judging.slips.turning import WITH_THE_INSIDE, tensor_in_world
+from crosscheck.judging.slips.turning import tensor_in_world, ways_of_centers
 from graphdyn.layout import Array
 
 
@@ -50,10 +50,9 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
     moments: list[Array] = []
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
-        turn = x.rotations[j] if slides else times(x.rotations[j], turned_about(p, q[j]))
+        turn, local = joint_placement(code, x, q, j)
         attitude.append(times(attitude[inside], turn))
         base, R = attitude[inside], attitude[-1]
-        local = x.translations[j] + (turned(x.rotations[j], p * q[j]) if slides else 0.0)
         ways = {
             NOT_TURNED: lambda: local + 0 * base[0], WRONG_WAY: lambda: turned_back(base, local),
             "turned with the outer link": lambda: turned(R, local),
@@ -82,10 +81,7 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
         carried = do.result("the acceleration of the inside link's origin", j, linear[inside])
         linear.append(carried + tangential + around + sliding + driven)
         own_c, own_j = x.centers[j], x.tensors[j]
-        ways = {
-            NOT_TURNED: lambda: own_c + 0 * R[0], WRONG_WAY: lambda: turned_back(R, own_c),
-            WITH_THE_INSIDE: lambda: turned(base, own_c), "turned twice": lambda: turned(R, turned(R, own_c)),
-        }  # fmt: skip
+        ways = ways_of_centers(R, base, own_c)
         c = do.result("c in world axes", j, turned(R, own_c), ways)
         lever = do.result("c in world axes, in c × F,", j, c, ways)
         c = do.result("c in world axes, in the acceleration of the center of mass,", j, c, ways)
