@@ -26,7 +26,7 @@ def disagreement_report(comparison: Comparison) -> Report:
     table = quantities_table(comparison)
     beyond = [result for result in comparison.quantities.values() if not result.agrees]
     rows = tuple(row for row in table.rows if row.state == "disagrees")
-    blocks = (replace(table, rows=rows, on=("text", "page")), *_difference(comparison, beyond))
+    blocks = (replace(table, rows=rows), *_difference(comparison, beyond))
     reason = f"{len(beyond)} of {len(comparison.quantities)} quantities are beyond their bounds."
     return Report(
         f"graphdyn and Pinocchio on {Path(comparison.robot).name}",

@@ -162,7 +162,11 @@ def quantities_tables(comparison: Comparison, *, terminal: bool) -> tuple[Block,
         on=("page",),
     )
     title = f"Every quantity: {len(every.rows)}"
-    return (*([replace(every, on=("text",))] if terminal else []), few, replace(every, title=title, folded=True))
+    return (
+        *([replace(every, on=("text",))] if terminal else []),
+        few,
+        replace(every, title=title, folded=True, on=("page",)),
+    )
 
 
 def quantities_table(comparison: Comparison) -> Table:
@@ -188,7 +192,6 @@ def quantities_table(comparison: Comparison) -> Table:
         ),
         tuple(rows),
         caption="Largest relative errors over all routes and states",
-        on=("page",),
     )
 
 

@@ -1,6 +1,6 @@
 """Options of every command that finds something: files for pipelines, and findings that are accepted.
 
-accepted = options.accepted                     # before the work: a bad file is told at once
+accepted = options.accepted("inspect")          # before the work: a bad file is told at once
 ...
 raise typer.Exit(deliver_findings("inspect", checks, report, options, accepted))
 """

@@ -6,7 +6,7 @@ For functions that are not taken apart by experiments into the terms of the equa
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, combinations
 
 import numpy as np
@@ -47,6 +47,13 @@ def faults(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]:
 def layouts(known: Quantity) -> Iterator[AnswerFault]:
     """Right numbers at other places, with another sign of a half, or not all of them; those of another function."""
     yield from _other_functions(known)
+    yield from _matrices(known)
+    yield from _of_other_joints(known)
+    yield from _of_halves(known)
+
+
+def _matrices(known: Quantity) -> Iterator[AnswerFault]:
+    """Transposed, symmetric, or filled in or inverted in part."""
     if len(known.shape) == 2 and known.shape[0] == known.shape[1]:
         yield AnswerFault(
             "transposed", "the matrix is transposed", "transpose it",
@@ -70,40 +77,49 @@ def layouts(known: Quantity) -> Iterator[AnswerFault]:
             "transposed", "the numbers of the matrix are stored column by column", "store them row by row",
             lambda s, c: np.swapaxes(x := known.of_graphdyn(s, c), -1, -2).reshape(x.shape),
         )  # fmt: skip
-    if known.shape[-1:] == ("n",) and len(known.shape) > 1:
-        for shift, where in ((1, "before"), (-1, "after")):
-            yield AnswerFault(
-                "joint_order", f"each column is that of the joint {where} it", "fill in the columns by joint",
-                lambda s, c, shift=shift: np.roll(known.of_graphdyn(s, c), shift, axis=-1),  # type: ignore[misc]
-            )  # fmt: skip
     if known.name == "mass_matrix_inverse":
         for name, part in (("lower", np.tril), ("upper", np.triu)):
             yield AnswerFault(
                 "triangle", f"the {name} triangle of the mass matrix alone is inverted", "invert the whole matrix",
                 lambda s, c, part=part: np.linalg.inv(part(s.mass)).astype(float),  # type: ignore[misc]
             )  # fmt: skip
+
+
+def _of_other_joints(known: Quantity) -> Iterator[AnswerFault]:
+    """Columns of other joints, sums over the joints, or blocks of joints inside left out."""
+    if known.shape[-1:] == ("n",) and len(known.shape) > 1:
+        for shift, where in ((1, "before"), (-1, "after")):
+            yield AnswerFault(
+                "joint_order", f"each column is that of the joint {where} it", "fill in the columns by joint",
+                lambda s, c, shift=shift: np.roll(known.of_graphdyn(s, c), shift, axis=-1),  # type: ignore[misc]
+            )  # fmt: skip
     if known.shape[:1] == ("n",):
         yield AnswerFault(
             "transposed", "each entry is the sum of those of all joints before it, and its own", "take no sums",
             lambda s, c: np.cumsum(known.of_graphdyn(s, c), axis=1),
         )  # fmt: skip
-    if known.shape[0:1] == ("n",) and known.shape[-1] == "n" and len(known.shape) == 3:
+    if len(known.shape) == 3 and known.shape[0] == known.shape[-1] == "n":
         yield AnswerFault(
             "triangle", "what joints change at joints inside of them is left out", "fill in all blocks",
             lambda s, c: known.of_graphdyn(s, c) * _moved_by(s.model)[:, None],
         )  # fmt: skip
-    if BODY_DOF in known.shape:
-        axis = known.shape.index(BODY_DOF) - len(known.shape)
-        if "order" not in known.conventions:
-            yield AnswerFault(
-                "transposed", "the angular part comes first, then the linear part", "exchange the halves",
-                lambda s, c: np.roll(known.of_graphdyn(s, c), 3, axis=axis),
-            )  # fmt: skip
-        for name, signs in (("linear", (-1.0, 1.0)), ("angular", (1.0, -1.0))):
-            yield AnswerFault(
-                "sign", f"the {name} part has the opposite sign", "negate it",
-                _with_signs(known, *signs, axis),
-            )  # fmt: skip
+
+
+def _of_halves(known: Quantity) -> Iterator[AnswerFault]:
+    """Linear and angular part in the other order, or one of them with the other sign."""
+    if BODY_DOF not in known.shape:
+        return
+    axis = known.shape.index(BODY_DOF) - len(known.shape)
+    if "order" not in known.conventions:
+        yield AnswerFault(
+            "transposed", "the angular part comes first, then the linear part", "exchange the halves",
+            lambda s, c: np.roll(known.of_graphdyn(s, c), 3, axis=axis),
+        )  # fmt: skip
+    for name, signs in (("linear", (-1.0, 1.0)), ("angular", (1.0, -1.0))):
+        yield AnswerFault(
+            "sign", f"the {name} part has the opposite sign", "negate it",
+            _with_signs(known, *signs, axis),
+        )  # fmt: skip
 
 
 def _moved_by(model: RobotModel) -> Array:
@@ -233,10 +249,7 @@ def layout_fault(
     known: Quantity, answer: Array, states: JudgedStates, declared: Chosen, bound: float
 ) -> FoundFault | None:
     """The first of the layouts that leaves no more than the bound, by any reading."""
-    for chosen in known.readings(declared):
-        if found := _first(layouts(known), known, answer, states, chosen, bound):
-            return found
-    return None
+    return _first(lambda _: layouts(known), known, answer, states, declared, bound)
 
 
 def answer_fault(
@@ -244,33 +257,40 @@ def answer_fault(
 ) -> FoundFault | None:
     """The first fault without free numbers that leaves no more than the bound, by any reading in keeping with the
     declared conventions."""
-    for chosen in known.readings(declared):
-        if found := _first(faults(known, states), known, answer, states, chosen, bound):
-            return found
-    return None
+    return _first(lambda _: faults(known, states), known, answer, states, declared, bound)
 
 
 def factor_fault(
     known: Quantity, answer: Array, states: JudgedStates, declared: Chosen, bound: float
 ) -> FoundFault | None:
     """The first of factors on all numbers, on halves, or on what belongs to each joint, that leaves no more."""
-    for chosen in known.readings(declared):
+
+    def factors(chosen: Chosen) -> Iterator[AnswerFault]:
         ours = known.of_graphdyn(states, chosen)
-        tried = chain(_scaled(known, answer, ours, chosen), _per_joint(known, answer, ours, states.model))
-        if found := _first(tried, known, answer, states, chosen, bound):
-            return found
-    return None
+        return chain(_scaled(known, answer, ours, chosen), _per_joint(known, answer, ours, states.model))
+
+    return _first(factors, known, answer, states, declared, bound)
 
 
 def _first(
-    tried: Iterable[AnswerFault], known: Quantity, answer: Array, states: JudgedStates, chosen: Chosen, bound: float
+    tried: Callable[[Chosen], Iterable[AnswerFault]],
+    known: Quantity,
+    answer: Array,
+    states: JudgedStates,
+    declared: Chosen,
+    bound: float,
 ) -> FoundFault | None:
+    """The first fault that leaves no more than the bound, of those tried for each reading in turn."""
     few = np.arange(len(states.q)) < FIRST_TRIAL_STATES
+    first = states.rows(few)  # once: it keeps what graphdyn answers there
 
-    def left(fault: AnswerFault, some: JudgedStates, given: Array) -> float:
+    def left(fault: AnswerFault, chosen: Chosen, some: JudgedStates, given: Array) -> float:
         return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
 
-    for fault in tried:
-        if left(fault, states.rows(few), answer[few]) <= bound and (rest := left(fault, states, answer)) <= bound:
-            return FoundFault(FaultDescription(fault.kind, fault.message, fault.remedy), rest, chosen)
+    for chosen in known.readings(declared):
+        for fault in tried(chosen):
+            if left(fault, chosen, first, answer[few]) > bound:
+                continue
+            if (rest := left(fault, chosen, states, answer)) <= bound:
+                return FoundFault(FaultDescription(fault.kind, fault.message, fault.remedy), rest, chosen)
     return None
