@@ -47,9 +47,6 @@ SYSTEM_ERROR_REMEDIES = {
 Advance = Callable[[str, int], None]
 """Called with what was just done, and the number of its steps; 0 steps for what begins."""
 
-PHASES = ("graphdyn", "urdf", "crosscheck")
-"""The loggers whose messages of level INFO say what begins, such as "compiling joint_torques"."""
-
 
 class PipeConsole(Console):
     """A console that raises BrokenPipeError when its reader has closed the pipe; rich would exit with code 1."""
@@ -175,8 +172,10 @@ def _bar(title: str, total: int | None) -> Iterator[Advance]:
 @contextmanager
 def _told(advance: Advance) -> Iterator[None]:
     """Inside, what the packages log is told as what begins."""
+    from crosscheck.distributing.processes import LOGGERS  # imported where first used: help needs no processes
+
     handler = _Phases(advance)
-    loggers = {logger: logger.level for logger in map(logging.getLogger, PHASES)}
+    loggers = {logger: logger.level for logger in map(logging.getLogger, LOGGERS)}
     for logger in loggers:
         logger.addHandler(handler)
         logger.setLevel(logging.INFO)
