@@ -75,7 +75,12 @@ def articulated_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operati
     for j, (inside, (U, d, u)) in enumerate(zip(code.inside, reversed(given), strict=True)):
         along = do.result("c = v × S q̇ in the accelerations, on the way out,", j, carried[j])
         moved = do.result("the acceleration of the inside link", j, _of(transforms[j], accelerations[inside])) + along
-        rate = (u - do.result("Uᵀ a in q̈", j, (U * moved).sum(axis=0))) / d
+        rate = (u - do.result("Uᵀ a in q̈", j, (U * moved).sum(axis=0), {
+            "taken without c = v × S q̇, which is added later": lambda: (U * (moved - along)).sum(axis=0),
+            "taken with the acceleration of the inside link, not transformed": lambda: (
+                (U * accelerations[inside]).sum(axis=0)
+            ),
+        })) / d  # fmt: skip
         accelerations.append(moved + do.result("S q̈ in the acceleration of the link", j, axes[j] * rate))
         found.append(rate)
     return np.stack(np.broadcast_arrays(*found))

@@ -52,6 +52,7 @@ class BodySums:
     def jacobian(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
         """Jacobian of the center of mass, row by row (3 n, K, R)."""
         m, bodies = self._bodies(code, x, state, do)
+        center = self._mean([body.center for body in bodies], bodies, Operations([], 1))
         columns = []
         for j, (z, slides) in enumerate(zip(m.axes, code.prismatic, strict=True)):
             o = m.origins[j + 1]
@@ -68,6 +69,12 @@ class BodySums:
                 "divided by the mass that moves with the joint, not by all of it": lambda: column * total / moving,
                 "taken without the body of its own joint": lambda: less,
                 "taken of all bodies, of those inside the joint too": lambda: whole,
+                "taken with levers to the center of mass of the whole robot": lambda: (
+                    column if slides else crossed(z, center - o) * moving / total
+                ),
+                "taken of the center of mass of the whole robot, as if all of it moved": lambda: (
+                    z + 0 * center if slides else crossed(z, center - o)
+                ),
             }))  # fmt: skip
         return stacked([column[i] for i in range(3) for column in columns])
 

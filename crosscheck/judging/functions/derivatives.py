@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol, runtime_checkable
 
@@ -65,21 +65,34 @@ class Derivative:
     by: Literal["q", "v", "a"]
 
     def __call__(self, code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
+        n, rows = state[0].shape[0], state[0].shape[-1]
+
+        def held(y: Array) -> Array:
+            """A number at the state itself, in place of those at the steps from it; the last step is none."""
+            if y.shape[-1] == 1:
+                return y
+            by_step = y.reshape(*y.shape[:-1], n, -1, rows)
+            return np.broadcast_to(by_step[..., -1:, :], by_step.shape).reshape(y.shape)
+
         def slipped(code: DynamicsCode, x: Numbers, moved: State) -> Array:
-            do.see(moved[0].shape[-1], float)
+            do.see(moved[0].shape[-1], float, held)
             return self.of(code, x, moved, do)
 
-        return self._slopes(slipped, code, x, state)
+        return self._slopes(slipped, code, x, state, no_step=[0.0])
 
     def right(self, code: DynamicsCode, x: Numbers, state: State) -> Array:
         return self._slopes(self.of.right, code, x, state)
 
-    def _slopes(self, of: Answering, code: DynamicsCode, x: Numbers, state: State) -> Array:
+    def _slopes(
+        self, of: Answering, code: DynamicsCode, x: Numbers, state: State, no_step: Sequence[float] = ()
+    ) -> Array:
+        """no_step: a step of zero after the others, with the weight zero, where the state itself is asked for"""
         n, rows = state[0].shape[0], state[0].shape[-1]
         steps, weights = np.tile(RATE_OFFSETS, (n, 1)), np.tile(RATE_WEIGHTS, (n, 1))
         if self.by == "q":
             hinge = np.logical_not(code.prismatic)[:, None]
             steps, weights = np.where(hinge, TURNS, OFFSETS), np.where(hinge, TURN_WEIGHTS, OFFSET_WEIGHTS)
+        steps, weights = (np.hstack([y, np.tile(no_step, (n, 1))]) for y in (steps, weights))
         count = steps.shape[1]
         moved = [np.repeat(y[..., None, :], n * count, axis=-2) for y in state]
         place = "qva".index(self.by)

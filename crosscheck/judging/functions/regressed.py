@@ -138,4 +138,8 @@ def _momentum(j: int, x: Numbers, w: Array, speed: Array, do: Operations) -> tup
     angular = do.result("I ω, I about the link origin,", j, about, {
         "taken with J about the center of mass": lambda: turned(tensor, w),
     }, of="body")  # fmt: skip
-    return linear, angular + do.result("m c × v in the angular momentum", j, crossed(first, speed), of="body")
+    angular = angular + do.result("m c × v in the angular momentum", j, crossed(first, speed), of="body")
+    return linear, do.result("the angular momentum of the body", j, angular, {
+        "taken about the center of mass": lambda: angular - crossed(c, linear),
+        "added as if the momentum were at the center of mass": lambda: angular + crossed(c, linear),
+    }, of="body")  # fmt: skip

@@ -21,7 +21,7 @@ from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities import FUNCTIONS, Quantity
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement, RobotModel
-from graphdyn.layout import BODY_DOF, Array
+from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS, Array
 
 SIGN_FACTOR_TOLERANCE = 1e-4
 """Distance of a fitted factor from 1 or -1 within which it is that number."""
@@ -107,6 +107,12 @@ def _of_other_joints(known: Quantity) -> Iterator[AnswerFault]:
 
 def _of_halves(known: Quantity) -> Iterator[AnswerFault]:
     """Linear and angular part in the other order, or one of them with the other sign."""
+    if JOINT_CONSTRAINTS in known.shape:
+        axis = known.shape.index(JOINT_CONSTRAINTS) - len(known.shape)
+        yield AnswerFault(
+            "transposed", "λ_4, λ_5 come first, then λ_1, λ_2, λ_3", "forces come first",
+            lambda s, c: np.roll(known.of_graphdyn(s, c), 2, axis=axis),
+        )  # fmt: skip
     if BODY_DOF not in known.shape:
         return
     axis = known.shape.index(BODY_DOF) - len(known.shape)

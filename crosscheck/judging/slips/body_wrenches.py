@@ -64,7 +64,7 @@ def add_body(
     centripetal = do.result(OMEGA_CENTER, j, crossed(w, crossed(w, c)), {
         OF_THE_INSIDE.format("ω"): lambda: crossed(w_i, crossed(w_i, c)),
         ONE_OMEGA.format("ω × c"): lambda: crossed(w, c),
-    })  # fmt: skip
+    }, product=(crossed, {"the first ω": w, "ω × c": crossed(w, c)}))  # fmt: skip
     at_center = a_o + tangential + centripetal
     weight = do.result(WEIGHT, j, mass * gravity[-1])
     force = do.result(FORCE, j, mass * at_center - weight, {
@@ -77,12 +77,14 @@ def add_body(
         PRINCIPAL_ALONE: lambda: crossed(w, turned(diagonal, w)),
         "taken as J (ω × ω̇)": lambda: turned(tensor, crossed(w, dw)),
         "taken as ω × J ω₁, with ω of the first link": lambda: crossed(w, turned(tensor, omega[1])),
-    })  # fmt: skip
+    }, product=(crossed, {"ω": w, "J ω": spun}))  # fmt: skip
     euler = do.result(EULER, j, turned(tensor, dw), {
         OF_THE_INSIDE.format("ω̇"): lambda: turned(tensor, dw_i),
         PRINCIPAL_ALONE: lambda: turned(diagonal, dw),
     })  # fmt: skip
     others = {"taken with the acceleration of the link origin": lambda: crossed(lever, mass * a_o - weight)}
+    others["taken of m a alone, without the weight"] = lambda: crossed(lever, mass * at_center)
+    others["taken of the weight alone, without m a"] = lambda: crossed(lever, -weight)
     if beyond is not None:
         others["taken with r to the next joint, not c"] = lambda: crossed(beyond, force)
     turning = do.result(CENTER_FORCE, j, crossed(lever, force), others)
@@ -119,13 +121,15 @@ def add_body_with_first_moments(
     force = force + do.result(FIRST_ALPHA, j, crossed(dw, first))
     force = force + do.result(FIRST_OMEGA, j, crossed(w, crossed(w, first)), {
         ONE_OMEGA.format("ω × m c"): lambda: crossed(w, first),
-    })  # fmt: skip
+    }, product=(crossed, {"the first ω": w, "ω × m c": crossed(w, first)}))  # fmt: skip
     moment = do.result(EULER_AT_ORIGIN, j, spun(dw), {
         "taken with J about the center of mass": lambda: turned(tensor, dw),
     })  # fmt: skip
     moment = moment + do.result(GYROSCOPIC_AT_ORIGIN, j, crossed(w, spun(w)), {
         "taken with J about the center of mass": lambda: crossed(w, turned(tensor, w)),
+    }, product=(crossed, {"ω": w, "I ω": spun(w)}))  # fmt: skip
+    moment = moment + do.result(MOMENT_OF_WEIGHT, j, crossed(first, pulled), {
+        "taken without gravity": lambda: crossed(first, linear[-1]),
     })  # fmt: skip
-    moment = moment + do.result(MOMENT_OF_WEIGHT, j, crossed(first, pulled))
     wrenches[0].append(force)
     wrenches[1].append(moment)

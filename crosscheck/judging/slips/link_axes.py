@@ -44,7 +44,7 @@ from crosscheck.judging.slips.body_wrenches import (
     BodyWrench,
     add_body,
 )
-from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations
+from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations, Product, turning
 from graphdyn.layout import Array
 
 Parts = tuple[list[Array], list[Array]]
@@ -99,13 +99,13 @@ class LinkAxes:
             spin = do.result(SPIN, j, 0.0 * p if slides else p * v[j])
             kept = do.result("ω of the inside link in that of the link", j, carried, {
                 NOT_TURNED: lambda: 1.0 * w, WRONG_WAY: lambda: turned(turn, w),
-            })  # fmt: skip
+            }, product=turning(turned_back, turn, w))  # fmt: skip
             omega.append(kept + spin)
             own_spin = 0.0 * p if slides else p * v[j]
             cross = do.result(CROSS, j, crossed(carried, own_spin), {
                 INSIDE_UNTURNED: lambda: crossed(w, own_spin),
                 "taken with ω of the inside link, turned the wrong way": lambda: crossed(turned(turn, w), own_spin),
-            })  # fmt: skip
+            }, product=(crossed, {"ω": carried, "q̇ p": own_spin}))  # fmt: skip
             carried_up = do.outward("ω̇ of the inside link", j, turn, dw)
             alpha.append(carried_up + cross + do.result(SPIN_UP, j, 0.0 * p if slides else p * a[j]))
             w_j, dw_j = omega[-1], alpha[-1]
@@ -117,7 +117,7 @@ class LinkAxes:
                 "taken with r not turned": lambda: turned(turn, crossed(carried_up, r)),
                 "taken with r not turned and ω̇ of the link": lambda: turned(turn, crossed(dw_j, r)),
             }
-            tangential = do.result(ALPHA_ARM, j, crossed(dw, r), others)
+            tangential = do.result(ALPHA_ARM, j, crossed(dw, r), others, product=(crossed, {"ω̇": dw, "r": r}))
             others = {
                 NOT_TURNED: lambda: turned(turn, around),
                 OF_THE_LINK.format("ω"): lambda: crossed(w_j, crossed(w_j, r)),
@@ -127,16 +127,17 @@ class LinkAxes:
                 ONE_OMEGA.format("ω × r"): lambda: crossed(w, r),
                 "taken as (ω × ω) × r, zero": lambda: 0.0 * around,
             }
-            moved = linear[inside] + tangential + do.result(OMEGA_ARM, j, around, others)
+            product: Product = (crossed, {"the first ω": w, "ω × r": crossed(w, r)})
+            moved = linear[inside] + tangential + do.result(OMEGA_ARM, j, around, others, product=product)
             alone = do.result(moved_name, j, linear[inside], {
                 "not turned": lambda: turned(turn, linear[inside]),
                 "turned the wrong way": lambda: turned(turn, turned(turn, linear[inside])),
             })  # fmt: skip
             moved = moved - linear[inside] + alone
             slide = p * v[j] if slides else 0.0 * p
-            sliding = do.result(
-                SLIDING, j, 2 * crossed(carried, slide), {INSIDE_UNTURNED: lambda: 2 * crossed(w, slide)}
-            )
+            others = {INSIDE_UNTURNED: lambda: 2 * crossed(w, slide)}
+            product = crossed, {"ω": 2 * carried, "ṡ": slide}
+            sliding = do.result(SLIDING, j, 2 * crossed(carried, slide), others, product=product)
             driven = do.result("q̈ p of sliding joints in the acceleration", j, p * a[j] if slides else 0.0 * p)
             parts = {"that of the inside link": alone, "ω̇ × r": tangential, "ω × (ω × r)": moved - alone - tangential}
             in_part = {
@@ -147,7 +148,8 @@ class LinkAxes:
                 NOT_TURNED: lambda: 1.0 * moved,
                 WRONG_WAY: lambda: turned(turn, moved),
             }
-            moved_in = do.result(WHOLE_ACCELERATION, j, turned_back(turn, moved), {**whole, **in_part})
+            product = turning(turned_back, turn, moved)
+            moved_in = do.result(WHOLE_ACCELERATION, j, turned_back(turn, moved), {**whole, **in_part}, product=product)
             linear.append(moved_in + sliding + driven)
             gravity.append(do.outward("gravity", j, turn, gravity[inside]))
             c = x.centers[j]
@@ -179,7 +181,7 @@ def _inward(code: DynamicsCode, x: Numbers, do: Operations, frames: Parts, wrenc
         outer_force = do.inward("f of the outer link", j, turn, f)
         passed = do.result(PASSED_FORCE, j, outer_force, {
             NOT_TURNED: lambda: f + 0 * outer_force, WRONG_WAY: lambda: turned_back(turn, f),
-        })  # fmt: skip
+        }, product=turning(turned, turn, f))  # fmt: skip
         own = forces[i]
         others = {
             "taken with f not turned": lambda: crossed(r, f),
@@ -193,7 +195,9 @@ def _inward(code: DynamicsCode, x: Numbers, do: Operations, frames: Parts, wrenc
             "turned too early": lambda: turned(turn, crossed(r, f)),
             "taken with r turned, f not": lambda: crossed(turned(turn, r), f),
         }
-        moment = do.inward(PASSED_MOMENT, j, turn, n) + do.result(ARM_FORCE, j, crossed(r, outer_force), others)
+        product = crossed, {"r": r, "f": outer_force}
+        arm_force = do.result(ARM_FORCE, j, crossed(r, outer_force), others, product=product)
+        moment = do.inward(PASSED_MOMENT, j, turn, n) + arm_force
         both = do.result(PASSED_WRENCH, j, np.stack(np.broadcast_arrays(passed, moment)), {
             WRONG_WAY: lambda: np.stack(np.broadcast_arrays(
                 turned_back(turn, f), turned_back(turn, n) + crossed(r, turned_back(turn, f))
@@ -201,9 +205,15 @@ def _inward(code: DynamicsCode, x: Numbers, do: Operations, frames: Parts, wrenc
             "turned the wrong way, r × f not": lambda: np.stack(np.broadcast_arrays(
                 turned_back(turn, f), turned_back(turn, n) + crossed(r, outer_force)
             )),
-        })  # fmt: skip
+        }, product=turning(partial(_passed_on, r), turn, np.stack(np.broadcast_arrays(f, n))))  # fmt: skip
         forces[i], moments[i] = own + both[0], moments[i] + both[1]
     return np.stack(np.broadcast_arrays(*reversed(tau)))
+
+
+def _passed_on(r: Array, turn: Array, wrench: Array) -> Array:
+    """The wrench (2, 3, K, R) of the outer link, in axes of the inside one and about its origin."""
+    f = turned(turn, wrench[0])
+    return np.stack(np.broadcast_arrays(f, turned(turn, wrench[1]) + crossed(r, f)))
 
 
 def _turned_in_part(turn: Array, parts: Mapping[str, Array], left: Sequence[str]) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -19,6 +20,10 @@ FACTORS = (0.0, -1.0, 2.0, 0.5)
 
 NOT_TURNED = "not turned"
 WRONG_WAY = "turned the wrong way"
+HELD = "not differentiated"
+
+Product = tuple[Callable[[Array, Array], Array], Mapping[str, Array]]
+"""An operation with two factors, and these by their names."""
 
 Way = float | str
 """A factor, or what else is done, in words that follow a noun."""
@@ -64,12 +69,16 @@ class Operations:
         self._at: dict[str, dict[int | None, dict[Way, list[int]]]] = {}
         self._shape: tuple[int, int] = len(slips), rows
         self._type: type = float
+        self._held: Callable[[Array], Array] | None = None
         for k, slip in enumerate(slips):
             self._at.setdefault(slip.operation, {}).setdefault(slip.joint, {}).setdefault(slip.way, []).append(k)
 
-    def see(self, rows: int, numbers: type) -> None:
-        """Set the number of states that operations see from here on, and the type of their numbers."""
-        self._shape, self._type = (self._shape[0], rows), numbers
+    def see(self, rows: int, numbers: type, held: Callable[[Array], Array] | None = None) -> None:
+        """Set the number of states that operations see from here on, and the type of their numbers.
+
+        held: where they are differentiated, gives a number at the states whose derivatives are taken
+        """
+        self._shape, self._type, self._held = (self._shape[0], rows), numbers, held
 
     def result(
         self,
@@ -78,12 +87,14 @@ class Operations:
         right: Array,
         others: Mapping[str, Callable[[], Array]] | None = None,
         of: Literal["joint", "body"] = "joint",
+        product: Product | None = None,
     ) -> Array:
         """The result (…, K, R) of an operation at a joint, where K is 1 before the first slip.
 
-        others: what else a code may compute there, by the words for it; of: what the joint's number stands for
+        others: what else a code may compute there, by the words for it; of: what the joint's number stands for;
+        product: the factors of the operation, each of which may be forgotten by the product rule
         """
-        others = others or {}
+        others = {**(others or {}), **self._undifferentiated(right, product)}
         self.ways[operation, joint] = (*FACTORS, *others)
         self._of[operation] = of
         if not (slips := self._at.get(operation)):
@@ -98,15 +109,28 @@ class Operations:
                 found[..., k, :] = np.broadcast_to(wrong, found.shape)[..., k, :]
         return right if found is None else found
 
+    def _undifferentiated(self, right: Array, product: Product | None) -> dict[str, Callable[[], Array]]:
+        """The result, or one of its factors, taken as constant in a derivative."""
+        held = self._held
+        if held is None:
+            return {}
+        found: dict[str, Callable[[], Array]] = {HELD: lambda: held(right)}
+        if product is not None:
+            times, factors = product
+            for name in factors:
+                some = {x: held(y) if x == name else y for x, y in factors.items()}
+                found[f"taken with {name} {HELD}"] = partial(times, *some.values())
+        return found
+
     def outward(self, operation: str, joint: int, turn: Array, x: Array) -> Array:
         """A vector x of the inside link turned into the link."""
         others = {NOT_TURNED: lambda: 1.0 * x, WRONG_WAY: lambda: turned(turn, x)}
-        return self.result(operation, joint, turned_back(turn, x), others)
+        return self.result(operation, joint, turned_back(turn, x), others, product=turning(turned_back, turn, x))
 
     def inward(self, operation: str, joint: int, turn: Array, x: Array) -> Array:
         """A vector x of the link turned into the inside link."""
         others = {NOT_TURNED: lambda: 1.0 * x, WRONG_WAY: lambda: turned_back(turn, x)}
-        return self.result(operation, joint, turned(turn, x), others)
+        return self.result(operation, joint, turned(turn, x), others, product=turning(turned, turn, x))
 
     def slips(self) -> Iterator[Slip]:
         """All slips of the operations that were done: at every joint, and at each of them."""
@@ -117,6 +141,11 @@ class Operations:
         yield from (Slip(operation, way, None, self._of[operation]) for operation, way in everywhere)
         for (operation, joint), ways in self.ways.items():
             yield from (Slip(operation, way, joint, self._of[operation]) for way in ways)
+
+
+def turning(way: Callable[[Array, Array], Array], turn: Array, x: Array) -> Product:
+    """A vector turned by a rotation, as a product."""
+    return way, {"the rotation": turn, "the vector": x}
 
 
 Formulation = Callable[[DynamicsCode, Numbers, State, Operations], Array]

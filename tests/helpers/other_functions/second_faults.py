@@ -13,7 +13,7 @@ SIDEWAYS = ("ur5", "ur3", "z1", "so100", "kr500")
 """Arms with joint axes other than z."""
 
 AXES = "(not turned|axes|turned|rotat|too (early|late))"
-SHIFTED = "(shift|next|another|other bod|other link|before|previous|order|exchang)"
+SHIFTED = "(shift|next|body after|another|other bod|other link|before|previous|order|exchang)"
 BASED = ("ur5", "kinova", "xarm7")
 """Arms on which base regressors are planted."""
 
@@ -83,7 +83,7 @@ MASSES = (
 )  # fmt: skip
 
 DERIVATIVES = (
-    answers("dtau_dq", "columns shifted by one joint", lambda D, *_: np.roll(D, 1, axis=1), "(column|joint|position).*(order|shift|another|next|exchang)|(order|shift).*(column|joint)"),
+    answers("dtau_dq", "columns shifted by one joint", lambda D, *_: np.roll(D, 1, axis=1), "(column|joint|position).*(order|shift|another|next|before|exchang)|(order|shift).*(column|joint)"),
     several("dtau_dv", "product rule of ω × J ω", (("dtau_dv", "2 * coriolis_matrix(arm, q, v)", "gradient(lambda x: inverse_dynamics(arm, q, x, a), v)"), ("newton_euler", "cross(w[-1], J @ w[-1])", "cross(w[-1], J @ np.real(w[-1]))")), f"(ω × (J|I) ω|gyroscopic|J ω|I ω).*({HELD}|half|0\\.5|product)|product rule"),
     arguments("da_dq", "at v = 0", lambda q, v, tau: (q, 0 * v, tau), f"(velocit|\\bv\\b|Coriolis).*{OUT}"),
     text("da_dv", "diagonal of M alone", "da_dv", "np.linalg.solve(mass_matrix(arm, q), ", "np.linalg.solve(np.diag(np.diag(mass_matrix(arm, q))), ", "diagonal"),
@@ -91,7 +91,7 @@ DERIVATIVES = (
     text("dwrenches_dv", "ω of the inside link not differentiated in ω × q̇ p", "newton_euler", "+ cross(carried, p * v[j])", "+ cross(np.real(carried), p * v[j])", f"(ω × q̇ p|v × S q̇|ω × p).*({HELD}|half|0\\.5|product)|product rule"),
     text("dwrenches_da", "no ω̇ × r", "newton_euler", " + cross(dw[i], r[j])", "", f"(ω̇ × r|tangential|α × r|Euler).*{OUT}"),
     text("dmultipliers_dq", "force turned the wrong way", "multipliers", "R[j + 1] @ f[j]", "R[j + 1].T @ f[j]", f"(force|λ_1|\\bf\\b).*{WRONG_WAY}"),
-    answers("dmultipliers_dv", "moments first", lambda D, *_: np.roll(D, 2, axis=1), "(moment|λ_4|row).*(order|exchang|first|shift)|order"),
+    answers("dmultipliers_dv", "moments first", lambda D, *_: np.roll(D, 2, axis=1), "(moment|λ_4|λ_5|row).*(order|exchang|first|shift)|order"),
 )  # fmt: skip
 
 REGRESSORS = (
@@ -102,7 +102,7 @@ REGRESSORS = (
     text("momentum_regressor", "momenta at the centers of mass", "projected", "i + 1, o[i + 1])", "i + 1, o[i + 1] + R[i + 1] @ arm.centers[i])", "(center|lever|point|origin)"),
     text("kinetic_energy_regressor", "½ forgotten at I", "kinetic_energy_regressor", "0.5 * spin", "spin", f"(tensor|inertia|\\bI\\b|I_xx|\\bJ\\b|spin|ω).*{TWICE}"),
     text("potential_energy_regressor", "g forgotten at m c", "potential_energy_regressor", "-R[j + 1].T @ arm.gravity", "-R[j + 1].T @ np.sign(arm.gravity)", "(m c|first moment|center|mc_x|\\bmc).*(gravity|\\bg\\b|0\\.10|9\\.8|factor|multiplied|scaled|divided)"),
-    text("forward_dynamics_parameter_derivatives", "accelerations without bias", "forward_dynamics_parameter_derivatives", "a = forward_dynamics(arm, q, v, tau)", "a = np.linalg.solve(mass_matrix(arm, q), tau)", f"(bias|\\bh\\b|gravity|velocity|Coriolis).*{OUT}"),
+    text("forward_dynamics_parameter_derivatives", "accelerations without bias", "forward_dynamics_parameter_derivatives", "a = forward_dynamics(arm, q, v, tau)", "a = np.linalg.solve(mass_matrix(arm, q), tau)", f"(bias|\\bh\\b|gravity|velocity|Coriolis).*({OUT}|not subtracted)"),
 )  # fmt: skip
 
 FAULTS = (*TORQUES, *MATRICES, *FRAMES, *MASSES, *DERIVATIVES, *REGRESSORS)
