@@ -36,6 +36,8 @@ class FileFaults:
     links: Sequence[PlacedInertial]
 
 
+ROUNDING_REMEDY = "use all digits of the file"
+
 _known: dict[tuple[str, str | None, str], FileFaults] = {}
 
 
@@ -52,10 +54,14 @@ def faults_of_file(robot: Subject) -> FileFaults:
 
 def file_reading(readings: Misreadings) -> Iterator[CodeFault]:
     """Every misreading that changes a number of the recursion."""
-    told = {message: (kind, remedy, change) for kind, message, remedy, change in _misread(readings)}
+    told = {
+        message: (kind, remedy, change, size)
+        for size, mistakes in enumerate((_misread(readings), _rounded_pairs()), start=1)
+        for kind, message, remedy, change in mistakes
+    }
     (right,) = readings.of({"": lambda robot: None})
-    for message, bodies, joints in readings.of({message: change for message, (_, _, change) in told.items()}):
-        kind, remedy, _ = told[message]
+    for message, bodies, joints in readings.of({message: change for message, (_, _, change, _) in told.items()}):
+        kind, remedy, _, size = told[message]
         if tuple(joint.name for joint in joints) != tuple(joint.name for joint in right[2]):
             continue
         replaced = {}
@@ -67,7 +73,7 @@ def file_reading(readings: Misreadings) -> Iterator[CodeFault]:
             if different:
                 replaced[name] = different, theirs[different]
         if replaced:
-            yield CodeFault.of(kind, message, remedy, partial(_replaced, replaced))
+            yield CodeFault.of(kind, message, remedy, partial(_replaced, replaced), size)
 
 
 _FIELDS: dict[str, Callable[..., Array]] = {
@@ -103,10 +109,20 @@ def _misread(readings: Misreadings) -> Iterator[Misread]:
         message = f"the rpy angles of all {who} are applied in the opposite order"
         change = partial(_in_opposite_order, *of)
         yield "frame", message, "R = R_z(yaw) R_y(pitch) R_x(roll)", change
-    for digits, (what, change) in itertools.product((2, 3, 4, 5, 6), _ROUNDED.items()):
+    for digits, (what, rounding) in itertools.product(ROUNDED_DIGITS, _ROUNDED.items()):
         example = " (1.57 for π/2)" if digits == 2 and "rpy" in what else ""
         message = f"the {what} are rounded to {digits} decimals{example}"
-        yield "rounding", message, "use all digits of the file", partial(_rounded, change, digits)
+        yield "rounding", message, ROUNDING_REMEDY, partial(_rounded, rounding, digits)
+
+
+def _rounded_pairs() -> Iterator[Misread]:
+    """Centers and tensors at once."""
+    centers, tensors = (_ROUNDED[what] for what in ("centers of mass", "tensors"))
+    for of_centers, of_tensors in itertools.product(ROUNDED_DIGITS, repeat=2):
+        message = (
+            f"the centers of mass are rounded to {of_centers} decimals, and the tensors are rounded to {of_tensors}"
+        )
+        yield "rounding", message, ROUNDING_REMEDY, partial(_rounded_both, (centers, of_centers), (tensors, of_tensors))
 
 
 def _inertial_frames(robot: Robot) -> Iterator[Misread]:
@@ -215,17 +231,27 @@ def _rounded_place(origin: Array, digits: int) -> Array:
     return _placement(origin[:3, :3], np.round(origin[:3, 3], digits))
 
 
-_ROUNDED: dict[str, tuple[str, str, Callable[[Any, int], Any]]] = {
+Rounding = tuple[str, str, Callable[[Any, int], Any]]
+"""What is rounded: of which elements, which attribute, and how, to a number of digits."""
+
+_ROUNDED: dict[str, Rounding] = {
     "rpy angles of the joints": ("joints", "origin", _rounded_rpy),
     "masses": ("inertials", "mass", round),
     "centers of mass": ("inertials", "origin", _rounded_place),
     "tensors": ("inertials", "inertia", np.round),
     "placements of the joints": ("joints", "origin", _rounded_place),
 }
-"""What is rounded: of which elements, which attribute, and how, to a number of digits."""
+
+ROUNDED_DIGITS = (2, 3, 4, 5, 6)
+"""Numbers of decimals to which people write numbers."""
 
 
-def _rounded(what: tuple[str, str, Callable[[Any, int], Any]], digits: int, robot: Robot) -> None:
+def _rounded_both(first: tuple[Rounding, int], second: tuple[Rounding, int], robot: Robot) -> None:
+    for what, digits in (first, second):
+        _rounded(what, digits, robot)
+
+
+def _rounded(what: Rounding, digits: int, robot: Robot) -> None:
     elements, attribute, rounding = what
     for element in robot.joints if elements == "joints" else [link.inertial for link in robot.links]:
         value = getattr(element, attribute, None)

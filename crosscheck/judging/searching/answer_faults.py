@@ -175,8 +175,10 @@ def _other_functions(known: Quantity) -> Iterator[AnswerFault]:
     for other in FUNCTIONS.values():
         alike = other.shape == known.shape and set(other.arguments) <= set(known.arguments)
         if other is not known and alike and not (other.of_frame or other.conventions):
+            unused = [name for name in known.arguments if name not in other.arguments]
+            without = f", which takes no {' and no '.join(unused)}" if unused else ""
             yield AnswerFault(
-                "other_function", f"the answers are those of {other.name}", f"{known.name} is asked for",
+                "other_function", f"the answers are those of {other.name}{without}", f"{known.name} is asked for",
                 lambda s, c, other=other: other.of_graphdyn(s, {}),  # type: ignore[misc]
             )  # fmt: skip
 

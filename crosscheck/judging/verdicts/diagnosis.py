@@ -12,6 +12,7 @@ import numpy as np
 
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.faults.file_reading import FileFaults
+from crosscheck.judging.faults.link_parameters import LINK_PARAMETERS
 from crosscheck.judging.judgment import Diagnosis, DiagnosisStatus
 from crosscheck.judging.observing.noise import MAX_NOISE_FACTOR, precision_said
 from crosscheck.judging.observing.observation import Observation, of_experiments
@@ -182,11 +183,12 @@ def diagnose(deviation: Deviation, say: Callable[[str], object]) -> Iterator[lis
         return
     found = search.alone(nothing)
     holding = holding_alone(search, found)
-    yield explained(deviation.function, search, holding, evidence) if holding else []
+    vague = all(x.size >= LINK_PARAMETERS * trial.model.n_bodies for x in holding)  # any numbers of all bodies
+    yield [] if vague else explained(deviation.function, search, holding, evidence)
     if nothing.experiments.max() > deviation.bound:
         say("looking for two faults at once")
         pairs = search.together(firsts(found, nothing, deviation.bound))
-        holding = [pair for pair in pairs if search.holds(pair)]
+        holding = [pair for pair in pairs if search.holds(pair)] or holding
     if holding:
         yield explained(deviation.function, search, holding, evidence)
     else:

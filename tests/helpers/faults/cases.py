@@ -72,7 +72,7 @@ TERMS = [
     Case("no ω × q̇ p at joint 4", "kr210", factors("cross", 3, 0), ("ω × q̇ p.*joint_4",)),
     Case("ω × q̇ p reversed at joint 5", "z1", factors("cross", 4, -1), ("ω × q̇ p.*joint5",)),
     Case("no ω × (ω × r) at joint 3", "ur5", factors("centripetal", 2, 0), ("ω × \\(ω × r\\).*(elbow|forearm)",)),
-    Case("a ignored", "kinova", before(lambda q, v, a: (q, v, 0 * a)), ("acceleration",)),
+    Case("a ignored", "kinova", before(lambda q, v, a: (q, v, 0 * a)), ("acceleration|takes no a\\b",)),
     Case("v and a exchanged", "ur5", before(lambda q, v, a: (q, a, v)), ("exchanged",)),
     Case("kinematics of the call before", "z1", stale, ("calls? before|earlier|repeat|keeps|kept",)),
 ]

@@ -584,7 +584,6 @@ class Rewritten:
                     self.put(origin, attribute, np.zeros(3))
 
     def rounding(self, message):
-        digits = int(re.search(r"to (\d) decimals", message)[1])
         places = {
             "rpy angles": ("joint/origin", "rpy"),
             "placements": ("joint/origin", "xyz"),
@@ -592,10 +591,12 @@ class Rewritten:
             "centers": ("link/inertial/origin", "xyz"),
             "tensors": ("link/inertial/inertia", "ixx ixy ixz iyy iyz izz"),
         }
-        path, attributes = next(place for words, place in places.items() if f"the {words}" in message)
-        for element in self.robot.iterfind(path):
-            for attribute in (one for one in attributes.split() if element.get(one)):
-                self.put(element, attribute, np.round(self.numbers(element, attribute), digits))
+        for words, (path, attributes) in places.items():
+            if not (found := re.search(rf"the {words}[a-z ]* to (\d)", message)):
+                continue
+            for element in self.robot.iterfind(path):
+                for attribute in (one for one in attributes.split() if element.get(one)):
+                    self.put(element, attribute, np.round(self.numbers(element, attribute), int(found[1])))
 
 
 def test_misread_files(small_arm_text, tmp_path, state):
@@ -620,8 +621,9 @@ def test_misread_files(small_arm_text, tmp_path, state):
     assert {kind: len(found) for kind, found in messages.items()} == MISREAD
 
 
-MISREAD = {"inertial_frame": 23, "massless_link": 2, "frame": 3, "fixed_link": 7 + 3 * 3 + 1, "rounding": 12}
-"""How many: of fixed links the sets of three with mass, three parts of three placements, and two siblings."""
+MISREAD = {"inertial_frame": 23, "massless_link": 2, "frame": 3, "fixed_link": 7 + 3 * 3 + 1, "rounding": 12 + 10}
+"""How many: of fixed links the sets of three with mass, three parts of three placements, and two siblings.
+Of rounding one number and two."""
 
 
 def test_no_law_of_friction_is_fitted_where_a_joint_at_rest_deviates(model, monkeypatch):
