@@ -20,7 +20,7 @@ from crosscheck.judging.faults.recursion import (
 )
 from crosscheck.judging.functions.motions import flat, places, stacked
 from crosscheck.judging.slips.link_axes import LinkAxes
-from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations
+from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations, turning
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement
 from graphdyn.layout import Array
@@ -108,24 +108,36 @@ def _multipliers(
         force = do.result("the force λ_1, λ_2, λ_3 in world axes", j, turned(R, f), {
             NOT_TURNED: lambda: f + 0 * R[0], WRONG_WAY: lambda: turned_back(R, f),
             "turned with the inside link": lambda: turned(before, f),
-        })  # fmt: skip
+        }, product=turning(turned, R, f))  # fmt: skip
         moment = do.result("the moment of λ_4, λ_5 in axes that the joint does not turn", j, turned(own, n), {
             "taken in link axes, not turned": lambda: n + 0 * own[0], WRONG_WAY: lambda: turned_back(own, n),
             "taken about the center of mass": lambda: turned(own, n - crossed(x.centers[j], f)),
             "turned into axes of the inside link": lambda: turned(x.rotations[j], turned(own, n)),
-        })  # fmt: skip
+        }, product=turning(turned, own, n))  # fmt: skip
         about = [(axis * moment).sum(axis=0) for axis in (first, second)]
         names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")
         pair = do.result("the pair λ_4, λ_5", j, np.stack(np.broadcast_arrays(*about)), {
             "exchanged": lambda: np.stack(np.broadcast_arrays(*about[::-1])),
+            "taken with t_1 = p × z, or p × x where p is near z": lambda: np.stack(np.broadcast_arrays(
+                *((axis * moment).sum(axis=0) for axis in _normals(p, order=(2, 0)))
+            )),
         })  # fmt: skip
         numbers += [*force, *(do.result(name, j, number) for name, number in zip(names, pair, strict=True))]
     return stacked(numbers)
 
 
-def _normals(p: Array) -> tuple[Array, Array]:
-    """t_1, t_2 of docs/notation.md for axes (3, K, R), of the real part of each."""
+NEAR_AN_AXIS = 0.9
+"""Component of a unit vector from which people take another axis for the product with it."""
+
+
+def _normals(p: Array, order: tuple[int, int] | None = None) -> tuple[Array, Array]:
+    """t_1, t_2 of docs/notation.md for axes (3, K, R), of the real part of each.
+
+    order: of axes that are taken in place of that with the least component: the first, or the other where p is near it
+    """
     least = np.abs(np.real(p)).argmin(axis=0)
+    if order is not None:
+        least = np.where(np.abs(np.real(p[order[0]])) < NEAR_AN_AXIS, *order)
     unit = (np.arange(3).reshape(3, *[1] * (p.ndim - 1)) == least).astype(float)
     first = crossed(p, unit)
     first = first / np.sqrt((first * first).sum(axis=0))

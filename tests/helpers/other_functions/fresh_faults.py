@@ -95,7 +95,7 @@ TORQUES = (
     text("inverse_dynamics", "tensor acts on ω̇ of the inside link", "newton_euler", "J @ dw[-1]", "J @ (R[j].T @ dw[i])", f"(J ω̇|ω̇|angular acceleration).*({INSIDE}|{OUT})"),
     text("forward_dynamics", "gravity counted twice", "forward_dynamics", "tau - bias_torque(arm, q, v)", "tau - bias_torque(arm, q, v) - gravity_torque(arm, q)", f"gravity.*{TWICE}"),
     articulated("c with the inertia not yet reduced", "pA[j] + Ia @ c[j] +", "pA[j] + IA[j] @ c[j] +", "(Ia|I\\^a|Iᵃ|I.{0,3} c|v × S q̇|velocity product|\\bc\\b|articulated).*(not reduced|unreduced|in place|U Uᵀ|before|rank|whole|I\\^A|itself)"),
-    articulated("c only added after the joint is solved for", "- U[j] @ before)", "- U[j] @ (before - c[j]))", f"(v × S q̇|velocity product|bias acceleration|\\bc\\b|c_j).*{OUT}"),
+    articulated("c only added after the joint is solved for", "- U[j] @ before)", "- U[j] @ (before - c[j]))", f"(v × S q̇|velocity product|bias acceleration|\\bc\\b|c_j).*({OUT}|added later)"),
     articulated("Steiner's term of the other sign", "arm.tensors[j] - hat(h) @", "arm.tensors[j] + hat(h) @", f"(Steiner|parallel|m c|about|tensor|hat|c ×).*({OPPOSITE}|link origin|about|subtracted)"),
     text("bias_torque", "centripetal acceleration with the inside ω", "newton_euler", "cross(w[-1], cross(w[-1], c))\n", "cross(carried, cross(carried, c))\n", f"(ω × \\(ω × c\\)|centripetal|ω).*{INSIDE}"),
     text("bias_torque", "principal moments alone in the gyroscopic moment", "newton_euler", "cross(w[-1], J @ w[-1])", "cross(w[-1], np.diag(J) * w[-1])", "(product|I_xy|I_xz|I_yz|diagonal|principal)", robots=SKEWED),
