@@ -5,6 +5,7 @@ Strict where other parsers guess: a missing value is refused, with file, line, e
 
 from urdf.document.catalog import RobotEntry, robots
 from urdf.document.connections.loops import Loop
+from urdf.document.dh import CONVENTIONS, DHLink, DHRow, DHTable
 from urdf.document.opening import Xacro
 from urdf.errors import (
     AxisNotNormalizedWarning,
@@ -14,6 +15,7 @@ from urdf.errors import (
     DuplicateEntry,
     GravityNotSavedWarning,
     InvalidChain,
+    InvalidDH,
     InvalidLock,
     InvalidLoop,
     InvalidMimic,
@@ -54,6 +56,7 @@ from urdf.reading.written import (
     WrittenRobot,
     written,
 )
+from urdf.writing.dh import dh_table, save_dh
 from urdf.writing.mjcf.patching import Patch, patch_mjcf
 from urdf.writing.mjcf.saving import save_mjcf
 from urdf.writing.repaired_file import REPAIRED_CODES, RepairedFile, repair
@@ -61,17 +64,22 @@ from urdf.writing.updating import Update, update
 from urdf.writing.writing import save
 
 __all__ = [
+    "CONVENTIONS",
     "REPAIRED_CODES",
     "AxisNotNormalizedWarning",
     "CannotSave",
     "CannotUpdate",
     "ChainWarning",
+    "DHLink",
+    "DHRow",
+    "DHTable",
     "DuplicateEntry",
     "Finding",
     "GravityNotSavedWarning",
     "InertialsFromMeshes",
     "Inspection",
     "InvalidChain",
+    "InvalidDH",
     "InvalidLock",
     "InvalidLoop",
     "InvalidMJCF",
@@ -114,6 +122,7 @@ __all__ = [
     "XacroNotInstalled",
     "XacroWarning",
     "ZeroMassWarning",
+    "dh_table",
     "fused_links",
     "inspect",
     "load",
@@ -121,6 +130,7 @@ __all__ = [
     "repair",
     "robots",
     "save",
+    "save_dh",
     "save_mjcf",
     "shapes",
     "update",

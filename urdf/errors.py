@@ -155,6 +155,12 @@ class MujocoNotInstalled(InvalidMJCF):
     default_code = "mujoco-not-installed"
 
 
+class InvalidDH(URDFError):
+    """A table of Denavit-Hartenberg parameters that is no robot, or names no units."""
+
+    default_code = "invalid-dh"
+
+
 class InvalidRepair(URDFError):
     """A repair= that urdf.load does not know."""
 

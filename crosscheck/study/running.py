@@ -39,11 +39,10 @@ from crosscheck.study.tasks import (
     failed,
     taking_part,
 )
-from crosscheck.toml_text import toml_document
 from graphdyn import InvalidInput
 from graphdyn.errors import install_line
 from graphdyn.identification import structure
-from urdf.document import write_whole
+from urdf.document import toml_document, write_whole
 
 RESULTS, SCENARIOS, TIMES = "results.parquet", "scenarios.parquet", "times.parquet"
 

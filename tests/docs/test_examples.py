@@ -13,6 +13,7 @@ FIRST_FUNCTIONS = (
     "crosscheck.identify",
     "crosscheck.judge",
     "graphdyn.excitation.optimized",
+    "urdf.dh_table",
     "urdf.inspect",
     "urdf.load",
     *(f"graphdyn.{name}" for name in graphdyn.__all__ if inspect.isfunction(getattr(graphdyn, name))),

@@ -5,6 +5,7 @@ from urdf.document.document import UNNAMED_SOURCES
 from urdf.document.files import write_whole
 from urdf.document.numbers import NUMBER, finite_number, rpy_from_rotation
 from urdf.document.opening import content_of, is_expanded, path_of
+from urdf.document.toml_text import parsed_toml, toml_document
 from urdf.document.xacro.yaml_limits import refuse_growing_yaml
 
 __all__ = [
@@ -14,8 +15,10 @@ __all__ = [
     "finite_number",
     "is_expanded",
     "locate",
+    "parsed_toml",
     "path_of",
     "refuse_growing_yaml",
     "rpy_from_rotation",
+    "toml_document",
     "write_whole",
 ]

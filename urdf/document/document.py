@@ -45,7 +45,7 @@ class Document:
 
     path: as messages give it; gravity: that goes with it (3,) [m/s²]
     complaints: warnings of the expander of .xacro files, None where the file was not expanded
-    mjcf: what an MJCF file says beyond its URDF, None for other files
+    beyond: what an MJCF file or a DH table says beyond its URDF, None for other files
     """
 
     path: Path
@@ -53,21 +53,22 @@ class Document:
     robot: etree._Element
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
     complaints: tuple[str, ...] | None = None
-    mjcf: BeyondURDF | None = None
+    beyond: BeyondURDF | None = None
 
 
 @dataclass(frozen=True)
 class BeyondURDF:
-    """What an MJCF file says and URDF cannot.
+    """What a file says and URDF cannot.
 
-    armature: by joint [kg m² or kg]; unread: what is no part of the model
-    between: links without mass between several joints of one body; computed: bodies with the inertia of their geoms
+    armature: by joint [kg m² or kg]
+    Of MJCF: unread: what is no part of the model; between: links without mass between several joints of one body
+    computed: bodies with the inertia of their geoms; None for other files
     """
 
     armature: Mapping[str, float]
-    unread: tuple[Unread, ...]
-    between: frozenset[str]
-    computed: tuple[str, ...]
+    unread: tuple[Unread, ...] = ()
+    between: frozenset[str] = frozenset()
+    computed: tuple[str, ...] | None = None
 
 
 def parsed(

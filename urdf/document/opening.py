@@ -14,6 +14,7 @@ from lxml import etree
 from graphdyn.display import short_repr
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.catalog import locate
+from urdf.document.dh import expand_dh
 from urdf.document.document import (
     BYTES,
     MAX_URDF_BYTES,
@@ -34,6 +35,8 @@ Given = str | bytes | PathLike[str] | IO[str] | IO[bytes]
 
 UTF8 = "utf-8"
 
+DH_SUFFIX = ".toml"
+
 MJCF_TAG = b"mujoco"
 """What every MJCF file in an encoding that contains ASCII has in its bytes."""
 
@@ -51,12 +54,13 @@ class Xacro:
 
 
 def open_document(given: Given, xacro: Xacro | None = None, use_geoms: bool = False) -> Document:
-    """The document of a source; a file whose name ends with .xacro is expanded first, an MJCF file read by MuJoCo.
+    """The document of a source; a file whose name ends with .xacro is expanded first, an MJCF file read by MuJoCo, a
+    .toml file read as a table of Denavit-Hartenberg parameters.
 
     use_geoms: bodies of an MJCF file without <inertial> get that of their geoms
 
     Raises RobotNotFound, MalformedXML, TooLarge, InvalidXacro, XacroNotInstalled, InvalidMJCF, MujocoNotInstalled,
-    UnsupportedJoint, UnsupportedConstraint; OSError.
+    InvalidDH, UnsupportedJoint, UnsupportedConstraint; OSError.
     """
     path, content, gravity = _read(given)
     encoding = UTF8 if isinstance(content, str) else None
@@ -74,6 +78,8 @@ def open_document(given: Given, xacro: Xacro | None = None, use_geoms: bool = Fa
         problem = "xacro arguments and packages are given, but not a file that ends with .xacro"
         remedy = "leave them out, or give the .xacro file"
         raise InvalidXacro(problem, remedy, path=path)
+    if path.suffix.lower() == DH_SUFFIX:
+        return _of_dh(path, content)
     if MJCF_TAG in content:
         root = root_of(path, content, encoding)
         if is_mjcf(root):
@@ -85,12 +91,18 @@ def _of_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) 
     expansion = expand_mjcf(path, content, root, use_geoms)
     expanded = parsed(path, expansion.text, UTF8, expansion.places)
     beyond = BeyondURDF(expansion.armature, expansion.unread, expansion.between, expansion.computed)
-    return replace(expanded, gravity=expansion.gravity, mjcf=beyond)
+    return replace(expanded, gravity=expansion.gravity, beyond=beyond)
+
+
+def _of_dh(path: Path, content: bytes) -> Document:
+    expansion = expand_dh(path, content)
+    expanded = parsed(path, expansion.text, UTF8, expansion.places)
+    return replace(expanded, gravity=expansion.gravity, beyond=BeyondURDF(expansion.armature))
 
 
 def is_expanded(path: Path) -> bool:
-    """Whether a file is .xacro or MJCF, of which a URDF is made before it is read. Raises OSError."""
-    if path.suffix.lower() == ".xacro":
+    """Whether a file is .xacro, MJCF or a DH table, of which a URDF is made before it is read. Raises OSError."""
+    if path.suffix.lower() in (".xacro", DH_SUFFIX):
         return True
     with path.open("rb") as file:
         content = file.read(MAX_URDF_BYTES + 1)
@@ -101,7 +113,7 @@ def is_expanded(path: Path) -> bool:
 
 
 def content_of(path: Path, xacro: Xacro | None = None) -> bytes:
-    """The bytes of a file; for a .xacro file, of its expansion, for an MJCF file of the URDF that it says.
+    """The bytes of a file; for a .xacro file, of its expansion, for MJCF and DH tables of the URDF that they say.
 
     Raises as open_document does.
     """

@@ -56,11 +56,11 @@ def reduced(document: Document) -> Source:
             problem = f"the robot has {number} {what}s, more than {MAX_LINKS}"
             raise TooLarge(problem, "give a smaller robot", path=document.path)
     beside, drawn = extensions(robot, document.path), drawings(robot)
-    if document.mjcf is not None:
-        beside = replace(beside, unread=(*beside.unread, *document.mjcf.unread))
+    if document.beyond is not None:
+        beside = replace(beside, unread=(*beside.unread, *document.beyond.unread))
     _reduce(robot)
     etree.cleanup_namespaces(robot)
-    return Source(document.path, robot, beside, drawn, None if document.mjcf is None else document.mjcf.computed)
+    return Source(document.path, robot, beside, drawn, None if document.beyond is None else document.beyond.computed)
 
 
 def _reduce(element: etree._Element) -> None:

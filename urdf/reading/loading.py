@@ -67,7 +67,7 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
     how = Reading.of(load, reading)
     document, reduced, parsed = parsed_source(source, how)
     model = armed(build(parsed, document.gravity), document)
-    between = document.mjcf.between if document.mjcf is not None else frozenset()
+    between = document.beyond.between if document.beyond is not None else frozenset()
     warn(parsed, model.gravity if how.gravity is None else None, document.complaints or (), between)
     warn_of_unbound(parsed, unbound_dependents(reduced, model))
     return model if how.gravity is None else model.with_gravity(how.gravity)
@@ -75,9 +75,9 @@ def load(source: Given, **reading: Unpack[ReadingKeywords]) -> RobotModel:
 
 def armed(model: RobotModel, document: Document) -> RobotModel:
     """The model with the armature that an MJCF file states."""
-    if document.mjcf is None or not document.mjcf.armature:
+    if document.beyond is None or not document.beyond.armature:
         return model
-    armature = document.mjcf.armature
+    armature = document.beyond.armature
     joints = tuple(replace(joint, armature=armature.get(joint.name, 0.0)) for joint in model.joints)
     return replace(model, joints=joints)
 

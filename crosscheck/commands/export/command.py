@@ -1,4 +1,4 @@
-"""`graphdyn export`: the rigid-body model of a robot as plain numbers or MJCF, and its functions in C."""
+"""`graphdyn export`: the rigid-body model of a robot as plain numbers, MJCF or a DH table, and its functions in C."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 import typer
 
 from crosscheck.commands.export.code import FunctionCodeOptions, export_code, refuse_unfit
-from crosscheck.commands.export.mjcf import MJCFFormat, export_mjcf, refuse_options, target
+from crosscheck.commands.export.robot_files import RobotFormat, export_dh, export_mjcf, refuse_options, target
 from crosscheck.commands.program.console import warn, warnings_shown
 from crosscheck.commands.program.delivery import json_content
 from crosscheck.commands.program.options import EXAMPLES
@@ -22,6 +22,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn export ur5 --to ur5.c
   graphdyn export arm.urdf --chain base_link tool0 --to arm.json
   graphdyn export arm.urdf --to mjcf --out arm.xml
   graphdyn export better.urdf --to mjcf --patch arm.xml --out better.xml
+  graphdyn export arm.urdf --to dh --dh modified --out arm.toml
   graphdyn export arm.urdf --c arm_c
   graphdyn export arm.urdf --c arm_c --functions joint_torques,frame_jacobian --frame tool0 --reference local
   graphdyn export arm.urdf --c arm_c --functions all --precision single --no-check
@@ -38,15 +39,17 @@ class ExportOptions(FunctionCodeOptions):
         OutputFile | None,
         typer.Option(
             "--to",
-            metavar="FILE|mjcf",
+            metavar="FILE|mjcf|dh",
             parser=target,
             help="Write the model to FILE, which ends in .json, .c, .h or .m, or - for JSON on standard output; mjcf: "
-            "as MJCF, to the file of --out.",
+            "as MJCF, dh: as a table of Denavit-Hartenberg parameters, to the file of --out.",
         ),
     ] = None
     out: Annotated[
         OutputFile | None,
-        typer.Option("--out", metavar="FILE.xml", parser=OutputFile.robot, help="The file of --to mjcf."),
+        typer.Option(
+            "--out", metavar="FILE", parser=OutputFile.robot, help="The file of --to mjcf (.xml), of --to dh (.toml)."
+        ),
     ] = None
     patch: Annotated[
         Path | None,
@@ -55,6 +58,10 @@ class ExportOptions(FunctionCodeOptions):
             help="With --to mjcf: a copy of this MJCF file with inertials, armature, damping and friction of ROBOT, in "
             "which no other byte differs (docs/mjcf.md).",
         ),
+    ] = None
+    dh: Annotated[
+        Literal["standard", "modified"] | None,
+        typer.Option("--dh", show_default="standard", help="Convention of --to dh."),
     ] = None
     mimic: Annotated[
         Literal["coupled", "independent", "locked"] | None,
@@ -65,14 +72,14 @@ class ExportOptions(FunctionCodeOptions):
     ] = None  # type: ignore[assignment]  # __post_init__ makes it one of the words
 
     @property
-    def is_mjcf(self) -> bool:
-        """Whether MJCF is to be written."""
-        return isinstance(self.to, MJCFFormat)  # the parser of --to makes it
+    def format(self) -> str | None:
+        """The format of the file of --out, None without it."""
+        return self.to.word if isinstance(self.to, RobotFormat) else None
 
     def __post_init__(self) -> None:
         """The default of mimic."""
         if self.mimic is None:
-            object.__setattr__(self, "mimic", "coupled" if self.is_mjcf else "independent")
+            object.__setattr__(self, "mimic", "coupled" if self.format == "mjcf" else "independent")
 
 
 def run(options: ExportOptions) -> None:
@@ -89,13 +96,16 @@ def run(options: ExportOptions) -> None:
     --to mjcf writes the robot for MuJoCo: inertials, joints with damping, friction, armature and limits, motors,
     couplings, loops, sites, every number with all digits. With --patch it writes only inertials, damping, friction and
     armature, into a copy of an existing file.
+
+    --to dh writes a serial robot as a table of Denavit-Hartenberg parameters in TOML, with base, tool and inertias,
+    which every command reads as a robot.
     """
     if options.to is None and options.folder is None:
         raise typer.BadParameter(
             "nothing to write; give --to FILE for the model, --c FOLDER for functions in C, or both"
         )
-    refuse_options(options.is_mjcf, options.out, options.patch)
-    if options.to is not None and not options.is_mjcf:
+    refuse_options(options.to, options.out, options.patch, options.dh)
+    if options.to is not None and options.format is None:
         _refuse_ending(options.to)
     if options.folder is not None:
         refuse_unfit(options, options.folder)
@@ -103,7 +113,9 @@ def run(options: ExportOptions) -> None:
 
     with warnings_shown():
         model = urdf.load(options.robot, reading=options.reading)
-    if options.is_mjcf and options.out is not None:
+    if options.out is not None and options.format == "dh":
+        export_dh(model, options.robot, options.out.path, options.dh or "standard")
+    elif options.out is not None:
         with warnings_shown():
             export_mjcf(model, options.robot, options.out.path, options.patch)
     elif options.to is not None:

@@ -27,9 +27,9 @@ import typer
 
 from crosscheck.commands.program.functions import user_function
 from crosscheck.commands.program.recording_options import numbers
-from crosscheck.toml_text import toml_document
 from crosscheck.user_code import refuse_code
 from graphdyn import InvalidInput
+from urdf.document import toml_document
 
 if TYPE_CHECKING:
     from crosscheck.identifying import CandidateModel

@@ -25,6 +25,7 @@ EPILOG = f"""{EXAMPLES}  graphdyn show kr500
   graphdyn show my_arm.urdf --json my_arm.json
   graphdyn show ur5 --state 0,-1.2,1.5,0,0.3,0
   graphdyn show ur5 --state random:7 --frame tool0 --reference local
+  graphdyn show my_arm.urdf --dh standard
   graphdyn show my_arm.urdf --proofs
 """
 
@@ -58,6 +59,14 @@ class ShowOptions(ReadingOptions, PageOptions):
         ),
     ] = None
 
+    dh: Annotated[
+        Literal["standard", "modified"] | None,
+        typer.Option(
+            "--dh",
+            help="The table of Denavit-Hartenberg parameters of a serial robot, with base and tool (docs/dh.md); "
+            "`graphdyn export --to dh` writes it.",
+        ),
+    ] = None
     proofs: Annotated[
         bool,
         typer.Option(
@@ -93,7 +102,8 @@ def run(options: ShowOptions) -> None:
     if options.state is not None:
         q, v = given_state(options.state, model)
         there = describe_state(model, q, v, frame or tip(model), options.reference or "local_world_aligned")
-    report = show_report(describe(model, robot, reading, there, options.proofs))
+    table = None if options.dh is None else urdf.dh_table(model, options.dh)
+    report = show_report(describe(model, robot, reading, there, options.proofs, table))
     deliver(report, options, lambda: [figure_at_rest(robot, model, reading, q)])
 
 

@@ -16,7 +16,7 @@ from crosscheck.reference.subject import OfReading
 from crosscheck.report.records.record import Count, Keywords
 from graphdyn import RobotModel, kkt_system
 from graphdyn.layout import BODY_DOF, JOINT_CONSTRAINTS, Array
-from urdf import Reading
+from urdf import DHTable, Reading
 from urdf.reading import AS_IT_STANDS
 
 SEED = 0
@@ -56,6 +56,7 @@ class RobotDescription(OfReading):
     system: the matrix of Eq. (111)
     state: what was asked for with --state; None where nothing was
     proofs: what is proven of the decimals of the file, at that state or that of the equations; None without --proofs
+    dh: Denavit-Hartenberg parameters; None without --dh
     """
 
     model: RobotModel
@@ -65,6 +66,7 @@ class RobotDescription(OfReading):
     system: SystemDescription
     state: StateDescription | None
     proofs: tuple[Proof, ...] | None
+    dh: DHTable | None
 
     @property
     def total_mass(self) -> float:
@@ -78,6 +80,7 @@ def describe(
     reading: Reading = AS_IT_STANDS,
     state: StateDescription | None = None,
     prove: bool = False,
+    dh: DHTable | None = None,
 ) -> RobotDescription:
     """Everything about a robot that was loaded under this name.
 
@@ -86,7 +89,7 @@ def describe(
     loops = describe_loops(model, None if state is None else state.q) if model.chords else None
     system = _system(model, loops)
     proofs = exact.prove(robot, system.q if state is None else state.q, reading=reading) if prove else None
-    return RobotDescription(model, robot, reading, loops, system, state, proofs)
+    return RobotDescription(model, robot, reading, loops, system, state, proofs, dh)
 
 
 def _system(model: RobotModel, loops: LoopsDescription | None) -> SystemDescription:

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 
 from crosscheck.commands.show.description import RobotDescription, SystemDescription
+from crosscheck.commands.show.dh import ShownDHRecord, dh_record
 from crosscheck.commands.show.loops import LoopsDescription
 from crosscheck.commands.show.state import rpy_in_degrees
 from crosscheck.report.records.record import Index, Keywords, Record, Versions, Warnings, attribute, written
@@ -160,6 +161,7 @@ class ShowRecord(Record, of=RobotDescription, leave_out=("model", "reading"), fo
     couplings: joints that others drive; q, v, a and τ have entries for the other joints, in their order
     frames: named frames fixed in the bodies
     graph: its matrices
+    dh: Denavit-Hartenberg parameters; null without --dh
     """
 
     versions: Versions
@@ -178,6 +180,7 @@ class ShowRecord(Record, of=RobotDescription, leave_out=("model", "reading"), fo
     frames: Sequence[ShownFrameRecord]
     graph: ShownGraphRecord
     system: ShownSystemRecord
+    dh: ShownDHRecord | None
 
 
 def record(robot: RobotDescription) -> dict[str, Any]:
@@ -211,6 +214,7 @@ def record(robot: RobotDescription) -> dict[str, Any]:
             force_element=model.graph.incidence(),
             body_joint_vectors=model.body_joint_vectors(),
         ),
+        dh=None if robot.dh is None else dh_record(robot.dh),
         system=written(
             ShownSystemRecord,
             robot.system,

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from crosscheck.commands.show.description import RobotDescription
+from crosscheck.commands.show.dh import dh_section
 from crosscheck.commands.show.loops import loops_section
 from crosscheck.commands.show.matrix_pattern import characters, squares
 from crosscheck.commands.show.record import record
@@ -55,6 +56,7 @@ def show_report(robot: RobotDescription) -> Report:
         (
             Section("robot", "", (*_overview(robot), _bodies(model))),
             *([] if robot.state is None else [state_section(robot.state, model)]),
+            *([] if robot.dh is None else [dh_section(robot.dh)]),
             *([] if robot.proofs is None else [_proofs(robot.proofs)]),
             Section("joints", "Joints", (_joints(model), *_couplings(model), _limits(model), _frames(model))),
             *([] if robot.loops is None else [loops_section(robot.loops, given=robot.state is not None)]),

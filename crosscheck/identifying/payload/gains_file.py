@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from crosscheck.toml_text import toml_document
 from graphdyn import InvalidInput
 from graphdyn.identification.currents import JointGains
 from graphdyn.layout import Array
+from urdf.document import toml_document
 
 GAIN_KEYS = ("joints", "gains", "relative_deviations", "covariance", "source", "recordings")
 

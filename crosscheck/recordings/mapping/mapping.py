@@ -17,10 +17,10 @@ import numpy as np
 from crosscheck.recordings.errors import BadMapping
 from crosscheck.recordings.mapping.units import Unit, known_unit
 from crosscheck.recordings.table import is_exact
-from crosscheck.toml_text import parsed_toml
 from graphdyn import InvalidInput
 from graphdyn.errors import counted
 from graphdyn.layout import Array
+from urdf.document import parsed_toml
 
 
 def toml_square(table: Mapping[str, Any], key: str, n: int, where: str) -> Array:

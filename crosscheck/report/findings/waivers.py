@@ -17,8 +17,8 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from crosscheck.report.findings.checks import NEVER_FORGIVEN, CommandFinding, path_here
-from crosscheck.toml_text import toml_document
 from graphdyn import InvalidInput
+from urdf.document import toml_document
 
 ENTRIES = ("code", "element", "file", "command", "reason", "until")
 

@@ -26,10 +26,10 @@ from crosscheck.study.settings.settings import (
     texts,
     whole,
 )
-from crosscheck.toml_text import toml_document
 from crosscheck.user_code import imported_files, refuse_code
 from graphdyn import InvalidInput
 from graphdyn.identification import Estimator
+from urdf.document import toml_document
 
 
 def methods_reader(folder: Path, everything: tuple[str, ...]) -> Callable[[object], tuple[str, ...]]:

@@ -337,10 +337,26 @@ class TestMJCF:
         [
             (("--to", "mjcf"), "--to mjcf: name the file with --out FILE.xml"),
             (("--to", "mjcf", "--out", "a.urdf"), "--out a.urdf: end the name in .xml"),
-            (("--to", "a.json", "--out", "a.xml"), "--out and --patch are for --to mjcf"),
+            (("--to", "a.json", "--out", "a.xml"), "--out and --patch are for --to mjcf and --to dh"),
+            (("--to", "dh", "--out", "a.xml"), "--out a.xml: end the name in .toml"),
+            (("--to", "dh", "--out", "a.toml", "--patch", "b.xml"), "--patch is for --to mjcf"),
+            (("--to", "mjcf", "--out", "a.xml", "--dh", "standard"), "--dh is for --to dh"),
         ],
     )
     def test_options_that_do_not_fit(self, program, arguments, said):
         done = program("export", "ur5", *arguments)
         assert done.code == BAD_INPUT
         assert said in " ".join(done.err.replace("│", " ").split())
+
+
+def test_a_table_of_denavit_hartenberg_parameters(program, tmp_path, monkeypatch):
+    """It is shown, written, and read as the same robot."""
+    monkeypatch.chdir(tmp_path)
+    done = program("export", "ur5", "--to", "dh", "--dh", "modified", "--out", "ur5.toml")
+    assert done.out.strip() == "ur5 as modified Denavit-Hartenberg parameters in ur5.toml"
+    shown = program("show", "ur5.toml", "--dh", "standard", "--json", "ur5.json")
+    assert "Denavit-Hartenberg parameters, standard" in shown.out
+    rows = json.loads((tmp_path / "ur5.json").read_text(encoding="utf-8"))["dh"]["rows"]
+    assert [round(row["a"], 6) for row in rows] == [0, 0.425, 0.39225, 0, 0, 0]
+    refused = program("show", "panda", "--dh", "standard")
+    assert (refused.code, "no chain of joints" in refused.err) == (BAD_INPUT, True)

@@ -11,8 +11,8 @@ import graphdyn
 import urdf
 from crosscheck.recordings import BadMapping, BadRecordingFile, Untold, load_recording, mapping_of, recognize
 from crosscheck.recordings.formats.bag_files import write_mcap
-from crosscheck.toml_text import parsed_toml
 from graphdyn import InvalidInput
+from urdf.document import parsed_toml
 
 RATE = 100.0
 GAINS = np.array([12.0, 8.0, 5.0, 3.0, 3.0, 3.0])

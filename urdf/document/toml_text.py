@@ -33,7 +33,7 @@ def parsed_toml(content: bytes) -> dict[str, Any]:
 
 
 def toml_document(content: bytes) -> dict[str, Any]:
-    """Raises ValueError, saying what is wrong, also for deep nesting and for numbers beyond those of a double."""
+    """The document. Raises ValueError, saying what is wrong, also for deep nesting and numbers beyond a double."""
     document = parsed_toml(content)
     waiting: list[tuple[str, Any, int]] = [("", document, 0)]
     while waiting:
