@@ -17,6 +17,8 @@ from textbook_codes.masses import body_centers, center_of_mass
 
 HALVED = "(0\\.5|half|halved|½)"
 FINGER = "(<joint 8>|<joint 9>|<body 8>|<body 9>|slid|prismatic|finger)"
+DRIVES = "(sign|driv|brak|positive|negative|supplied|regenerat|power)"
+EFFICIENCY = "(0\\.9\\b|1\\.11|efficien)"
 CENTRIPETAL = "(ω × \\(ω × (r|c|m c)\\)|centripetal)"
 
 
@@ -165,7 +167,7 @@ TORQUES = (
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, moments about the world's origin", " - cross(o[j + 1], force[j])", "", "(moment|o × F|r × f|\\bo\\b|lever|p ×).*(world|origin|left out|missing)"),
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, ω of the inside link across J ω", "cross(w[b], I @ w[b])", "cross(w[arm.inside[j]], I @ w[b])", f"(ω × (J|I) ω|gyroscopic|\\bω\\b).*{INSIDE}"),
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, torque about the axis of the next joint", "z[j] @ (force", "z[min(j + 1, arm.n - 1)] @ (force", f"(axis|axes|\\bz\\b|project).*({SHIFTED}|outer)|({SHIFTED}|outer).*(axis|axes)", robots=CHAINS),
-    formulation("inverse_dynamics", "torques_in_world_axes", "world axes, moments handed on before they are complete", "    for j in range(arm.n - 1, -1, -1):", "    for j in range(arm.n):", f"(outer|outside|moment|\\bf\\b|force|wrench|passed on|handed on).*({OUT}|{OWN}|not|beyond|order)|order"),
+    formulation("inverse_dynamics", "torques_in_world_axes", "world axes, moments handed on before they are complete", "    for j in range(arm.n - 1, -1, -1):", "    for j in range(arm.n):", f"(outer|outside|passed on|handed on|accumul|beyond).*({OUT}|{OWN}|not|beyond|order)|order of"),
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, v ×* S q̇", "across(V[j + 1]) @ S[j] * v[j]", "-across(V[j + 1]).T @ S[j] * v[j]", "(v × S q̇|velocity product|\\bc\\b|v ×).*(force|×\\*|dual|transposed|motion|linear|left out)"),
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, v × I v", "- across(V[j + 1]).T @ inertia", "+ across(V[j + 1]) @ inertia", "(v ×\\* I v|bias force|I v|v ×).*(motion|v × I v|dual|transposed|in place|not)"),
     helper("inverse_dynamics", "spatial_torques", "rigid_inertia", "spatial vectors, off-diagonal blocks of the inertia exchanged", "m * c], [-m * c", "-m * c], [m * c", f"(center|m c|first moment|\\bc\\b|\\bh\\b).*({OPPOSITE}|transposed|exchanged)"),
@@ -174,7 +176,7 @@ TORQUES = (
     formulation("inverse_dynamics", "lagrange_torques", "Lagrange, gradient of vᵀ M v without ½", "- 0.5 * np.einsum", "- np.einsum", f"(gradient|∂M|kinetic energy|∂T).*{TWICE}"),
     formulation("inverse_dynamics", "lagrange_torques", "Lagrange, weights at the link origins", "slope = gradient(lambda x: potential_energy(arm, x), q)", "slope = gradient(lambda x: potential_energy(arm.but(centers=0 * arm.centers), x), q)", "(gravity|weight|m g).*(center|link origin|c ×|m c)|(center|link origin|c ×|m c).*(gravity|weight|m g)"),
     formulation("inverse_dynamics", "torques_by_products", "Lagrange, every pair of velocities counted once", "2 * symbol", "symbol", f"(products?|pairs?|v_j v_k|q̇_j q̇_k|Coriolis).*{HALVED}|{HALVED}.*products?"),
-    answers("inverse_dynamics", "rotor inertias with the acceleration of the next joint", lambda tau, q, v, a: tau + 0.05 * np.roll(a, -1), "(rotor|armature|constant).*(matrix|diagonal|next|another|mass matrix)|added to M"),
+    answers("inverse_dynamics", "rotor inertias with the acceleration of the next joint", lambda tau, q, v, a: tau + 0.05 * np.roll(a, -1), "(rotor|armature|constant).*(matrix|diagonal|next|another)|added to M|(q̈|acceleration).*(next|another joint)"),
     text("forward_dynamics", "Coulomb friction that drives", "forward_dynamics", "tau - bias", "tau + 0.8 * np.sign(v) - bias", "(friction|Coulomb|sign v|sign\\(v)"),
     formulation("forward_dynamics", "composite_accelerations", "composite bodies, tool's mass only in M", "spatial_torques(arm, q, v, 0 * v)", "spatial_torques(arm.but(masses=arm.masses * (np.arange(arm.n) < arm.n - 1)), q, v, 0 * v)", "(mass|weight|bod|center).*<body n>|<body n>.*(mass|weight|left out)", robots=CHAINS),
     helper("forward_dynamics", "composite_accelerations", "composite_mass_matrix", "composite bodies, only the next link counted", "    for j in range(arm.n - 1, -1, -1):\n        i =", "    for j in range(arm.n):\n        i =", f"(composite|outer|outside|bod|inertia).*({OUT}|{OWN}|next|one|not|order)"),
@@ -187,18 +189,18 @@ TORQUES = (
 STATICS = (
     numbers("gravity_torque", "mass of the last body left out", last_without_mass, "(mass|weight|bod|center|link).*<body n>|<body n>.*(mass|weight|left out)", robots=CHAINS),
     text("gravity_torque", "levers from the next origin", "point_jacobian", "point - o[k + 1]", "point - o[min(k + 2, arm.n)]", f"(lever|origin|\\bo\\b|\\br\\b|z ×|translation|p - o).*(outer|outside|{SHIFTED})", robots=CHAINS),
-    text("static_torque", "loads act on the link inside", "static_torque", "j + 1, o[j + 1])", "arm.inside[j], o[j + 1])", f"(external|load).*({INSIDE}|{OWN}|itself|{SHIFTED}|bod)"),
+    text("static_torque", "loads act on the link inside", "static_torque", "j + 1, o[j + 1])", "arm.inside[j], o[j + 1])", f"(external|load).*({INSIDE}|{SHIFTED})"),
     text("power", "torques at a = 0", "power", "inverse_dynamics(arm, q, v, a)", "bias_torque(arm, q, v)", f"(acceleration|M a|\\ba\\b|inertia).*{OUT}"),
-    answers("power", "efficiency of the gears by the sign of the power", lambda p, *_: np.where(p > 0, p / 0.9, 0.9 * p), "efficien|0\\.9\\b|1\\.1|sign|driv|brak|positive|negative"),
+    answers("power", "efficiency of the gears by the sign of the power", lambda p, *_: np.where(p > 0, p / 0.9, 0.9 * p), f"{EFFICIENCY}.*{DRIVES}|{DRIVES}.*{EFFICIENCY}"),
     text("joint_wrenches", "r × f with the sum of the inside link", "newton_euler", "cross(r[j], push)", "cross(r[j], f[i])", f"(r × f|lever|\\bf\\b|moment).*({INSIDE}|{OWN}|sum|total|whole|own)"),
     text("joint_wrenches", "force of the outer link not turned", "newton_euler", "push = R[j] @ f[j]", "push = f[j]", f"(\\bf\\b|force|\\bF\\b|r × f).*{AXES}"),
-    text("multipliers", "turned by the position of the joint before", "multipliers", "turn(p, q[j]) @ m[j]", "turn(p, q[j - 1]) @ m[j]", "(position|\\bq\\b|angle|moment|λ_4|t_1|turn).*(before|previous|another|other|shift|next|wrong|turned)"),
+    text("multipliers", "turned by the position of the joint before", "multipliers", "turn(p, q[j]) @ m[j]", "turn(p, q[j - 1]) @ m[j]", "(position|\\bq\\b|angle|turn).*(before|previous|another joint|other joint|shift|next|inside|wrong)"),
 )  # fmt: skip
 
 MATRICES = (
-    formulation("mass_matrix", "composite_mass_matrix", "composite bodies, columns end at the link inside", "while arm.inside[k] > 0:", "if arm.inside[k] > 0:", "(band|neighbor|beyond|far|entr|column|row|inside|passed on|outer|triangle|zero)"),
+    formulation("mass_matrix", "composite_mass_matrix", "composite bodies, columns end at the link inside", "while arm.inside[k] > 0:", "if arm.inside[k] > 0:", f"band|tridiagonal|neighbor|(entr|column|row|beyond|far|passed on|handed on|inside).*({OUT}|{OWN}|not)"),
     formulation("mass_matrix", "composite_mass_matrix", "composite bodies, r × f left out between the joints", "force = X[k].T @ force", "force = np.kron(np.eye(2), X[k][:3, :3].T) @ force", f"(r × f|lever|moment of|\\br\\b).*{OUT}"),
-    answers("mass_matrix_inverse", "factors of Cholesky in the other order", cholesky_exchanged, "Cholesky|L⁻¹|factor.*order|order.*factor|triang"),
+    answers("mass_matrix_inverse", "factors of Cholesky in the other order", cholesky_exchanged, "Cholesky|L⁻¹|factor.*order|order.*factor|triangular"),
     plant("mass_matrix_inverse", "columns by unit torques, with gravity", unit_torques, "gravity|weight"),
     text("coriolis_matrix", "only on and above the diagonal", "coriolis_matrix", "        for j in range(arm.n):\n", "        for j in range(i, arm.n):\n", "triangle|below the diagonal|lower"),
 )  # fmt: skip
@@ -212,21 +214,21 @@ FRAMES = (
     text("frame_jacobian_derivative", "speed against the link inside", "frame_jacobian_derivative", "speed - vel[k + 1]", "speed - vel[arm.inside[k]]", f"(ȯ|velocity|ṗ|speed|z ×).*({INSIDE}|origin)"),
     text("frame_jacobian_derivative", "ż × p in place of ż × (p - o)", "frame_jacobian_derivative", "cross(rate, point - o[k + 1])", "cross(rate, point)", f"(ż|rate|\\bo\\b|lever|p - o).*(origin|world|{OUT}|subtract)|ż × p"),
     plant("frame_jacobian_derivative", "local, ω × J of the other sign", local_derivative, f"(Ṙ|ω × J|ω ×|derivative of (the )?R).*({OPPOSITE}|{TWICE})"),
-    plant("frame_velocity", "at the world's origin, from two points", twist_of_two_points, "(point|offset|lever|frame|origin|\\br\\b|\\bp\\b|ω × r|p × ω)", robots=OFFSET),
+    plant("frame_velocity", "at the world's origin, from two points", twist_of_two_points, "offset|another point|point of (the )?(frame|body|link)|link origin|lever|translation of (the )?(frame|link|tool)|ω × r|p × ω", robots=OFFSET),
     text("frame_acceleration", "ω × velocity of the link inside", "motions", "cross(w[i], cross(w[i], r))", "cross(w[i], vel[i])", f"{CENTRIPETAL}|ω × (v|ṗ|ȯ)|velocity.*({INSIDE}|place)"),
     plant("frame_acceleration", "in axes of the frame, gravity in those of the world", accelerometer, "gravity"),
 )  # fmt: skip
 
 MASSES = (
-    plant("center_of_mass", "mean of pairs, body after body", mean_of_pairs, "mass|weight|mean"),
-    plant("center_of_mass_jacobian", "every joint moves the link inside of it, too", with_link_inside, f"(bod|link|mass|joint|column|path).*({INSIDE}|moves|moved|{SHIFTED})"),
+    plant("center_of_mass", "mean of pairs, body after body", mean_of_pairs, "masses|mass of (all|every|<|.?body)|weights?\\b|\\bmean|average|equal"),
+    plant("center_of_mass_jacobian", "every joint moves the link inside of it, too", with_link_inside, f"(bod|link|path|moves).*({INSIDE}|moves|moved)"),
     plant("center_of_mass_velocity", "in axes of the first link", in_first_link, f"{AXES}|reference"),
-    plant("momentum", "shifted to the center of mass without the mass", shifted_without_mass, "(mass|about|center of mass|com|lever|point|origin|total)"),
+    plant("momentum", "shifted to the center of mass without the mass", shifted_without_mass, "(about|lever|shift|transport|c ×).*(mass|another point|other point|divided|factor|origin|velocity)|(mass|1 kg).*(lever|shift|about|c ×)"),
     text("centroidal_map", "each column about its joint", "centroidal_map", "cross(c[j] - com, p)", "cross(c[j] - poses(arm, q)[1][k + 1], p)", "(about|lever|center of mass|com|point|c - ).*(joint|origin|link)|(joint|origin).*(about|lever)"),
     plant("kinetic_energy", "½ Σ M_jj v_j²", diagonal_energy, "diagonal|(products?|mixed|off).*(left out|missing)|squares"),
     numbers("kinetic_energy", "½ at the products of inertia, too", halved_products, f"(product|I_xy|I_xz|I_yz|off).*{HALVED}", robots=SKEWED),
     numbers("potential_energy", "centers half way to the next joint", half_way, "center|\\bc\\b"),
-    answers("potential_energy", "spring of a balancer added", lambda U, q: U + 15 * q[1] ** 2, "spring.*<joint 2>|<joint 2>.*spring|spring"),
+    answers("potential_energy", "spring of a balancer added", lambda U, q: U + 15 * q[1] ** 2, "spring|<joint 2>.*(quadratic|q²|square)"),
 )  # fmt: skip
 
 DERIVATIVES = (
@@ -241,7 +243,7 @@ DERIVATIVES = (
     text("dwrenches_da", "no c × F", "newton_euler", " + cross(c, f[j]))", ")", f"c × F.*{OUT}"),
     numbers("dmultipliers_dq", "tool", tool, TOOL, robots=TOOLED),
     text("dmultipliers_dv", "ω × q̇ p missing", "newton_euler", "+ p * a[j] + cross(carried, p * v[j])", "+ p * a[j]", f"(ω × q̇ p|v × S q̇).*{OUT}"),
-    answers("dmultipliers_da", "rows of two joints exchanged", lambda D, *_: D[[1, 0, *range(2, len(D))]], "<joint 1>.*<joint 2>|<joint 2>.*<joint 1>|row|order|exchang"),
+    answers("dmultipliers_da", "rows of two joints exchanged", lambda D, *_: D[[1, 0, *range(2, len(D))]], "<joint 1>.*<joint 2>|<joint 2>.*<joint 1>|(row|joint).*another|order|exchang"),
 )  # fmt: skip
 
 REGRESSORS = (
@@ -249,7 +251,7 @@ REGRESSORS = (
     answers("joint_torque_regressor", "tensors in kg cm²", scaled(np.array([1, 1, 1, 1, *[1e-4] * 6])), "(tensor|I_xx|inertia|column).*(0\\.0001|1e-0?4|10000|cm)|(0\\.0001|1e-0?4|cm).*(tensor|I_xx)"),
     arguments("base_regressor", "degrees per second", lambda q, v, a: (q, np.rad2deg(v), a), "degree|57\\.29|180|no combination of", robots=BASED),
     text("body_regressor", "ω ωᵀ without ω² 1", "body_regressor", "hat(spin) @ hat(spin)", "np.outer(spin, spin)", f"{CENTRIPETAL}|ω ωᵀ|ω²"),
-    text("body_regressor", "I_xz and I_yz exchanged in one row", "tensor_rows", "[0, x, y, 0, z, 0]", "[0, x, y, z, 0, 0]", "(I_xz|I_yz|product|column|tensor)"),
+    text("body_regressor", "I_xz and I_yz exchanged in one row", "tensor_rows", "[0, x, y, 0, z, 0]", "[0, x, y, z, 0, 0]", "I_xz|I_yz|products? of inertia|(column|parameter).*(order|exchang)"),
     text("momentum_regressor", "v × c", "momentum_regressor", "-hat(speed)", "hat(speed)", f"(m c|first moment|c × v|c × m v|center|\\bv\\b).*{OPPOSITE}"),
     text("kinetic_energy_regressor", "velocity in world axes, spin in link axes", "kinetic_energy_regressor", "R[j + 1].T @ vel[j + 1]", "vel[j + 1]", f"(\\bv\\b|velocity|ȯ|ṗ).*(world|{AXES})"),
     text("potential_energy_regressor", "gravity in axes of the link inside", "potential_energy_regressor", "-R[j + 1].T @ arm.gravity", "-R[arm.inside[j]].T @ arm.gravity", f"(gravity|m c|first moment|center|\\bR\\b).*({INSIDE}|{AXES})"),
