@@ -2,11 +2,11 @@
 
 Plain codes of every function of the table in docs/judge.md (tests/helpers/other_functions), in which mistakes of
 people are planted, mistakes that show at special states alone (--special), and mistakes written without reading the
-judge (--fresh), alone the second set of these (--second). A line per case: verdict, processor seconds,
-what is said. "named": what is claimed is the planted fault, and nothing else; "candidates": the fault is among those
-that fit as well; "equal": other words that were found to give the same numbers; "found": wrong at special states, the
-message does not say which; "unknown": no claim; "missed": no deviation found; "WRONG": another claim. A third of the
-cases is kept aside, and only counted (--aside shows them).
+judge (--fresh), alone the second or the third set of these (--second, --third). A line per case: verdict, processor
+seconds, what is said. "named": what is claimed is the planted fault, and nothing else; "candidates": the fault is
+among those that fit as well; "equal": other words that were found to give the same numbers; "found": wrong at special
+states, the message does not say which; "unknown": no claim; "missed": no deviation found; "WRONG": another claim. A
+third of the cases is kept aside, and only counted (--aside shows them).
 """
 
 import argparse
@@ -16,11 +16,13 @@ from collections import Counter
 
 import numpy as np
 from other_functions.fault import path_of
-from other_functions.planted import FAULTS, FRESH_FAULTS, SECOND_FAULTS, SPECIAL_FAULTS, verdict
+from other_functions.planted import FAULTS, FRESH_FAULTS, SECOND_FAULTS, SPECIAL_FAULTS, THIRD_FAULTS, verdict
 
 from crosscheck.judging.judge import judge
 
 FRAMED = ("frame_placement", "frame_jacobian", "frame_jacobian_derivative", "frame_velocity", "frame_acceleration")
+SETS = {"special": SPECIAL_FAULTS, "second": SECOND_FAULTS, "third": THIRD_FAULTS, "fresh": FRESH_FAULTS}
+"""Sets by option; the first of the options that are given holds."""
 
 
 def main():
@@ -33,9 +35,11 @@ def main():
     parser.add_argument(
         "--second", action="store_true", help="the second set of these, which were written without reading the judge"
     )
+    parser.add_argument(
+        "--third", action="store_true", help="the third set of these, torques of whole formulations first"
+    )
     options = parser.parse_args()
-    known = FRESH_FAULTS if options.fresh else FAULTS
-    known = SPECIAL_FAULTS if options.special else SECOND_FAULTS if options.second else known
+    known = next((faults for name, faults in SETS.items() if getattr(options, name)), FAULTS)
     cases = [fault for fault in known if options.only in str(fault)][:: options.share]
     totals = {False: Counter(), True: Counter()}
     seconds = []

@@ -11,6 +11,7 @@ from other_functions import (
     regressor_faults,
     second_faults,
     special_faults,
+    third_faults,
     torque_faults,
 )
 from other_functions.fault import SpecialFault
@@ -25,7 +26,8 @@ FAULTS = (
 )
 SPECIAL_FAULTS = special_faults.FAULTS
 SECOND_FAULTS = second_faults.FAULTS
-FRESH_FAULTS = (*fresh_faults.FAULTS, *SECOND_FAULTS)
+THIRD_FAULTS = third_faults.FAULTS
+FRESH_FAULTS = (*fresh_faults.FAULTS, *SECOND_FAULTS, *THIRD_FAULTS)
 CLAIMS = ("confirmed", "candidate", "part")
 
 

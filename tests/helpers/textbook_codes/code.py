@@ -8,7 +8,7 @@ from textbook_codes.arm import PlainArm
 
 FILES = (
     *("algebra", "kinematics", "masses", "torques", "multipliers", "matrices"),
-    *("articulated", "derivatives", "regressors"),
+    *("articulated", "derivatives", "regressors", "world_axes", "spatial", "lagrange"),
 )
 OWN_IMPORTS = re.compile(r"^from textbook_codes.*\n", re.MULTILINE)
 TEXT = "\n".join(OWN_IMPORTS.sub("", (Path(__file__).parent / f"{x}.py").read_text(encoding="utf-8")) for x in FILES)
