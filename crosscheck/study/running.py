@@ -80,18 +80,21 @@ SCENARIOS_SCHEMA = pa.schema(
     ]
 )
 
-TIMES_SCHEMA = pa.schema([*_KEY_COLUMNS, ("processor_seconds", pa.float64())])
+TIMES_SCHEMA = pa.schema(
+    [*_KEY_COLUMNS, ("redrawn", pa.string()), ("repeat", pa.int64()), ("processor_seconds", pa.float64())]
+)
 
 
 def write_tables(study: Configuration, outcomes: Iterable[tuple[Key, StudyOutcome]], folder: Path) -> None:
     """outcomes: sorted by scenario and run. Raises OSError."""
     rows, times = list[dict[str, Any]](), list[dict[str, Any]]()
     for (scenario, run), outcome in outcomes:
-        for result, seconds in sorted(zip(outcome.results, outcome.seconds, strict=True), key=lambda x: x[0].method):
+        for result, seconds in sorted(zip(outcome.results, outcome.seconds, strict=True), key=_place):
             key = {"scenario": scenario, "run": run, "method": result.method}
             values = {field.name: getattr(result, field.name) for field in fields(result)}
             rows.append({**values, **key, "status": "found" if result.reason is None else "failed"})
-            times.append({**key, "processor_seconds": seconds})
+            record = {"redrawn": result.redrawn, "repeat": result.repeat}
+            times.append({**key, **record, "processor_seconds": seconds})
     known = sorted((_scenario_row(study, scenario) for scenario in study.scenarios), key=lambda row: row["scenario"])
     for name, table, schema in (
         (RESULTS, rows, RESULTS_SCHEMA),
@@ -101,6 +104,12 @@ def write_tables(study: Configuration, outcomes: Iterable[tuple[Key, StudyOutcom
         sink = pa.BufferOutputStream()
         parquet.write_table(pa.Table.from_pylist(table, schema), sink)
         write_whole(folder / name, sink.getvalue().to_pybytes())
+
+
+def _place(row: tuple[Result, float | None]) -> tuple[str, str, int]:
+    """Order of the rows of a run."""
+    result, _ = row
+    return result.method, result.redrawn or "", result.repeat
 
 
 def _scenario_row(study: Configuration, scenario: Scenario) -> dict[str, Any]:

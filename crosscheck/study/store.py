@@ -10,7 +10,6 @@ import json
 import os
 import shutil
 import sqlite3
-import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -30,8 +29,8 @@ Key = tuple[str, int]
 LOCK_TIMEOUT = 1.0
 """Time to wait for another process to leave the file [s]."""
 
-FIRST_SCHEMA, STORE_SCHEMA = 0, 2
-"""Numbers of the form of file and outcomes, kept as the user_version of SQLite; the first form has no checksums."""
+STORE_SCHEMA = 3
+"""Number of the form of file and outcomes, and of what runs draw; kept as the user_version of SQLite."""
 
 TABLE_DEFINITIONS = f"""
 CREATE TABLE inputs (content TEXT NOT NULL, checksum TEXT NOT NULL);
@@ -113,7 +112,7 @@ def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[St
                 opened_now.close()
                 _rewrite(file, kept)
                 whole = counted(len(kept.tasks), "run")
-                (tell or (lambda _: None))(f"{file} {kept.why}: {whole} can be read, all others are computed again")
+                (tell or (lambda _: None))(f"{file} is damaged: {whole} can be read, all others are computed again")
                 connection = opened_now.enter_context(_connected(file))
             yield Store(connection)
         except sqlite3.OperationalError as error:
@@ -182,12 +181,11 @@ def _damaged(file: Path, problem: str) -> DamagedStore:
 
 @dataclass(frozen=True)
 class _Kept:
-    """What can be read of a file that is not as it should be.
+    """What can be read of a damaged file.
 
-    why: in words; inputs: as JSON; tasks: scenario, run and outcome of each
+    inputs: as JSON; tasks: scenario, run and outcome of each
     """
 
-    why: str
     inputs: str
     tasks: list[Row]
 
@@ -195,7 +193,7 @@ class _Kept:
 def _kept(connection: sqlite3.Connection, file: Path) -> _Kept | None:
     """None where the file is as it should be. Raises InvalidInput for unknown forms, and where its inputs are lost."""
     (schema,) = connection.execute("PRAGMA user_version").fetchone()
-    if schema not in (FIRST_SCHEMA, STORE_SCHEMA):
+    if schema != STORE_SCHEMA:
         raise InvalidInput(
             f"{file} has form {schema}, and this graphdyn reads form {STORE_SCHEMA}; go on with the one that began it, "
             "or name another folder"
@@ -205,39 +203,24 @@ def _kept(connection: sqlite3.Connection, file: Path) -> _Kept | None:
     except sqlite3.DatabaseError:
         whole = False
     try:
-        return (_first_form if schema == FIRST_SCHEMA else _current_form)(connection, whole)
+        return _readable(connection, whole)
     except (sqlite3.DatabaseError, LookupError, ValueError):
         raise _damaged(file, "what the study was begun with cannot be read") from None
 
 
-def _current_form(connection: sqlite3.Connection, whole: bool) -> _Kept | None:
+def _readable(connection: sqlite3.Connection, whole: bool) -> _Kept | None:
     inputs = connection.execute("SELECT content, checksum FROM inputs").fetchall()
     rows = list(_rows(connection, "scenario, run, outcome, checksum", whole))
     if whole and not inputs and not rows:
         return None  # just begun
     ((content,),) = _unchanged(inputs)
     tasks = _unchanged(rows)
-    return None if whole and len(tasks) == len(rows) else _Kept("is damaged", content, tasks)
-
-
-def _first_form(connection: sqlite3.Connection, whole: bool) -> _Kept:
-    inputs = dict(connection.execute("SELECT name, value FROM inputs"))
-    tomllib.loads(inputs["configuration"])
-    rows = _rows(connection, "scenario, run, outcome", whole)
-    return _Kept("has an earlier form", json.dumps(inputs), [row for row in rows if _is_outcome(row[-1])])
+    return None if whole and len(tasks) == len(rows) else _Kept(content, tasks)
 
 
 def _unchanged(rows: list[Row]) -> list[Row]:
     """Rows whose last column is the checksum of the others, without it."""
     return [row[:-1] for row in rows if row[-1] == checksum(*row[:-1])]
-
-
-def _is_outcome(text: Any) -> bool:
-    try:
-        StudyOutcome.from_json(json.loads(text))
-    except (LookupError, TypeError, ValueError, AttributeError):
-        return False
-    return True
 
 
 def _rows(connection: sqlite3.Connection, columns: str, whole: bool) -> Iterator[Row]:

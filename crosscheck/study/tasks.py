@@ -2,7 +2,7 @@
 
 A method has a name, or is FILE.py:NAME, and is given what it needs of a record. How far its parameters are from the
 truth is measured as numbers, in the torque, and in the simulated loop: on a motion that no method has seen, the same
-for all scenarios, without noise.
+for all scenarios of a run, without noise.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from crosscheck.distributing import differences, versions
 from crosscheck.identifying import method_named
 from crosscheck.identifying.methods.loop_methods import in_loop
 from crosscheck.study.settings.configuration import Configuration, hash_of, shown_name, takes_wrenches
+from crosscheck.study.settings.design import Redraw, Stream
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.settings.settings import RobotSettings
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of
@@ -100,10 +101,12 @@ class ValidationMetric:
 
 
 @lru_cache(maxsize=8)
-def validation_metric(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> ValidationMetric:
-    """seed: of the study. Raises InvalidInput where the controller does not hold the robot."""
+def validation_metric(
+    settings: RobotSettings, seed: int, torque_model: TorqueModel, stream: Stream = (0, 0)
+) -> ValidationMetric:
+    """seed: of the study; stream: which motion. Raises InvalidInput where the controller does not hold the robot."""
     plant = plant_of(settings)
-    laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, VALIDATION_SECONDS)
+    laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, VALIDATION_SECONDS, stream)
     times = np.arange(round(VALIDATION_SECONDS * VALIDATION_RATE) + 1) / VALIDATION_RATE
     q, v, a = np.moveaxis(np.array([law(times) for law in laws]), 0, -1)
     samples = Samples(q, v, a, np.zeros_like(q), time=times)
@@ -169,8 +172,7 @@ def ready(estimator: Estimator, record: RecordedProblem, scenario: Scenario) -> 
     (known,) = in_loop([estimator], record.loop)
     given: dict[str, Any] = {}
     if hasattr(known, "start"):
-        error = scenario.start_error
-        given["start"] = scenario.start if error is None else (1 - error) * record.truth
+        given["start"] = scenario.start if record.start is None else record.start
     if takes_wrenches(known):
         given["recording"] = record.recording
     fitted: Estimator = replace(known, **given) if given else known  # type: ignore[type-var]
@@ -202,6 +204,7 @@ class Result:
     base, sigma: values of the base parameters of the scenario, and their standard deviations as the method states them
     parameter_error, torque_error, trajectory_error: as in validation metrics
     consistent: whether every body can be real
+    redrawn, repeat: source that this record draws once more than the run, and how often; None and 0 for the run itself
     """
 
     method: str
@@ -216,6 +219,8 @@ class Result:
     torque_error: float | None = None
     trajectory_error: float | None = None
     consistent: bool | None = None
+    redrawn: str | None = None
+    repeat: int = 0
 
 
 @dataclass(frozen=True)
@@ -312,18 +317,29 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
     """
     begin = time.process_time()
     with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
-        try:
-            log.info("simulating run %d", task.run)
-            record = simulated(study, task.scenario, task.run)
-            if not record.problem.equations.n_columns:  # which are read once, before any method is timed
-                raise InvalidInput("it shows no parameter: the robot stands still")
-            measure = validation_metric(study.robot, study.seed, known_model(study, task.scenario))
-        except Exception as failure:
-            _refuse_missing(failure)
-            return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
-        found = [_identified(method, record, task.scenario, measure) for method in task.methods]
-    results, seconds = zip(*found, strict=True)
+        records = [_of_record(study, task, redraw) for redraw in study.design.redraws]
+    results, seconds = zip(*(pair for record in records for pair in record), strict=True)
     return StudyOutcome(results, seconds, time.process_time() - begin)
+
+
+def _of_record(study: Configuration, task: StudyTask, redraw: Redraw) -> list[tuple[Result, float | None]]:
+    """What each method makes of one record. Raises CannotCompute."""
+    draw = study.design.draw(task.run, redraw)
+    try:
+        log.info("simulating run %d", task.run)
+        record = simulated(study, task.scenario, draw)
+        if not record.problem.equations.n_columns:  # which are read once, before any method is timed
+            raise InvalidInput("it shows no parameter: the robot stands still")
+        known = known_model(study, task.scenario, draw)
+        measure = validation_metric(study.robot, study.seed, known, draw.motion)
+    except Exception as failure:
+        _refuse_missing(failure)
+        found: list[tuple[Result, float | None]] = [
+            (result, None) for result in failed(task, f"no record: {failure}").results
+        ]
+    else:
+        found = [_identified(method, record, task.scenario, measure) for method in task.methods]
+    return [(replace(result, redrawn=redraw.source, repeat=redraw.repeat), seconds) for result, seconds in found]
 
 
 def _identified(

@@ -15,6 +15,7 @@ from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, Ended
 from crosscheck.commands.program.options import EXAMPLES, CodeOptions, ReportOptions, WorkerOptions
 from crosscheck.commands.program.output_files import OutputFile
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from crosscheck.study.running import Progress
@@ -80,6 +81,7 @@ def run(options: StudyOptions) -> None:
         _show(study, only)
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
+    _tell_few_runs(study)
     if study.own_methods:
         own_process.enter(f"methods {', '.join(study.own_methods)}")
     workers, shown = options.workers, _Shown()
@@ -103,9 +105,25 @@ def run(options: StudyOptions) -> None:
     raise typer.Exit(AGREED)
 
 
+def _tell_few_runs(study: Configuration) -> None:
+    """Say before the work begins if nothing can be decided after it."""
+    from crosscheck.study.settings.configuration import torque_methods
+    from crosscheck.study.statistics.comparison import pair_count
+    from crosscheck.study.statistics.signed_ranks import fewest_runs
+
+    pairs = pair_count(len(torque_methods(study)), study.design)
+    fewest = fewest_runs(pairs) if pairs else 0
+    if study.runs < fewest:
+        said = (
+            f"{counted(study.runs, 'run')} cannot decide {counted(pairs, 'comparison')} of methods, however clear they"
+        )
+        say(f"{said} are: give {fewest} runs or more, or fewer methods; errors are shown all the same", "yellow")
+
+
 def _report(study: Configuration, config: str, folder: Path) -> None:
     """Print it, and write study.html and study.json. Raises OSError."""
     from crosscheck.commands.study.report import study_report
+    from crosscheck.study.statistics.outcomes import read_outcomes
 
     def repeat(scenario: str, run: int) -> list[str]:
         allowed = ["--allow-code"] if study.own_methods else []
@@ -114,7 +132,7 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     facts = [("configuration", study.file), ("robot", study.robot.name), ("seed", str(study.seed))]
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
     with warnings_shown():
-        report = study_report(folder, facts, repeat)
+        report = study_report(read_outcomes(folder), facts, repeat, study.design)
     deliver(report, ReportOptions(html_file=page, json_file=numbers))
 
 

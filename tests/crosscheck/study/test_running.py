@@ -102,7 +102,9 @@ def test_errors_stand_in_the_columns_of_their_names(folder, complete):
     study = small_study(folder)
     scenarios = {one.name: one for one in study.scenarios}
     for row in rows(complete)[::6]:
-        measure = validation_metric(study.robot, study.seed, known_model(study, scenarios[row["scenario"]]))
+        draw = study.design.draw(row["run"])
+        known = known_model(study, scenarios[row["scenario"]], draw)
+        measure = validation_metric(study.robot, study.seed, known, draw.motion)
         expected = {name: getattr(measure, name)(row["base"]) for name in ERRORS}
         assert {name: row[name] for name in ERRORS} == expected
 
@@ -216,8 +218,9 @@ def test_methods_take_part_where_what_they_need_is_measured(folder):
 
 @pytest.mark.parametrize(("start", "expected"), [("wls", "wls"), ("cad", "cad"), ("0.15", [0.85, -1.7, 3.4])])
 def test_methods_are_given_what_they_have_a_use_for(start, expected):
-    """An iteration starts as far below the truth as the scenario says; only methods with wrenches see the recording."""
-    record = SimpleNamespace(loop=None, truth=np.array([1.0, -2.0, 4.0]), recording=object())
+    """An iteration starts where record and scenario say; only methods with wrenches see the recording."""
+    own = None if isinstance(expected, str) else np.array(expected)
+    record = SimpleNamespace(loop=None, truth=np.array([1.0, -2.0, 4.0]), recording=object(), start=own)
     scenario = Scenario(start=start)
     found = computing.ready(computing.estimator_of("didim"), record, scenario)
     assert np.array_equal(found.start, expected)
@@ -455,6 +458,15 @@ BAD = {
     "[study]\nrunz = 5\n": r"runz in \[study\] is no setting of this table; did you mean runs\?",
     "[study]\nruns = 1000001\n": r"runs in \[study\] is 1000001; give 1000000 or less",
     "[study]\nruns = 0\n": r"runs in \[study\] is 0; give a whole number from 1 on",
+    "[study]\nvary = ['weather']\n": r"vary in \[study\] is \['weather'\]; give a list of what each run draws anew",
+    "[study]\nvary = []\n": r"vary in \[study\] is \[\]; give a list of what each run draws anew, of noise",
+    "[study]\nreference = 'best'\n": r"reference in \[study\] is 'best'; there is no method 'best'",
+    "[study]\nmethods = ['ols', 'iv']\nreference = 'wls'\n": (
+        r"reference in \[study\] is wls, which is not among the methods: ols, iv"
+    ),
+    "[study]\npairs = 'some'\n": r"pairs in \[study\] is 'some'; use one of reference, all",
+    "[study]\nregion = 0\n": r"region in \[study\] is 0; give a number above 0",
+    "[study]\nrepeats = 0\n": r"repeats in \[study\] is 0; give a whole number from 1 on",
     "[study]\nseed = 1.5\n": r"seed in \[study\] is 1\.5; give a whole number from 0 on",
     "[study]\nmethods = ['best']\n": r"methods in \[study\] is \['best'\]; there is no method 'best'; use ols, wls,",
     "[study]\nmethods = []\n": r'methods in \[study\] is \[\]; give methods, or "all"',
@@ -473,7 +485,7 @@ BAD = {
     "[[grid]]\ncutoff = 600\n": r"cutoff in \[grid\] is 600 Hz with a sampling_rate of 1000 Hz; it must be below half",
     "[[grid]]\nduration = 2.0005\n": r"duration in \[grid\] is 2\.0005 s .* 1000 Hz; give a whole number of samples",
     "[[grid]]\ncontrol_rate = 300\n": r"control_rate in \[grid\] is 300 Hz .* one must be a multiple of the other",
-    "[[grid]]\nstart = 'near'\n": r"start in \[grid\] is 'near'; give \"wls\", \"cad\", or a number",
+    "[[grid]]\nstart = 'near'\n": r"start in \[grid\] is 'near'; give \"wls\", \"cad\", or a number from 0",
     "[[grid]]\ncad_error = 1\n": r"cad_error in \[grid\] is 1; give a number from 0 to below 1",
     "[[grid]]\nmotion = 'paper'\n": r'duration in \[grid\] is 10 s; the motion "paper" lasts 2 s: give no more',
     "[[grid]]\nduration = 1e-3\n": r"duration in \[grid\] is 0\.001 s; give ten samples and control periods or more",
@@ -524,9 +536,10 @@ def test_what_only_the_robot_shows(folder):
 @pytest.mark.parametrize("name", SHIPPED_CONFIGURATIONS)
 def test_shipped_configurations(name):
     study = read_configuration(name)
-    assert len(study.scenarios) == 5
+    noises, runs = {"small": (2, 12), "birdy": (5, 25)}[name]
+    assert (len({(one.position_noise, one.torque_noise) for one in study.scenarios}), study.runs) == (noises, runs)
+    assert {one.start for one in study.scenarios} == {"0.15"}
     assert "graph" in study.methods
-    assert {(one.torque_noise, one.start) for one in study.scenarios} == {(0.05, "0.15"), (0.1, "0.15")}
 
 
 def test_axes_and_columns_are_those_of_a_scenario():
