@@ -10,6 +10,7 @@ import json
 import os
 import shutil
 import sqlite3
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -65,19 +66,28 @@ class Store:
         return dict(json.loads(found[0])) if found else {}
 
     def begin(self, inputs: Mapping[str, str]) -> None:
-        self.insert("inputs", json.dumps(dict(inputs)))
+        """Keep what the study is begun with; one that grows is begun anew."""
+        with self._connection:
+            self._connection.execute("DELETE FROM inputs")
+            self.insert("inputs", json.dumps(dict(inputs)))
 
-    def write(self, key: Key, outcome: StudyOutcome) -> None:
-        self.insert("tasks", *key, json.dumps(outcome.as_json()))
+    def add(self, key: Key, outcome: StudyOutcome) -> None:
+        """An outcome, to that of other methods of this task if there is one."""
+        found = self._connection.execute("SELECT outcome FROM tasks WHERE scenario = ? AND run = ?", key).fetchone()
+        if found:
+            outcome = StudyOutcome.from_json(json.loads(found[0])) + outcome
+        with self._connection:
+            self._connection.execute("DELETE FROM tasks WHERE scenario = ? AND run = ?", key)
+            self.insert("tasks", *key, json.dumps(outcome.as_json()))
 
     def insert(self, table: str, *values: Any) -> None:
         """A row, with its checksum."""
-        with self._connection:
-            marks = ", ".join("?" * (len(values) + 1))
-            self._connection.execute(f"INSERT INTO {table} VALUES ({marks})", (*values, checksum(*values)))
+        marks = ", ".join("?" * (len(values) + 1))
+        self._connection.execute(f"INSERT INTO {table} VALUES ({marks})", (*values, checksum(*values)))
 
-    def done(self) -> set[Key]:
-        return set(self._connection.execute("SELECT scenario, run FROM tasks"))
+    def done(self) -> dict[Key, frozenset[str]]:
+        """Names of the methods that are done, as in tables, of every task that has some."""
+        return {key: frozenset(result.method for result in outcome.results) for key, outcome in self.outcomes()}
 
     def outcomes(self) -> Iterator[tuple[Key, StudyOutcome]]:
         """Sorted by scenario and run."""
@@ -152,9 +162,7 @@ def _kept_of_cut_off(file: Path) -> _Kept | None:
         return None
     with TemporaryDirectory() as folder:
         filled = Path(folder) / file.name
-        for name in (file.name, f"{file.name}-wal"):
-            if (part := file.with_name(name)).exists():
-                shutil.copyfile(part, filled.with_name(name))
+        _copy(file, filled)
         os.truncate(filled, whole)
         with suppress(DamagedStore), _connected(filled) as connection:
             return _kept(connection, file)
@@ -169,6 +177,53 @@ def _whole_size(file: Path) -> int:
         return 0
     page = int.from_bytes(header[16:18], "big")
     return (page if page > 1 else 1 << 16) * int.from_bytes(header[28:32], "big")
+
+
+MAX_COPIES, COPY_PAUSE = 20, 0.1
+"""Copies that are made of a store until nothing is written in the meantime, and the time between [s]."""
+
+
+@contextmanager
+def copied(file: Path) -> Iterator[Store]:
+    """A copy of it, whatever another process writes there; what is damaged is left out.
+
+    Raises InvalidInput where there is none, and where it is damaged beyond what it was begun with; OSError where it is
+    written all the time.
+    """
+    if not file.is_file():
+        raise InvalidInput(f"{file.parent} holds no study: there is no {file.name}; name the folder of one")
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / file.name
+        for _ in range(MAX_COPIES):
+            before = _stamps(file)
+            _copy(file, copy)
+            if _stamps(file) == before:
+                break
+            time.sleep(COPY_PAUSE)
+        else:
+            raise OSError(f"{file} is written all the time; try again")
+        with opened(copy) as store:
+            yield store
+
+
+def _copy(file: Path, copy: Path) -> None:
+    """Copy the database, and the log of what is not in it yet."""
+    for name in (file.name, f"{file.name}-wal"):
+        with suppress(FileNotFoundError):
+            shutil.copyfile(file.with_name(name), copy.with_name(name))
+
+
+def _stamps(file: Path) -> list[tuple[int, int] | None]:
+    """Size and time of database and log; None where there is none."""
+    stamps: list[tuple[int, int] | None] = []
+    for part in (file, file.with_name(f"{file.name}-wal")):
+        try:
+            found = part.stat()
+        except FileNotFoundError:
+            stamps.append(None)
+        else:
+            stamps.append((found.st_size, found.st_mtime_ns))
+    return stamps
 
 
 class DamagedStore(InvalidInput):
@@ -239,9 +294,10 @@ def _rewrite(file: Path, kept: _Kept) -> None:
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(TABLE_DEFINITIONS)
         store = Store(connection)
-        store.insert("inputs", kept.inputs)
-        for row in kept.tasks:
-            store.insert("tasks", *row)
+        with connection:
+            store.insert("inputs", kept.inputs)
+            for row in kept.tasks:
+                store.insert("tasks", *row)
         content = connection.serialize()
     file.with_name(f"{file.name}-wal").unlink(missing_ok=True)  # which belongs to the file before
     write_whole(file, content)

@@ -6,6 +6,7 @@ import re
 import shutil
 import signal
 import sqlite3
+import subprocess
 import sys
 import warnings
 from contextlib import closing
@@ -26,26 +27,20 @@ from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.distributing import LocalProcesses, Lost, NoWorkers
 from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
-from crosscheck.study.running import (
-    CONFIGURATION,
-    DATABASE,
-    PROCESS_DIED,
-    RESULTS,
-    SCENARIOS,
-    TIMES,
-    Remaining,
-    run_study,
-    tasks_of,
-    write_tables,
-)
+from crosscheck.study.folder import CONFIGURATION, DATABASE
+from crosscheck.study.running import PROCESS_DIED, Remaining, run_study, tasks_of
 from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
-from crosscheck.study.statistics.outcomes import ERRORS
+from crosscheck.study.so_far import read_so_far
+from crosscheck.study.statistics.outcomes import ERRORS, read_outcomes
+from crosscheck.study.statistics.summary import summarized
 from crosscheck.study.store import opened
-from crosscheck.study.tasks import Result, StudyOutcome, validation_metric
+from crosscheck.study.tables import RESULTS, SCENARIOS, TIMES, write_results, write_scenarios
+from crosscheck.study.tasks import Result, StudyOutcome
+from crosscheck.study.validation import validation_metric
 from graphdyn import InvalidInput
 from graphdyn.identification import structure
 
@@ -123,7 +118,8 @@ def test_tables_hold_every_field_of_every_result_beside_its_seconds(folder, tmp_
         return (scenario, run), StudyOutcome((*found, failed), (*numbers.values(), None), 9.0)
 
     given = [of(scenario.name, run) for scenario in study.scenarios for run in range(2)]
-    write_tables(study, given, tmp_path)
+    write_scenarios(study, tmp_path)
+    write_results(given, tmp_path)
     times = {(row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in rows(tmp_path, TIMES)}
     found = {(row.pop("scenario"), row.pop("run"), row["method"]): row for row in rows(tmp_path)}
     assert len(found) == len(times) == 4 * len(given)
@@ -176,6 +172,115 @@ def test_one_more_scenario_changes_no_other(folder, complete, tmp_path):
     known = {row["scenario"] for row in rows(complete)}
     assert [row for row in rows(tmp_path / "out") if row["scenario"] in known] == rows(complete)
     assert len(rows(tmp_path / "out")) == len(rows(complete)) + 2 * 3
+
+
+class TestExtending:
+    """Runs, methods and scenarios are added to what is done."""
+
+    PART = "[study]\nruns = 1\nmethods = ['wls', 'iv']\n"
+
+    def test_a_study_that_has_grown_is_the_whole_one(self, folder, complete, tmp_path):
+        """Killed in the middle, and ended by --resume: the same to the last bit, and nothing is computed twice."""
+        out, done = tmp_path / "out", []
+        few = study_of(folder, self.PART, small.ROBOT, small.SCENARIO, "[[grid]]\nposition_noise = 1e-6\n")
+        run_study(few, out, InThisProcess())
+        with pytest.raises(KeyboardInterrupt):
+            run_study(small_study(folder), out, InThisProcess(ends=1), extend=True)
+        with opened(out / DATABASE) as database:
+            assert sorted(map(len, database.done().values())) == [3]
+        with pytest.raises(InvalidInput, match=r"study\.runs was 2, is 1"):
+            run_study(few, out, InThisProcess(), resume=True)
+        run_study(small_study(folder), out, InThisProcess(), resume=True, progress=lambda now: done.append(now.done))
+        assert done == [1, 2, 3, 4]
+        assert tables(out) == tables(complete)
+
+    @pytest.mark.parametrize(
+        ("study", "further", "said"),
+        [
+            (
+                small.STUDY.replace("runs = 2", "runs = 1"),
+                "",
+                "has results of run 1, which study.toml has not; --extend",
+            ),
+            ("[study]\nruns = 2\nmethods = ['wls', 'ols']\n", "", "has results of iv, which study.toml has not"),
+            (small.STUDY, "torque_noise = 1\n", "has results of scenario [0-9a-f]+, which study.toml has not"),
+            (small.STUDY + "seed = 1\n", "", r"another configuration than .*study\.seed was missing, is 1"),
+            (small.STUDY + "reference = 'ols'\n", "", r"another configuration than .*study\.reference was missing"),
+        ],
+    )
+    def test_it_only_grows(self, folder, begun, study, further, said):
+        with pytest.raises(InvalidInput, match=said):
+            run_study(small_study(folder, further, study=study), begun, InThisProcess(), extend=True)
+
+    def test_nothing_to_extend(self, folder, tmp_path):
+        with pytest.raises(InvalidInput, match="holds no study that could be extended; omit --extend to begin one"):
+            run_study(small_study(folder), tmp_path / "out", InThisProcess(), extend=True)
+
+
+class TestSoFar:
+    """What a study has found is read while it goes on."""
+
+    def test_it_is_read_while_it_is_written(self, folder, tmp_path):
+        """By another process, which finds what is done, and keeps nothing from being written."""
+        found = []
+
+        def read(now):
+            if now.done == 2:
+                given = [sys.executable, "-c", READ, str(tmp_path / "out")]
+                found.append(subprocess.run(given, capture_output=True, text=True, check=True).stdout.strip())
+
+        with pytest.raises(KeyboardInterrupt):
+            run_study(small_study(folder), tmp_path / "out", InThisProcess(ends=3), progress=read)
+        assert found == ["2 records of 2 scenarios"]
+        with opened(tmp_path / "out" / DATABASE) as database:
+            assert len(database.done()) == 3
+
+    def test_methods_that_are_not_everywhere_wait(self, folder, begun):
+        study = small_study(folder, study=small.STUDY.replace('"iv"', '"iv", "ridge"'))
+        with pytest.raises(KeyboardInterrupt):
+            run_study(study, begun, InThisProcess(ends=1), extend=True)
+        found = read_so_far(begun)
+        assert dict(found.facts)["not yet everywhere"] == "ridge"
+        assert [method.name for method in found.outcomes.methods] == ["iv", "ols", "wls"]
+        assert [len(scenario.runs) for scenario in found.outcomes.scenarios] == [2, 2]
+
+    def test_nothing_to_read(self, folder, tmp_path):
+        with pytest.raises(InvalidInput, match=r"holds no study: there is no study\.sqlite; name the folder of one"):
+            read_so_far(tmp_path)
+        with pytest.raises(KeyboardInterrupt):
+            run_study(small_study(folder), tmp_path / "out", InThisProcess(ends=0))
+        with pytest.raises(InvalidInput, match="has no finished run yet; wait for one"):
+            read_so_far(tmp_path / "out")
+
+    def test_a_store_that_is_written_all_the_time(self, begun, monkeypatch):
+        times = iter(range(1000))
+        monkeypatch.setattr(store, "_stamps", lambda file: next(times))
+        monkeypatch.setattr(store, "COPY_PAUSE", 0.0)
+        with pytest.raises(OSError, match=r"study\.sqlite is written all the time; try again"):
+            read_so_far(begun)
+
+
+READ = """
+import sys
+from pathlib import Path
+from crosscheck.study.so_far import read_so_far
+print(dict(read_so_far(Path(sys.argv[1])).facts)["so far"])
+"""
+
+
+def test_sources_that_are_drawn_once_more(folder, tmp_path):
+    """Each varying source of each run once more, with rows of their own; the run itself is as without."""
+    study = study_of(folder, small.STUDY + "repeats = 2\nvary = ['noise', 'cad']\n", small.ROBOT, small.SCENARIO)
+    plain = study_of(folder, small.STUDY + "vary = ['noise', 'cad']\n", small.ROBOT, small.SCENARIO)
+    for one, name in ((study, "repeated"), (plain, "plain")):
+        run_study(one, tmp_path / name, InThisProcess(lambda tasks: range(2)))
+    found = rows(tmp_path / "repeated")
+    again = [(row["redrawn"], row["repeat"]) for row in found if (row["run"], row["method"]) == (1, "iv")]
+    assert again == [(None, 0), ("cad", 1), ("noise", 1)]
+    assert [row for row in found if not row["repeat"]] == rows(tmp_path / "plain")
+    shares = summarized(read_outcomes(tmp_path / "repeated")).scenarios[0].methods[0].parameters.shares
+    assert np.all(shares["cad"] < 1e-12), "no parameter of iv comes from the CAD model"
+    assert np.all(shares["noise"] > 0)
 
 
 def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path):
@@ -273,7 +378,9 @@ class Counts(OrdinaryLeastSquares):
 def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path, monkeypatch):
     monkeypatch.setattr(store, "LOCK_TIMEOUT", 0.01)
     study = small_study(folder)
-    with pytest.raises(InvalidInput, match="holds a study already; go on with it by --resume, or name a new folder"):
+    with pytest.raises(
+        InvalidInput, match="holds a study already; go on with it by --resume, add to it by --extend, or"
+    ):
         run_study(study, begun, InThisProcess())
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "letter.txt").write_text("")
@@ -576,6 +683,16 @@ def test_the_command(program, words, folder, tmp_path, monkeypatch):
     again = program("study", "--config", config, "--out", out)
     assert (again.code, "go on with it by --resume" in words(again.err)) == (BAD_INPUT, True)
     name = rows(out)[0]["scenario"]
+    assert "2 runs cannot decide 2 comparisons, however clear they are: give 7 runs or more" in words(done.err)
+    so_far = program("study", "--report", out)
+    assert (so_far.code, "so far 4 records of 2 scenarios" in words(so_far.out)) == (AGREED, True)
+    assert json.loads((out / "study.json").read_text())["facts"]["so far"] == "4 records of 2 scenarios"
+    for options, message in (
+        (("--report", out, "--resume"), "--report only reads the folder that it names; omit the other options"),
+        ((), "name a configuration by --config, or the folder of a study by --report"),
+    ):
+        found = program("study", *options)
+        assert (found.code, message in words(found.err)) == (BAD_INPUT, True)
     shown = program("study", "--config", config, "--only", f"{name}:1")
     assert (shown.code, "3 of 3 methods have an answer" in words(shown.out)) == (AGREED, True)
     refused = {

@@ -13,7 +13,7 @@ from crosscheck.study.settings.settings import ErrorSettings
 from crosscheck.study.simulated import runs as records
 from crosscheck.study.simulated.plants import flexible, plant_of, torque_model_of
 from crosscheck.study.simulated.runs import PAPER_ACCELERATION, known_model, reference, simulated
-from crosscheck.study.tasks import validation_metric
+from crosscheck.study.validation import validation_metric
 from graphdyn import (
     Friction,
     InvalidInput,

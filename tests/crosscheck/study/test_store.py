@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import pytest
 
-from crosscheck.study.running import DATABASE
+from crosscheck.study.folder import DATABASE
 from crosscheck.study.store import STORE_SCHEMA, opened
 from crosscheck.study.tasks import Result, StudyOutcome
 from graphdyn import InvalidInput
@@ -33,7 +33,7 @@ def content(tmp_path_factory):
     with opened(file) as store:
         store.begin(INPUTS)
         for key, one in OUTCOMES.items():
-            store.write(key, one)
+            store.add(key, one)
     return file.read_bytes()
 
 
@@ -56,7 +56,7 @@ def read(file):
     told = []
     with opened(file, told.append) as store:
         found = store.inputs(), dict(store.outcomes())
-        assert store.done() == found[1].keys()
+        assert store.done().keys() == found[1].keys()
     with opened(file, told.append) as store:
         assert (store.inputs(), dict(store.outcomes())) == found
     return *found, told
