@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial, reduce
@@ -136,7 +136,7 @@ def _compute(
     progress(Progress(len(everything) - len(tasks), len(everything)))
     lost = list[StudyTask]()
     work = partial(computed, study, Surroundings.here(study))
-    with closing(workers.each(work, tasks)) as answers:
+    with closing(_answers(work, tasks, workers)) as answers:
         for k, answer in answers:
             task = tasks[k]
             outcome = usable(task, answer)
@@ -153,6 +153,16 @@ def _compute(
         progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
 
 
+def _answers(
+    work: Callable[[StudyTask], StudyOutcome | Unfit], tasks: Sequence[StudyTask], workers: Workers
+) -> Generator[tuple[int, StudyOutcome | Unfit | Lost], None, None]:
+    """Number and answer of each task. Raises NoWorkers, which says how to go on."""
+    try:
+        yield from workers.each(work, tasks)
+    except NoWorkers as error:
+        raise NoWorkers(f"{error}; what is done is kept: go on with --resume") from error
+
+
 def usable(task: StudyTask, answer: StudyOutcome | Unfit | Lost) -> StudyOutcome | Lost:
     """The answer. Raises NoWorkers for that of a process that cannot do the task, which says nothing of the methods."""
     if isinstance(answer, Unfit) or (isinstance(answer, Lost) and not answer.died):
@@ -166,7 +176,7 @@ def _one_by_one(
     """A task during which a process died, each method by itself, so that only the one that is to blame fails."""
     alone = [StudyTask(task.scenario, task.run, (method,)) for method in task.methods]
     found: dict[int, StudyOutcome] = {}
-    with closing(workers.each(work, alone)) as answers:
+    with closing(_answers(work, alone, workers)) as answers:
         for k, answer in answers:
             outcome = usable(alone[k], answer)
             if isinstance(outcome, Lost):

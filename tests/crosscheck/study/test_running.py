@@ -535,6 +535,18 @@ class TestMissing:
         answer = computing.computed(small_study(folder), computing.Surroundings(files, libraries), None)
         assert re.search(said, answer.reason)
 
+    def test_a_scheduler_that_ends(self, folder, tmp_path):
+        class Ending:
+            def each(self, function, tasks):
+                yield 0, function(tasks[0])
+                raise NoWorkers("the scheduler is lost; start it again")
+
+        said = "the scheduler is lost; start it again; what is done is kept: go on with --resume"
+        with pytest.raises(NoWorkers, match=said):
+            run_study(small_study(folder), tmp_path / "out", Ending())
+        with opened(tmp_path / "out" / DATABASE) as database:
+            assert len(database.done()) == 1
+
     def test_a_worker_that_can_do_nothing(self, folder, tmp_path):
         class Broken:
             def each(self, function, tasks):
