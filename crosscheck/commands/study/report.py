@@ -63,7 +63,7 @@ def _row(result: Result, seconds: float | None) -> Row:
     yes = None if result.consistent is None else "yes" if result.consistent else "no"
     return Row(
         (
-            result.method,
+            result.method if result.redrawn is None else f"{result.method}, other {result.redrawn} {result.repeat}",
             result.measures,
             result.iterations,
             result.simulations,

@@ -24,7 +24,9 @@ from long_check import few
 
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
+from crosscheck.commands.study.report import study_run_report
 from crosscheck.distributing import LocalProcesses, Lost, NoWorkers
+from crosscheck.report.text import as_text
 from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
 from crosscheck.study.folder import CONFIGURATION, DATABASE
@@ -278,6 +280,9 @@ def test_sources_that_are_drawn_once_more(folder, tmp_path):
     again = [(row["redrawn"], row["repeat"]) for row in found if (row["run"], row["method"]) == (1, "iv")]
     assert again == [(None, 0), ("cad", 1), ("noise", 1)]
     assert [row for row in found if not row["repeat"]] == rows(tmp_path / "plain")
+    task = tasks_of(study)[1]
+    shown = as_text(study_run_report(task, computing.compute(study, task)), 200)
+    assert all(f" iv{other} " in shown for other in ("", ", other noise 1", ", other cad 1"))
     shares = summarized(read_outcomes(tmp_path / "repeated")).scenarios[0].methods[0].parameters.shares
     assert np.all(shares["cad"] < 1e-12), "no parameter of iv comes from the CAD model"
     assert np.all(shares["noise"] > 0)
