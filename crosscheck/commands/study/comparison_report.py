@@ -110,6 +110,10 @@ def verdict_text(pair: MethodPair, comparison: PairedComparison, region: float) 
         return pair.verdict
     if comparison.runs < comparison.fewest:
         return f"undecided: below {comparison.fewest} runs nothing is"
+    if pair.failed or pair.other_failed:
+        alone = [("it", pair.failed), (pair.other, pair.other_failed)]
+        said = listed(f"{who} alone failed in {counted(runs, 'run')}" for who, runs in alone if runs)
+        return f"undecided: {said}"
     if pair.detectable is None:
         return "undecided"
     more = f"; about {float(f'{pair.more_runs:.2g}'):.0f} more runs for {1 + region:g}" if pair.more_runs else ""

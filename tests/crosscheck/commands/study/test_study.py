@@ -422,11 +422,12 @@ def test_headlines(summary):
 
 def test_what_is_said_of_a_pair(summary):
     comparison = summary.comparisons["torques", "torque_error"]
-    pair = replace(comparison.pairs[0], verdict="undecided", detectable=1.1342, more_runs=40)
+    pair = replace(comparison.with_reference["iv"], verdict="undecided", detectable=1.1342, more_runs=417)
     for change, said in (
-        ({}, "undecided: this study can show a ratio of 1.13; about 40 more runs for 1.05"),
+        ({}, "undecided: this study can show a ratio of 1.13; about 420 more runs for 1.05"),
         ({"more_runs": None}, "undecided: this study can show a ratio of 1.13"),
         ({"detectable": None}, "undecided"),
+        ({"failed": 1, "other_failed": 2}, "undecided: it alone failed in 1 run and wls alone failed in 2 runs"),
         ({"verdict": "equivalent"}, "equivalent within 5 %"),
         ({"verdict": "worse"}, "worse"),
     ):
