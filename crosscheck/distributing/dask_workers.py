@@ -6,12 +6,13 @@ after some deaths; here each of them is then tried again with nothing beside it,
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
 from collections import deque
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import chdir, closing, nullcontext
+from contextlib import ExitStack, chdir, closing, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -33,6 +34,27 @@ SCHEDULER_TIMEOUT = 10.0
 INSTALL_COMMAND = install_line("distributed")
 
 
+NOISY_LOGGERS = ("distributed.client", "distributed.core", "distributed.comm.tcp", "distributed.batched", "asyncio")
+"""Loggers that tell the end of a scheduler by their own traces; here it is one error, with a remedy."""
+
+
+@contextmanager
+def quiet_loggers() -> Iterator[None]:
+    """None of them says anything, whichever levels Dask gives them when it is imported."""
+
+    def nothing(record: logging.LogRecord) -> bool:
+        return False
+
+    loggers = [logging.getLogger(name) for name in NOISY_LOGGERS]
+    for logger in loggers:
+        logger.addFilter(nothing)
+    try:
+        yield
+    finally:
+        for logger in loggers:
+            logger.removeFilter(nothing)
+
+
 class Cluster:
     """A scheduler whose workers have one thread each and the versions of this process. Raises NoWorkers."""
 
@@ -40,19 +62,22 @@ class Cluster:
         """libraries: further ones whose versions have to be those of this process"""
         self.address = address
         self._libraries = tuple(libraries)
-        self._client = _connected(address)
         self._known = set[str]()
-        try:
-            self._client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
-        except TimeoutError:
-            self._client.close()
-            raise NoWorkers(
-                f"the scheduler {address} has no worker; start some with: dask worker {address} --nworkers auto "
-                "--nthreads 1"
-            ) from None
+        with ExitStack() as opened:
+            opened.enter_context(quiet_loggers())
+            self._client = _connected(address)
+            opened.callback(lambda: self._client.close())
+            try:
+                self._client.wait_for_workers(1, timeout=SCHEDULER_TIMEOUT)
+            except TimeoutError:
+                raise NoWorkers(
+                    f"the scheduler {address} has no worker; start some with: dask worker {address} --nworkers auto "
+                    "--nthreads 1"
+                ) from None
+            self._opened = opened.pop_all()
 
     def close(self) -> None:
-        self._client.close()
+        self._opened.close()
 
     def n_workers(self) -> int:
         """How many there are now, after those that are new have been examined. Raises NoWorkers."""
@@ -73,7 +98,7 @@ class Cluster:
 
     def gone(self) -> NoWorkers:
         """The error to raise if the scheduler no longer answers."""
-        return NoWorkers(f"the connection to the scheduler {self.address} is lost; see its log, and run this again")
+        return NoWorkers(f"the connection to the scheduler {self.address} is lost; see its log, and start it again")
 
 
 def _connected(address: str) -> Client:
@@ -196,7 +221,7 @@ def _next(ended: SimpleQueue[str], cluster: Cluster) -> str:
             except Empty:
                 if not cluster.n_workers():
                     break
-    raise NoWorkers(f"the scheduler {cluster.address} has lost its last worker; start others, and run this again")
+    raise NoWorkers(f"the scheduler {cluster.address} has lost its last worker; start others")
 
 
 def _killed(future: Future) -> bool:

@@ -1,36 +1,29 @@
 """A study from its configuration to its tables, in a folder from which it can go on after any interruption.
 
-What is done so far is in one SQLite file, written by one process, whole after every task whatever ends it. The tables
-are Parquet files: sorted, the same bytes however the tasks came about.
+What is done so far is in one SQLite file, written by one process, whole after every task whatever ends it.
 """
 
 from __future__ import annotations
 
-import json
 import time
-import tomllib
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, fields, replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import partial, reduce
 from importlib.util import find_spec
+from operator import add
 from pathlib import Path
-from typing import Any, get_type_hints
 
-import pyarrow as pa
-import pyarrow.parquet as parquet
-
-from crosscheck.distributing import MISSING, DaskWorkers, Lost, NoWorkers, Workers
+from crosscheck.distributing import DaskWorkers, Lost, NoWorkers, Workers
 from crosscheck.identifying import ESTIMATORS
-from crosscheck.study.settings.configuration import Configuration
-from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.folder import DATABASE, begin, begin_or_go_on, is_new
+from crosscheck.study.settings.configuration import Configuration, shown_name
 from crosscheck.study.simulated.plants import plant_of
-from crosscheck.study.simulated.runs import known_model
 from crosscheck.study.store import Key, Store, opened
+from crosscheck.study.tables import write_results, write_scenarios
 from crosscheck.study.tasks import (
     LIBRARIES,
-    Result,
     StudyOutcome,
     StudyTask,
     Surroundings,
@@ -41,81 +34,6 @@ from crosscheck.study.tasks import (
 )
 from graphdyn import InvalidInput
 from graphdyn.errors import install_line
-from graphdyn.identification import structure
-from urdf.document import toml_document, write_whole
-
-RESULTS, SCENARIOS, TIMES = "results.parquet", "scenarios.parquet", "times.parquet"
-
-ARROW_TYPES = {
-    str: pa.string(),
-    str | None: pa.string(),
-    int: pa.int64(),
-    int | None: pa.int64(),
-    float: pa.float64(),
-    float | None: pa.float64(),
-    bool | None: pa.bool_(),
-    tuple[float, ...] | None: pa.list_(pa.float64()),
-}
-
-
-def _columns(kind: type, *left_out: str) -> list[tuple[str, pa.DataType]]:
-    """A column for every field of a class."""
-    return [(name, ARROW_TYPES[of]) for name, of in get_type_hints(kind).items() if name not in left_out]
-
-
-_KEY_COLUMNS = [("scenario", pa.string()), ("run", pa.int64()), ("method", pa.string())]
-
-RESULTS_SCHEMA = pa.schema(
-    [*_KEY_COLUMNS, ("measures", pa.string()), ("status", pa.string()), *_columns(Result, "method", "measures")]
-)
-
-SCENARIOS_SCHEMA = pa.schema(
-    [
-        ("scenario", pa.string()),
-        *_columns(Scenario),
-        ("base_names", pa.list_(pa.string())),
-        ("base_units", pa.list_(pa.string())),
-        ("truth", pa.list_(pa.float64())),
-    ]
-)
-
-TIMES_SCHEMA = pa.schema([*_KEY_COLUMNS, ("processor_seconds", pa.float64())])
-
-
-def write_tables(study: Configuration, outcomes: Iterable[tuple[Key, StudyOutcome]], folder: Path) -> None:
-    """outcomes: sorted by scenario and run. Raises OSError."""
-    rows, times = list[dict[str, Any]](), list[dict[str, Any]]()
-    for (scenario, run), outcome in outcomes:
-        for result, seconds in sorted(zip(outcome.results, outcome.seconds, strict=True), key=lambda x: x[0].method):
-            key = {"scenario": scenario, "run": run, "method": result.method}
-            values = {field.name: getattr(result, field.name) for field in fields(result)}
-            rows.append({**values, **key, "status": "found" if result.reason is None else "failed"})
-            times.append({**key, "processor_seconds": seconds})
-    known = sorted((_scenario_row(study, scenario) for scenario in study.scenarios), key=lambda row: row["scenario"])
-    for name, table, schema in (
-        (RESULTS, rows, RESULTS_SCHEMA),
-        (SCENARIOS, known, SCENARIOS_SCHEMA),
-        (TIMES, times, TIMES_SCHEMA),
-    ):
-        sink = pa.BufferOutputStream()
-        parquet.write_table(pa.Table.from_pylist(table, schema), sink)
-        write_whole(folder / name, sink.getvalue().to_pybytes())
-
-
-def _scenario_row(study: Configuration, scenario: Scenario) -> dict[str, Any]:
-    torque_model = known_model(study, scenario)
-    base, columns = structure(torque_model).base, torque_model.columns
-    values = {field.name: getattr(scenario, field.name) for field in fields(scenario)}
-    return {
-        "scenario": scenario.name,
-        **values,
-        "base_names": list(base.names([column.symbol for column in columns])),
-        "base_units": [columns[k].unit for k in base.independent],
-        "truth": base.values(plant_of(study.robot).truth(torque_model)).tolist(),
-    }
-
-
-CONFIGURATION, DATABASE = "study.toml", "study.sqlite"
 
 PROCESS_DIED = "the process that worked on this method died, each time it was tried"
 
@@ -135,6 +53,7 @@ def run_study(
     workers: Workers,
     *,
     resume: bool = False,
+    extend: bool = False,
     versions: Mapping[str, str] | None = None,
     progress: Callable[[Progress], None] | None = None,
     tell: Callable[[str], None] | None = None,
@@ -142,7 +61,7 @@ def run_study(
 ) -> None:
     """Compute every task that is not done, and write the tables.
 
-    folder: new or empty; with `resume` that of the same study, or new
+    folder: new or empty; with `resume` that of the same study, or new; with `extend` that of a part of it
     versions: of the libraries, which must be those the study was begun with
     progress: called after every task; tell: with a line about every process that died
     before: called before the first task, when nothing else is wrong
@@ -157,17 +76,18 @@ def run_study(
     if isinstance(workers, DaskWorkers):
         workers = replace(workers, libraries=LIBRARIES)
     before = before or (lambda: None)
-    new = is_new(folder, resume)
+    new = is_new(folder, resume, extend)
     if new:
         before()
         begin(study, folder)
     inputs = {"configuration": study.text, **study.own_files, **(versions or {})}
     with opened(folder / DATABASE, tell) as store:
-        _same(study, folder, store, inputs)
+        begin_or_go_on(study, folder, store, inputs, extend=extend)
         if not new:
             before()
+        write_scenarios(study, folder)
         _compute(study, store, workers, progress or (lambda _: None), tell or (lambda _: None))
-        write_tables(study, store.outcomes(), folder)
+        write_results(store.outcomes(), folder)
 
 
 def refuse_missing_packages(study: Configuration) -> None:
@@ -182,73 +102,25 @@ def refuse_missing_packages(study: Configuration) -> None:
             )
 
 
-def is_new(folder: Path, resume: bool) -> bool:
-    """Whether the folder is new or empty. Raises InvalidInput where no study can begin or go on in it."""
-    there = {path.name for path in folder.iterdir()} if folder.is_dir() else set[str]()
-    if folder.exists() and not folder.is_dir():
-        raise InvalidInput(f"{folder} is no folder; name a new one")
-    if there and CONFIGURATION not in there:
-        raise InvalidInput(f"{folder} holds other files, such as {min(there)}; name a new folder")
-    if there and not resume:
-        raise InvalidInput(f"{folder} holds a study already; go on with it by --resume, or name a new folder")
-    return not there
-
-
-def begin(study: Configuration, folder: Path) -> None:
-    """The folder, with the configuration in it."""
-    folder.mkdir(parents=True, exist_ok=True)
-    write_whole(folder / CONFIGURATION, study.text.encode())
-
-
-def _same(study: Configuration, folder: Path, store: Store, inputs: Mapping[str, str]) -> None:
-    """Raises InvalidInput where the study was begun with other inputs."""
-    begun = store.inputs()
-    before = begun or {**inputs, "configuration": _copy(folder) or study.text}
-    changes = _changes(tomllib.loads(before["configuration"]), tomllib.loads(study.text), "")
-    names = sorted({*before, *inputs} - {"configuration"})
-    for name in names:
-        if before.get(name) == MISSING and name in LIBRARIES:
-            continue  # no result has needed it
-        if before.get(name) != inputs.get(name):
-            what = "has changed" if Path(name).is_absolute() else f"was {before.get(name)}, is {inputs.get(name)}"
-            changes.append(f"{name} {what}")
-    if changes:
-        raise InvalidInput(
-            f"{folder} holds a study with another configuration than {study.file}: {'; '.join(changes)}; give the one "
-            f"that it was begun with (a copy is in {folder / CONFIGURATION}), or name a new folder"
-        )
-    if not begun:
-        begin(study, folder)
-        store.begin(inputs)
-
-
-def _copy(folder: Path) -> str | None:
-    """The configuration in a folder whose store has lost it; None where it cannot be read either."""
-    content = (folder / CONFIGURATION).read_bytes()
-    try:
-        toml_document(content)
-    except ValueError:
-        return None
-    return content.decode()
-
-
-def _changes(before: Any, now: Any, where: str) -> list[str]:
-    """What differs between two documents."""
-    if isinstance(before, dict) and isinstance(now, dict):
-        keys = [*before, *(key for key in now if key not in before)]
-        inside = [(f"{where}.{key}" if where else key, before.get(key), now.get(key)) for key in keys]
-    elif isinstance(before, list) and isinstance(now, list) and len(before) == len(now):
-        inside = [(f"{where} {k}", *pair) for k, pair in enumerate(zip(before, now, strict=True), start=1)]
-    else:
-        said = ["missing" if value is None else json.dumps(value) for value in (before, now)]
-        return [] if before == now else [f"{where} was {said[0]}, is {said[1]}"]
-    return [change for name, old, new in inside for change in _changes(old, new, name)]
-
-
 def tasks_of(study: Configuration) -> list[StudyTask]:
     """All, one run of every scenario after the other, so that what is left is known early."""
     methods = [(scenario, taking_part(study.methods, scenario)) for scenario in study.scenarios]
     return [StudyTask(scenario, run, part) for run in range(study.runs) for scenario, part in methods if part]
+
+
+def _tasks_left(everything: Sequence[StudyTask], done: Mapping[Key, frozenset[str]]) -> list[StudyTask]:
+    """The tasks that are not done, with the methods that are missing."""
+    left = []
+    for task in everything:
+        names = done.get(_key(task), frozenset())
+        missing = tuple(method for method in task.methods if shown_name(method) not in names)
+        if missing:
+            left.append(replace(task, methods=missing))
+    return left
+
+
+def _key(task: StudyTask) -> Key:
+    return task.scenario.name, task.run
 
 
 def _compute(
@@ -258,13 +130,13 @@ def _compute(
     progress: Callable[[Progress], None],
     tell: Callable[[str], None],
 ) -> None:
-    done, everything = store.done(), tasks_of(study)
-    tasks = [task for task in everything if (task.scenario.name, task.run) not in done]
+    everything = tasks_of(study)
+    tasks = _tasks_left(everything, store.done())
     left = Remaining(tasks)
-    progress(Progress(len(done), len(everything)))
+    progress(Progress(len(everything) - len(tasks), len(everything)))
     lost = list[StudyTask]()
     work = partial(computed, study, Surroundings.here(study))
-    with closing(workers.each(work, tasks)) as answers:
+    with closing(_answers(work, tasks, workers)) as answers:
         for k, answer in answers:
             task = tasks[k]
             outcome = usable(task, answer)
@@ -272,13 +144,23 @@ def _compute(
                 tell(f"{_name(task)}: {outcome.reason}; its methods are tried one by one")
                 lost.append(task)
                 continue
-            store.write((task.scenario.name, task.run), outcome)
+            store.add(_key(task), outcome)
             left.count(task, outcome.total)
             progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
     for task in lost:
-        store.write((task.scenario.name, task.run), _one_by_one(work, task, workers, tell))
+        store.add(_key(task), _one_by_one(work, task, workers, tell))
         left.count(task, None)
         progress(Progress(len(everything) - left.tasks, len(everything), left.seconds()))
+
+
+def _answers(
+    work: Callable[[StudyTask], StudyOutcome | Unfit], tasks: Sequence[StudyTask], workers: Workers
+) -> Generator[tuple[int, StudyOutcome | Unfit | Lost], None, None]:
+    """Number and answer of each task. Raises NoWorkers, which says how to go on."""
+    try:
+        yield from workers.each(work, tasks)
+    except NoWorkers as error:
+        raise NoWorkers(f"{error}; what is done is kept: go on with --resume") from error
 
 
 def usable(task: StudyTask, answer: StudyOutcome | Unfit | Lost) -> StudyOutcome | Lost:
@@ -294,19 +176,14 @@ def _one_by_one(
     """A task during which a process died, each method by itself, so that only the one that is to blame fails."""
     alone = [StudyTask(task.scenario, task.run, (method,)) for method in task.methods]
     found: dict[int, StudyOutcome] = {}
-    with closing(workers.each(work, alone)) as answers:
+    with closing(_answers(work, alone, workers)) as answers:
         for k, answer in answers:
             outcome = usable(alone[k], answer)
             if isinstance(outcome, Lost):
                 tell(f"{_name(task)}, {task.methods[k]}: {outcome.reason}")
                 outcome = failed(alone[k], PROCESS_DIED)
             found[k] = outcome
-    parts = [found[k] for k in range(len(alone))]
-    return StudyOutcome(
-        tuple(result for part in parts for result in part.results),
-        tuple(seconds for part in parts for seconds in part.seconds),
-        sum(part.total for part in parts),
-    )
+    return reduce(add, (found[k] for k in range(len(alone))))
 
 
 def _name(task: StudyTask) -> str:

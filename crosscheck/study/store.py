@@ -10,7 +10,7 @@ import json
 import os
 import shutil
 import sqlite3
-import tomllib
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -30,8 +30,8 @@ Key = tuple[str, int]
 LOCK_TIMEOUT = 1.0
 """Time to wait for another process to leave the file [s]."""
 
-FIRST_SCHEMA, STORE_SCHEMA = 0, 2
-"""Numbers of the form of file and outcomes, kept as the user_version of SQLite; the first form has no checksums."""
+STORE_SCHEMA = 3
+"""Number of the form of file and outcomes, and of what runs draw; kept as the user_version of SQLite."""
 
 TABLE_DEFINITIONS = f"""
 CREATE TABLE inputs (content TEXT NOT NULL, checksum TEXT NOT NULL);
@@ -66,19 +66,28 @@ class Store:
         return dict(json.loads(found[0])) if found else {}
 
     def begin(self, inputs: Mapping[str, str]) -> None:
-        self.insert("inputs", json.dumps(dict(inputs)))
+        """Keep what the study is begun with; one that grows is begun anew."""
+        with self._connection:
+            self._connection.execute("DELETE FROM inputs")
+            self.insert("inputs", json.dumps(dict(inputs)))
 
-    def write(self, key: Key, outcome: StudyOutcome) -> None:
-        self.insert("tasks", *key, json.dumps(outcome.as_json()))
+    def add(self, key: Key, outcome: StudyOutcome) -> None:
+        """An outcome, to that of other methods of this task if there is one."""
+        found = self._connection.execute("SELECT outcome FROM tasks WHERE scenario = ? AND run = ?", key).fetchone()
+        if found:
+            outcome = StudyOutcome.from_json(json.loads(found[0])) + outcome
+        with self._connection:
+            self._connection.execute("DELETE FROM tasks WHERE scenario = ? AND run = ?", key)
+            self.insert("tasks", *key, json.dumps(outcome.as_json()))
 
     def insert(self, table: str, *values: Any) -> None:
         """A row, with its checksum."""
-        with self._connection:
-            marks = ", ".join("?" * (len(values) + 1))
-            self._connection.execute(f"INSERT INTO {table} VALUES ({marks})", (*values, checksum(*values)))
+        marks = ", ".join("?" * (len(values) + 1))
+        self._connection.execute(f"INSERT INTO {table} VALUES ({marks})", (*values, checksum(*values)))
 
-    def done(self) -> set[Key]:
-        return set(self._connection.execute("SELECT scenario, run FROM tasks"))
+    def done(self) -> dict[Key, frozenset[str]]:
+        """Names of the methods that are done, as in tables, of every task that has some."""
+        return {key: frozenset(result.method for result in outcome.results) for key, outcome in self.outcomes()}
 
     def outcomes(self) -> Iterator[tuple[Key, StudyOutcome]]:
         """Sorted by scenario and run."""
@@ -113,7 +122,7 @@ def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[St
                 opened_now.close()
                 _rewrite(file, kept)
                 whole = counted(len(kept.tasks), "run")
-                (tell or (lambda _: None))(f"{file} {kept.why}: {whole} can be read, all others are computed again")
+                (tell or (lambda _: None))(f"{file} is damaged: {whole} can be read, all others are computed again")
                 connection = opened_now.enter_context(_connected(file))
             yield Store(connection)
         except sqlite3.OperationalError as error:
@@ -153,9 +162,7 @@ def _kept_of_cut_off(file: Path) -> _Kept | None:
         return None
     with TemporaryDirectory() as folder:
         filled = Path(folder) / file.name
-        for name in (file.name, f"{file.name}-wal"):
-            if (part := file.with_name(name)).exists():
-                shutil.copyfile(part, filled.with_name(name))
+        _copy(file, filled)
         os.truncate(filled, whole)
         with suppress(DamagedStore), _connected(filled) as connection:
             return _kept(connection, file)
@@ -172,6 +179,53 @@ def _whole_size(file: Path) -> int:
     return (page if page > 1 else 1 << 16) * int.from_bytes(header[28:32], "big")
 
 
+MAX_COPIES, COPY_PAUSE = 20, 0.1
+"""Copies that are made of a store until nothing is written in the meantime, and the time between [s]."""
+
+
+@contextmanager
+def copied(file: Path) -> Iterator[Store]:
+    """A copy of it, whatever another process writes there; what is damaged is left out.
+
+    Raises InvalidInput where there is none, and where it is damaged beyond what it was begun with; OSError where it is
+    written all the time.
+    """
+    if not file.is_file():
+        raise InvalidInput(f"{file.parent} holds no study: there is no {file.name}; name the folder of one")
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / file.name
+        for _ in range(MAX_COPIES):
+            before = _stamps(file)
+            _copy(file, copy)
+            if _stamps(file) == before:
+                break
+            time.sleep(COPY_PAUSE)
+        else:
+            raise OSError(f"{file} is written all the time; try again")
+        with opened(copy) as store:
+            yield store
+
+
+def _copy(file: Path, copy: Path) -> None:
+    """Copy the database, and the log of what is not in it yet."""
+    for name in (file.name, f"{file.name}-wal"):
+        with suppress(FileNotFoundError):
+            shutil.copyfile(file.with_name(name), copy.with_name(name))
+
+
+def _stamps(file: Path) -> list[tuple[int, int] | None]:
+    """Size and time of database and log; None where there is none."""
+    stamps: list[tuple[int, int] | None] = []
+    for part in (file, file.with_name(f"{file.name}-wal")):
+        try:
+            found = part.stat()
+        except FileNotFoundError:
+            stamps.append(None)
+        else:
+            stamps.append((found.st_size, found.st_mtime_ns))
+    return stamps
+
+
 class DamagedStore(InvalidInput):
     """A file that is no store, or one that is damaged beyond what can be read."""
 
@@ -182,12 +236,11 @@ def _damaged(file: Path, problem: str) -> DamagedStore:
 
 @dataclass(frozen=True)
 class _Kept:
-    """What can be read of a file that is not as it should be.
+    """What can be read of a damaged file.
 
-    why: in words; inputs: as JSON; tasks: scenario, run and outcome of each
+    inputs: as JSON; tasks: scenario, run and outcome of each
     """
 
-    why: str
     inputs: str
     tasks: list[Row]
 
@@ -195,7 +248,7 @@ class _Kept:
 def _kept(connection: sqlite3.Connection, file: Path) -> _Kept | None:
     """None where the file is as it should be. Raises InvalidInput for unknown forms, and where its inputs are lost."""
     (schema,) = connection.execute("PRAGMA user_version").fetchone()
-    if schema not in (FIRST_SCHEMA, STORE_SCHEMA):
+    if schema != STORE_SCHEMA:
         raise InvalidInput(
             f"{file} has form {schema}, and this graphdyn reads form {STORE_SCHEMA}; go on with the one that began it, "
             "or name another folder"
@@ -205,39 +258,24 @@ def _kept(connection: sqlite3.Connection, file: Path) -> _Kept | None:
     except sqlite3.DatabaseError:
         whole = False
     try:
-        return (_first_form if schema == FIRST_SCHEMA else _current_form)(connection, whole)
+        return _readable(connection, whole)
     except (sqlite3.DatabaseError, LookupError, ValueError):
         raise _damaged(file, "what the study was begun with cannot be read") from None
 
 
-def _current_form(connection: sqlite3.Connection, whole: bool) -> _Kept | None:
+def _readable(connection: sqlite3.Connection, whole: bool) -> _Kept | None:
     inputs = connection.execute("SELECT content, checksum FROM inputs").fetchall()
     rows = list(_rows(connection, "scenario, run, outcome, checksum", whole))
     if whole and not inputs and not rows:
         return None  # just begun
     ((content,),) = _unchanged(inputs)
     tasks = _unchanged(rows)
-    return None if whole and len(tasks) == len(rows) else _Kept("is damaged", content, tasks)
-
-
-def _first_form(connection: sqlite3.Connection, whole: bool) -> _Kept:
-    inputs = dict(connection.execute("SELECT name, value FROM inputs"))
-    tomllib.loads(inputs["configuration"])
-    rows = _rows(connection, "scenario, run, outcome", whole)
-    return _Kept("has an earlier form", json.dumps(inputs), [row for row in rows if _is_outcome(row[-1])])
+    return None if whole and len(tasks) == len(rows) else _Kept(content, tasks)
 
 
 def _unchanged(rows: list[Row]) -> list[Row]:
     """Rows whose last column is the checksum of the others, without it."""
     return [row[:-1] for row in rows if row[-1] == checksum(*row[:-1])]
-
-
-def _is_outcome(text: Any) -> bool:
-    try:
-        StudyOutcome.from_json(json.loads(text))
-    except (LookupError, TypeError, ValueError, AttributeError):
-        return False
-    return True
 
 
 def _rows(connection: sqlite3.Connection, columns: str, whole: bool) -> Iterator[Row]:
@@ -256,9 +294,10 @@ def _rewrite(file: Path, kept: _Kept) -> None:
     with closing(sqlite3.connect(":memory:")) as connection:
         connection.executescript(TABLE_DEFINITIONS)
         store = Store(connection)
-        store.insert("inputs", kept.inputs)
-        for row in kept.tasks:
-            store.insert("tasks", *row)
+        with connection:
+            store.insert("inputs", kept.inputs)
+            for row in kept.tasks:
+                store.insert("tasks", *row)
         content = connection.serialize()
     file.with_name(f"{file.name}-wal").unlink(missing_ok=True)  # which belongs to the file before
     write_whole(file, content)

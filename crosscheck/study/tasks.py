@@ -1,8 +1,6 @@
 """One task of a study: one run of one scenario, simulated once and identified with every method.
 
-A method has a name, or is FILE.py:NAME, and is given what it needs of a record. How far its parameters are from the
-truth is measured as numbers, in the torque, and in the simulated loop: on a motion that no method has seen, the same
-for all scenarios, without noise.
+A method has a name, or is FILE.py:NAME, and is given what it needs of a record.
 """
 
 from __future__ import annotations
@@ -13,7 +11,7 @@ import time
 import warnings
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, lru_cache
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -24,121 +22,20 @@ from crosscheck.distributing import differences, versions
 from crosscheck.identifying import method_named
 from crosscheck.identifying.methods.loop_methods import in_loop
 from crosscheck.study.settings.configuration import Configuration, hash_of, shown_name, takes_wrenches
+from crosscheck.study.settings.design import Redraw
 from crosscheck.study.settings.scenarios import Scenario
-from crosscheck.study.settings.settings import RobotSettings
-from crosscheck.study.simulated.plants import ControlledRobot, plant_of
-from crosscheck.study.simulated.runs import RecordedProblem, known_model, reference, simulated, start_of
+from crosscheck.study.simulated.runs import RecordedProblem, known_model, simulated
+from crosscheck.study.validation import ValidationMetric, validation_metric
 from crosscheck.user_code import module_of_file
-from graphdyn import EstimationFailed, Friction, GraphDynError, InvalidInput, rollout
+from graphdyn import EstimationFailed, GraphDynError, InvalidInput
 from graphdyn.identification import (
-    BaseParameters,
     Estimate,
     Estimator,
-    Samples,
-    TorqueModel,
     one_thread,
     plausibility,
-    structure,
 )
-from graphdyn.identification.closed_loop import DrivenRobot
-from graphdyn.layout import Array
-from graphdyn.motion_laws import MotionLaw
 
 log = logging.getLogger(__name__)
-
-VALIDATION_SECONDS, VALIDATION_RATE = 10.0, 100.0
-"""Length of the held-out motion [s], and samples per second of its torque [Hz]."""
-
-LOOP_RATE = 1000.0
-"""Rate of controller and steps of the simulated loop [Hz]."""
-
-MAX_DISTANCE_RATIO = 100.0
-"""A robot that is so many times as far from where it should be as it ever goes has run away."""
-
-HELD_OUT_SCENARIO = 2**32 - 1
-"""Number of the random motion that is held out: scenarios count theirs from zero."""
-
-
-@dataclass(frozen=True, eq=False)
-class ValidationMetric:
-    """The held-out motion of a torque model.
-
-    base: what any motion could determine, b parameters
-    truth: base parameters (b,)
-    regressor: of the base parameters, all rows   (N n, b)
-    torque: of the robot as it is   (N n,)
-    followed: positions of the simulated loop of the robot as it is   (K, n)
-    """
-
-    plant: ControlledRobot
-    torque_model: TorqueModel
-    laws: tuple[MotionLaw, ...]
-    base: BaseParameters
-    truth: Array
-    regressor: Array
-    torque: Array
-    followed: Array
-
-    def parameter_error(self, x: Array) -> float:
-        """‖D (x - x*)‖ / ‖D x*‖ of base parameters x (b,), with the lengths D of the columns of the regressor."""
-        effect = np.linalg.norm(self.regressor, axis=0)
-        return float(np.linalg.norm(effect * (x - self.truth)) / np.linalg.norm(effect * self.truth))
-
-    def torque_error(self, x: Array) -> float:
-        """‖W x - τ‖ / ‖τ‖, τ the torque of the robot as it is, with what the torque model does not know."""
-        return float(np.linalg.norm(self.regressor @ x - self.torque) / np.linalg.norm(self.torque))
-
-    def trajectory_error(self, x: Array) -> float | None:
-        """‖q(x) - q*‖ / ‖q* - mean of q*‖ of the loop simulated with base parameters x; None where it runs away."""
-        alone = np.zeros(len(self.torque_model.columns))
-        alone[self.base.independent] = x
-        robot = DrivenRobot.of(self.torque_model, alone[None])
-        q = _followed(self.plant, self.laws, robot.bodies[0], robot.friction, robot.rotors[0])
-        spread = self.followed - self.followed.mean(axis=0)
-        error = float(np.linalg.norm(q - self.followed) / np.linalg.norm(spread))
-        return error if error < MAX_DISTANCE_RATIO else None
-
-
-@lru_cache(maxsize=8)
-def validation_metric(settings: RobotSettings, seed: int, torque_model: TorqueModel) -> ValidationMetric:
-    """seed: of the study. Raises InvalidInput where the controller does not hold the robot."""
-    plant = plant_of(settings)
-    laws = reference(settings, seed, "random", HELD_OUT_SCENARIO, VALIDATION_SECONDS)
-    times = np.arange(round(VALIDATION_SECONDS * VALIDATION_RATE) + 1) / VALIDATION_RATE
-    q, v, a = np.moveaxis(np.array([law(times) for law in laws]), 0, -1)
-    samples = Samples(q, v, a, np.zeros_like(q), time=times)
-    base = structure(torque_model).base
-    truth = base.values(plant.truth(torque_model))
-    regressor = torque_model.rows(samples, base.independent).reshape(-1, base.rank)
-    everything = plant.known_exactly
-    torque = everything.torque(samples, plant.truth(everything)).ravel()
-    followed = _followed(plant, laws, plant.model.inertial_parameters, plant.friction, plant.rotors)
-    if not np.all(np.isfinite(followed)):
-        raise InvalidInput("the controller does not hold the robot on the held-out motion; give other gains")
-    return ValidationMetric(plant, torque_model, laws, base, truth, regressor, torque, followed)
-
-
-def _followed(
-    plant: ControlledRobot, laws: tuple[MotionLaw, ...], bodies: Array, friction: Friction, rotors: Array
-) -> Array:
-    """Positions of the simulated loop without noise (K, n)."""
-    controller = plant.controller(laws, 1 / LOOP_RATE)
-    q, v = start_of(laws)
-    found = rollout(
-        plant.model,
-        q,
-        v,
-        controller,
-        step=1 / LOOP_RATE,
-        duration=VALIDATION_SECONDS,
-        parameters=bodies,
-        friction=friction,
-        rotor_inertia=rotors,
-        every=round(LOOP_RATE / VALIDATION_RATE),
-        threads=1,
-    )
-    return np.asarray(found.q[0])
-
 
 TORQUES, WRENCHES = "torques", "wrenches"
 """What a method takes for measured."""
@@ -169,8 +66,7 @@ def ready(estimator: Estimator, record: RecordedProblem, scenario: Scenario) -> 
     (known,) = in_loop([estimator], record.loop)
     given: dict[str, Any] = {}
     if hasattr(known, "start"):
-        error = scenario.start_error
-        given["start"] = scenario.start if error is None else (1 - error) * record.truth
+        given["start"] = scenario.start if record.start is None else record.start
     if takes_wrenches(known):
         given["recording"] = record.recording
     fitted: Estimator = replace(known, **given) if given else known  # type: ignore[type-var]
@@ -202,6 +98,7 @@ class Result:
     base, sigma: values of the base parameters of the scenario, and their standard deviations as the method states them
     parameter_error, torque_error, trajectory_error: as in validation metrics
     consistent: whether every body can be real
+    redrawn, repeat: source that this record draws once more than the run, and how often; None and 0 for the run itself
     """
 
     method: str
@@ -216,6 +113,8 @@ class Result:
     torque_error: float | None = None
     trajectory_error: float | None = None
     consistent: bool | None = None
+    redrawn: str | None = None
+    repeat: int = 0
 
 
 @dataclass(frozen=True)
@@ -228,6 +127,10 @@ class StudyOutcome:
     results: tuple[Result, ...]
     seconds: tuple[float | None, ...]
     total: float
+
+    def __add__(self, other: StudyOutcome) -> StudyOutcome:
+        """The outcome with that of further methods."""
+        return StudyOutcome(self.results + other.results, self.seconds + other.seconds, self.total + other.total)
 
     def as_json(self) -> dict[str, Any]:
         return asdict(self)
@@ -312,18 +215,29 @@ def compute(study: Configuration, task: StudyTask) -> StudyOutcome:
     """
     begin = time.process_time()
     with one_thread(), warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
-        try:
-            log.info("simulating run %d", task.run)
-            record = simulated(study, task.scenario, task.run)
-            if not record.problem.equations.n_columns:  # which are read once, before any method is timed
-                raise InvalidInput("it shows no parameter: the robot stands still")
-            measure = validation_metric(study.robot, study.seed, known_model(study, task.scenario))
-        except Exception as failure:
-            _refuse_missing(failure)
-            return replace(failed(task, f"no record: {failure}"), total=time.process_time() - begin)
-        found = [_identified(method, record, task.scenario, measure) for method in task.methods]
-    results, seconds = zip(*found, strict=True)
+        records = [_of_record(study, task, redraw) for redraw in study.design.redraws]
+    results, seconds = zip(*(pair for record in records for pair in record), strict=True)
     return StudyOutcome(results, seconds, time.process_time() - begin)
+
+
+def _of_record(study: Configuration, task: StudyTask, redraw: Redraw) -> list[tuple[Result, float | None]]:
+    """What each method makes of one record. Raises CannotCompute."""
+    draw = study.design.draw(task.run, redraw)
+    try:
+        log.info("simulating run %d", task.run)
+        record = simulated(study, task.scenario, draw)
+        if not record.problem.equations.n_columns:  # which are read once, before any method is timed
+            raise InvalidInput("it shows no parameter: the robot stands still")
+        known = known_model(study, task.scenario, draw)
+        measure = validation_metric(study.robot, study.seed, known, draw.motion)
+    except Exception as failure:
+        _refuse_missing(failure)
+        found: list[tuple[Result, float | None]] = [
+            (result, None) for result in failed(task, f"no record: {failure}").results
+        ]
+    else:
+        found = [_identified(method, record, task.scenario, measure) for method in task.methods]
+    return [(replace(result, redrawn=redraw.source, repeat=redraw.repeat), seconds) for result, seconds in found]
 
 
 def _identified(

@@ -4,11 +4,12 @@ import sys
 from pathlib import Path
 
 from crosscheck.commands.study.report import study_report
+from crosscheck.study.statistics.outcomes import read_outcomes
 
 
 def picture(folder, title):
     """The first picture with this title, on a white background."""
-    report = study_report(folder, [], lambda scenario, run: [])
+    report = study_report(read_outcomes(folder), [], lambda scenario, run: [])
     blocks = [block for section in report.sections for block in section.blocks]
     drawn = next(block for block in blocks if block.title == title).draw("p")
     return str(drawn).replace('class="picture"', 'style="background: #ffffff; font-family: sans-serif"', 1)

@@ -32,6 +32,7 @@ from crosscheck.comparing import compare as comparing
 from crosscheck.distributing import LocalProcesses
 from crosscheck.paper import errata
 from crosscheck.report.html import page
+from crosscheck.study.statistics.outcomes import read_outcomes
 
 MY_CODE = """
 import graphdyn, urdf
@@ -182,9 +183,9 @@ def small_comparison(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def study_folder(tmp_path_factory):
-    """Tables of a study of five runs."""
+    """Tables of a study of eight runs."""
     folder = tmp_path_factory.mktemp("study")
-    for name, rows in zip(("results", "scenarios", "times"), study_tables(5), strict=True):
+    for name, rows in zip(("results", "scenarios", "times"), study_tables(8), strict=True):
         write_table(pyarrow.Table.from_pylist(rows), folder / f"{name}.parquet")
     return folder
 
@@ -193,7 +194,7 @@ def study_folder(tmp_path_factory):
 def studied(study_folder):
     """Its report."""
     return study_report(
-        study_folder,
+        read_outcomes(study_folder),
         [("robot", "ur5: 6 joints")],
         lambda scenario, run: ["graphdyn", "study", "--only", f"{scenario}:{run}"],
     )

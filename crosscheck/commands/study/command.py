@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -15,13 +15,18 @@ from crosscheck.commands.program.delivery import deliver
 from crosscheck.commands.program.exits import AGREED, Ended
 from crosscheck.commands.program.options import EXAMPLES, CodeOptions, ReportOptions, WorkerOptions
 from crosscheck.commands.program.output_files import OutputFile
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
+    from crosscheck.commands.study.report import Repeat
     from crosscheck.study.running import Progress
     from crosscheck.study.settings.configuration import Configuration
+    from crosscheck.study.settings.design import StudyDesign
+    from crosscheck.study.statistics.outcomes import StudyOutcomes
 
 EPILOG = f"""{EXAMPLES}  graphdyn study --config small --out small
   graphdyn study --config study.toml --out study --resume
+  graphdyn study --report study
   graphdyn study --config study.toml --only 3f0c1a5be2d94a77:2
 """
 
@@ -31,13 +36,20 @@ class StudyOptions(CodeOptions, WorkerOptions):
     """What `graphdyn study` is asked for."""
 
     config: Annotated[
-        str, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy.")
-    ]
+        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy.")
+    ] = None
     folder: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", show_default="name of the configuration", help="Folder of the results."),
     ] = None
     resume: Annotated[bool, typer.Option("--resume", help="Continue the study in --out.")] = False
+    extend: Annotated[
+        bool, typer.Option("--extend", help="Add runs, methods or scenarios of --config to the study in --out.")
+    ] = False
+    report: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Show what the study in this folder has found so far; it may be going on."),
+    ] = None
     only: Annotated[
         str | None,
         typer.Option(metavar="SCENARIO:RUN", help="Repeat this one run and show its results; nothing is written."),
@@ -47,13 +59,14 @@ class StudyOptions(CodeOptions, WorkerOptions):
 def run(options: StudyOptions) -> None:
     """Compare identification methods on many simulated recordings.
 
-    A robot with known parameters is simulated in its control loop and measured with noise, several times in each
+    A robot with known parameters is simulated in its control loop and measured with noise, in several runs of each
     scenario of a grid: noise, rates, motion, filter, errors of the model, start. Every method identifies it from the
-    same recordings. Bias, spread, errors, failures and ranks with their confidence go to DIR/study.html and study.json,
+    same recordings. Which methods are better, errors, failures, bias and spread go to DIR/study.html and study.json,
     the single results to DIR/results.parquet, scenarios.parquet and times.parquet.
 
     The results are the same for any number of processes. A study that was interrupted, however it was, goes on with
-    --resume. A run whose process dies is a failure of the method that is to blame, and the others go on.
+    --resume; with --extend runs, methods or scenarios are added to what is done. --report shows what there is, while
+    another process goes on. A run whose process dies is a failure of the method that is to blame, and the others go on.
 
     Exit code 0: done; 2: bad input.
     """
@@ -67,8 +80,16 @@ def run(options: StudyOptions) -> None:
     from crosscheck.study.simulated.plants import plant_of
     from crosscheck.study.tasks import LIBRARIES
 
-    config, only, resume = options.config, options.only, options.resume
-    if only is not None and (options.folder is not None or options.jobs or options.scheduler or resume):
+    config, only, resume, extend = options.config, options.only, options.resume, options.extend
+    computing = options.folder is not None or options.jobs or options.scheduler or resume or extend
+    if options.report is not None:
+        if computing or config is not None or only is not None or options.allow_code:
+            raise typer.BadParameter("--report only reads the folder that it names; omit the other options")
+        _report_so_far(options.report)
+        raise typer.Exit(AGREED)
+    if config is None:
+        raise typer.BadParameter("name a configuration by --config, or the folder of a study by --report")
+    if only is not None and computing:
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
     study = read_configuration(config, allow_code=options.allow_code)
     plant_of(study.robot)  # which refuses what does not fit the robot, before any code of others runs
@@ -80,6 +101,7 @@ def run(options: StudyOptions) -> None:
         _show(study, only)
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
+    _tell_few_runs(study)
     if study.own_methods:
         own_process.enter(f"methods {', '.join(study.own_methods)}")
     workers, shown = options.workers, _Shown()
@@ -91,6 +113,7 @@ def run(options: StudyOptions) -> None:
                 folder,
                 workers,
                 resume=resume,
+                extend=extend,
                 versions={**versions(), **computing_versions(LIBRARIES)},
                 progress=shown,
                 tell=lambda line: say(line, "yellow"),
@@ -103,18 +126,51 @@ def run(options: StudyOptions) -> None:
     raise typer.Exit(AGREED)
 
 
+def _tell_few_runs(study: Configuration) -> None:
+    """Say before the work begins if nothing can be decided after it."""
+    from crosscheck.study.settings.configuration import torque_methods
+    from crosscheck.study.statistics.comparison import pair_count
+    from crosscheck.study.statistics.signed_ranks import fewest_runs
+
+    pairs = pair_count(len(torque_methods(study)), study.design)
+    fewest = fewest_runs(pairs) if pairs else 0
+    if study.runs < fewest:
+        said = f"{counted(study.runs, 'run')} cannot decide {counted(pairs, 'comparison')}, however clear they are"
+        say(f"{said}: give {fewest} runs or more, or fewer methods; errors are shown all the same", "yellow")
+
+
 def _report(study: Configuration, config: str, folder: Path) -> None:
     """Print it, and write study.html and study.json. Raises OSError."""
-    from crosscheck.commands.study.report import study_report
+    from crosscheck.study.statistics.outcomes import read_outcomes
 
     def repeat(scenario: str, run: int) -> list[str]:
         allowed = ["--allow-code"] if study.own_methods else []
         return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
 
     facts = [("configuration", study.file), ("robot", study.robot.name), ("seed", str(study.seed))]
+    _deliver(folder, read_outcomes(folder), facts, repeat, study.design)
+
+
+def _report_so_far(folder: Path) -> None:
+    """The same of a study that need not be finished. Raises InvalidInput, OSError."""
+    from crosscheck.study.folder import CONFIGURATION
+    from crosscheck.study.so_far import read_so_far
+
+    def repeat(scenario: str, run: int) -> list[str]:
+        return ["graphdyn", "study", "--config", str(folder / CONFIGURATION), "--only", f"{scenario}:{run}"]
+
+    found = read_so_far(folder)
+    _deliver(folder, found.outcomes, found.facts, repeat, found.design)
+
+
+def _deliver(
+    folder: Path, outcomes: StudyOutcomes, facts: Sequence[tuple[str, str]], repeat: Repeat, design: StudyDesign
+) -> None:
+    from crosscheck.commands.study.report import study_report
+
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
     with warnings_shown():
-        report = study_report(folder, facts, repeat)
+        report = study_report(outcomes, facts, repeat, design)
     deliver(report, ReportOptions(html_file=page, json_file=numbers))
 
 

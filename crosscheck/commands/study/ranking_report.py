@@ -1,6 +1,6 @@
 """Ranks of methods, and their accuracy against their time, as parts of the report of a study.
 
-Mean ranks are drawn with their intervals, and with the groups within which no method is better than another: the
+Mean ranks are drawn with their intervals, and with the groups within which no methods are apart: the
 diagram of Demšar, Journal of Machine Learning Research 7, 2006, upright, so that names stand beside their ranks. Of
 accuracy against time, methods than which no other is both faster and more accurate are joined by a line.
 """
@@ -17,9 +17,12 @@ from markupsafe import Markup
 
 from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, interval_text
 from crosscheck.report.pictures.svg import BAR, CURVES, FAINT_COLOR, INK, MIDDLE_COLOR, picture
-from crosscheck.report.report import Block, Column, Picture, Prose, Row, Table
+from crosscheck.report.report import NO_VALUE, Block, Column, Picture, Prose, Row, Table
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median
-from crosscheck.study.statistics.summary import Ranking, StudySummary
+from crosscheck.study.statistics.outcomes import Measures
+from crosscheck.study.statistics.ranking import Ranking
+from crosscheck.study.statistics.summary import StudySummary
+from graphdyn.errors import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +57,7 @@ def _draw_ranks(axes: Axes, ranking: Ranking, height: float) -> None:
     axes.tick_params(axis="x", labelsize=7.5, length=2, color=INK)
     axes.hlines(y, 0.5, count + 0.5, color=FAINT_COLOR, linewidth=0.5, zorder=0)
     axes.hlines(y, ranking.rank.low, ranking.rank.high, color=BAR, linewidth=3.5)
-    colors = [CURVES[0] if name in ranking.leaders else INK for name in ranking.methods]
+    colors = [INK if ranking.apart(0, k) else CURVES[0] for k in range(count)]
     axes.scatter(ranking.rank.value, y, s=16, color=colors, zorder=3, linewidths=0)
     axes.set_xlabel("mean rank, 1 is best", fontsize=8, color=INK, labelpad=1)
     for (first, last), column in zip(ranking.alike, columns, strict=True):
@@ -90,6 +93,9 @@ def bar_columns(groups: list[tuple[int, int]]) -> list[int]:
 WIDTH, HEIGHT = 7.6, 4.2
 """[inches]"""
 
+OPEN = 1e-30, 1e30
+"""Ends in place of zero and infinity, beyond any axis."""
+
 MIN_NAME_DISTANCE = 0.032
 """Least distance of two names, as a part of the height."""
 
@@ -119,7 +125,7 @@ def efficient(trades: Sequence[Trade]) -> list[Trade]:
 
 
 def study_pareto(key: str, trades: Sequence[Trade], what: str, best: str) -> Markup:
-    """what: error; best: the method that all are compared with."""
+    """what: error; best: the reference."""
     label = f"{what} relative to {best} against processor time; efficient: " + ", ".join(
         trade.name for trade in efficient(trades)
     )
@@ -142,12 +148,13 @@ def _draw_front(axes: Axes, trades: Sequence[Trade], what: str, best: str) -> No
     )
     for trade in trades:
         color = CURVES[0] if trade in line else MIDDLE_COLOR
-        axes.vlines(trade.seconds, trade.low, trade.high, color=color, linewidth=1.2)
+        axes.vlines(trade.seconds, max(trade.low, OPEN[0]), min(trade.high, OPEN[1]), color=color, linewidth=1.2)
         fill = color if trade.whole else "none"
         axes.plot(trade.seconds, trade.ratio, marker="o", markersize=5, mfc=fill, mec=color, linestyle="")
     axes.set_xlabel("processor time, median [s]", fontsize=8.5, color=INK)
     axes.set_ylabel(f"{what} / that of {best}", fontsize=8.5, color=INK)
-    ends = [value for trade in trades for value in (trade.low, trade.ratio, trade.high) if value > 0]
+    values = [value for trade in trades for value in (trade.low, trade.ratio, trade.high)]
+    ends = [value for value in values if np.isfinite(value) and value > 0]
     times = [trade.seconds for trade in trades]
     axes.set(xlim=(min(times) / 1.5, 1.5 * max(times)), ylim=(min(ends) / 1.2, 1.2 * max(ends)))
     _name(axes, trades, line)
@@ -173,22 +180,22 @@ def _name(axes: Axes, trades: Sequence[Trade], line: Sequence[Trade]) -> None:
 
 
 RANKING_NOTE = (
-    "On every record the method with the smallest error has rank 1; errors that are equal up to rounding share a rank, "
-    "and methods that failed, or whose error is not finite, share the last one; records on which all did are left out. "
-    "Bars: {level:.0%} intervals of the mean rank by bootstrap over runs. Thick lines join methods that are not told "
-    "apart: their mean ranks are closer than Nemenyi's critical distance, or Friedman's test finds no difference at "
-    "all. Blue: none is better than these. Every scenario weighs the same, and failures count, so that the order by "
-    "ranks can differ from that by mean errors, which are those of records that both methods have an answer for."
+    "In every run the method with the smallest error has rank 1, by the geometric mean over the scenarios; errors that "
+    "are equal up to rounding share a rank, and methods that failed in some scenario share the last one. Bars: "
+    "Student's {level:.0%} intervals of the mean rank over the runs. Thick lines join methods whose mean ranks are "
+    "closer than Nemenyi's critical distance, or all where Friedman's test finds no difference. Blue: not apart from "
+    "the first. This is a picture: which of two methods is better is decided by their comparison above, in which no "
+    "other method takes part."
 )
 TRADE_OFF_NOTE = (
-    "Geometric mean of the error relative to the first of the ranking, over the records that both have an answer for, "
-    "with its {level:.0%} interval; median processor time of all runs. Hollow: failed on some records, which are "
-    "not in this mean. The line joins methods than which no other is faster and more accurate."
+    "Geometric mean of the error relative to the reference over the runs in which both have all answers, with its "
+    "simultaneous {level:.0%} interval; median processor time of all runs. Hollow: failed in some run, which is not in "
+    "this mean. The line joins methods than which no other is faster and more accurate."
 )
 
 
 def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
-    """Ranks of the methods of one class by every error, with the errors relative to the first."""
+    """Ranks of the methods of one class by every error."""
     for error, ranking in rankings.items():
         what = ERRORS_IN_WORDS[error]
         yield Picture(partial(study_ranks, ranking=ranking, what=what), title=f"By {what}", wide=False, on=("page",))
@@ -197,43 +204,49 @@ def ranks(rankings: dict[str, Ranking]) -> Iterator[Block]:
     of = {error: {name: k for k, name in enumerate(ranking.methods)} for error, ranking in rankings.items()}
     rows = []
     for name in first.methods:
-        cells: list[object] = [name]
-        for error, ranking in rankings.items():
-            k = of[error][name]
-            cells += [
-                interval_text(ranking.rank[k], ".2f"),
-                interval_text(ranking.ratio[k], ".3g") if k else "1",
-            ]
-        rows.append(Row((*cells, first.failures[first.methods.index(name)] or None)))
-    columns = [
-        column
-        for error in rankings
-        for column in (
-            Column(f"rank by {ERRORS_IN_WORDS[error]}", "number"),
-            Column("error / that of the first", "number", meaning="geometric mean where both have an answer"),
-        )
-    ]
+        cells = [interval_text(ranking.rank[of[error][name]], ".2f") for error, ranking in rankings.items()]
+        rows.append(Row((name, *cells, first.failures[of[next(iter(rankings))][name]] or None)))
+    tested = ", ".join(
+        f"by {ERRORS_IN_WORDS[error]} p = {ranking.probability:.2g}"
+        for error, ranking in rankings.items()
+        if ranking.probability is not None
+    )
     yield Table(
-        (Column("method", "name"), *columns, Column("failed", "number", meaning="records on which it ranks last")),
+        (
+            Column("method", "name"),
+            *(Column(f"rank by {ERRORS_IN_WORDS[error]}", "number") for error in rankings),
+            Column("failed", "number", meaning="runs in which it ranks last"),
+        ),
         tuple(rows),
-        caption=f"Over all scenarios, with {CONFIDENCE_LEVEL:.0%} intervals by bootstrap over runs",
+        caption=f"{counted(first.runs, 'run')}; critical distance {first.distance:.2f}; Friedman: {tested or NO_VALUE}",
+        on=("page",),
     )
 
 
-def trades(found: StudySummary, rankings: dict[str, Ranking]) -> Iterator[Block]:
-    """Accuracy of the same methods against their time."""
-    for error, ranking in rankings.items():
+def trades(found: StudySummary, measures: Measures) -> Iterator[Block]:
+    """Accuracy of the methods that measure this, against their time."""
+    names = [found.outcomes.methods[k].name for k in found.methods(measures)]
+    for (of, error), comparison in found.comparisons.items():
+        if of != measures:
+            continue
         every = [
-            Trade(name, _median_time(found, name), ratio.value, ratio.low, ratio.high, ranking.failures[k] == 0)
-            for k, name in enumerate(ranking.methods)
-            for ratio in [ranking.ratio[k]]
+            Trade(name, _median_time(found, name), ratio.value, ratio.low, ratio.high, _whole(found, name, error))
+            for name in names
+            for ratio in [comparison.ratio(name)]
         ]
         drawn = [trade for trade in every if np.isfinite(trade.ratio) and trade.seconds > 0]
         if drawn:
-            what, best = ERRORS_IN_WORDS[error], ranking.methods[0]
+            what, best = ERRORS_IN_WORDS[error], comparison.reference
             draw = partial(study_pareto, trades=drawn, what=what, best=best)
             yield Picture(draw, title=f"By {what}", on=("page",), folded=error != HEADLINE_ERROR)
     yield Prose(TRADE_OFF_NOTE.format(level=CONFIDENCE_LEVEL), soft=True, on=("page",))
+
+
+def _whole(found: StudySummary, method: str, error: str) -> bool:
+    """Whether it has an answer for every record that it took part in."""
+    k = [one.name for one in found.outcomes.methods].index(method)
+    taken = [scenario for scenario in found.outcomes.scenarios if scenario.taken[k]]
+    return all(bool(np.isfinite(scenario.errors[error][:, k]).all()) for scenario in taken)
 
 
 def _median_time(found: StudySummary, method: str) -> float:

@@ -3,32 +3,77 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
+from crosscheck.commands.study.comparison_report import headline
 from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Numbers, Record, attribute, written
+from crosscheck.study.statistics.comparison import MethodPair, PairedComparison, Verdict
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method
-from crosscheck.study.statistics.summary import MethodSummary, Ranking, ScenarioSummary, StudySummary
+from crosscheck.study.statistics.ranking import Ranking
+from crosscheck.study.statistics.summary import MethodSummary, ScenarioSummary, StudySummary
+
+
+class StudyPairRecord(Record, of=MethodPair, only=("verdict",)):
+    """A method compared with another.
+
+    method: its name
+    other: that of the other
+    ratio: geometric mean of its error over that of the other, with its interval, simultaneous over all pairs; an end
+        is null where one alone has failed in some run
+    probability: of signed ranks as uneven if the two were alike, with Holm's correction
+    runs: that enter the ratio
+    failed: runs in which it has no error where the other has one
+    other_failed: the reverse
+    detectable: ratio that the study can show
+    more_runs: runs that are missing to show the ratio of the region, about
+    """
+
+    method: str
+    other: str
+    ratio: Interval
+    probability: float
+    runs: Count
+    failed: Count
+    other_failed: Count
+    verdict: Annotated[str, Keywords(enum=list(get_args(Verdict)))]
+    detectable: Number
+    more_runs: Count | None
+
+
+class StudyComparisonRecord(Record, of=PairedComparison, only=("reference",)):
+    """Methods of one class compared by one error.
+
+    measures: the class of the methods
+    error: by which they are compared
+    same: groups of methods that are one; the first of each is compared
+    runs: that all scenarios have
+    fewest: runs below which nothing can be decided
+    """
+
+    measures: Measures
+    error: Annotated[str, Keywords(enum=list(ERRORS))]
+    reference: str
+    runs: Count
+    fewest: Count
+    same: Sequence[Sequence[str]]
+    pairs: Sequence[StudyPairRecord]
 
 
 class StudyRankRecord(Record):
     """A method in a ranking.
 
     method: its name
-    rank: mean rank, 1 is best; interval by bootstrap over runs
-    ratio: geometric mean of its error over that of the first, where both have an answer; interval by bootstrap
-    failures: records on which it failed, which rank last
-    better_than: methods that it is better than: beyond the critical distance
+    rank: mean rank over the runs, 1 is best, with Student's interval
+    failures: runs in which it failed, where it ranks last
     """
 
     method: str
     rank: Interval
-    ratio: Interval
     failures: Count
-    better_than: Sequence[str]
 
 
-class StudyRankingRecord(Record, of=Ranking, only=("records", "methods")):
+class StudyRankingRecord(Record, of=Ranking, only=("runs", "methods")):
     """Methods of one class ranked by one error.
 
     measures: the class of the methods
@@ -37,10 +82,9 @@ class StudyRankingRecord(Record, of=Ranking, only=("records", "methods")):
 
     measures: Measures
     error: Annotated[str, Keywords(enum=list(ERRORS))]
-    records: Count
+    runs: Count
     friedman: Number = attribute("probability")
     critical_distance: Number = attribute("distance")
-    leaders = attribute()
     methods: Sequence[StudyRankRecord]
 
 
@@ -57,6 +101,9 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     bias_low, bias_high: ends of the intervals of the bias
     spread: standard deviation
     spread_low, spread_high: ends of the intervals of the spread
+    z: root mean square of (found - true) / standard deviation as stated; 1 is honest
+    held_bias: root mean square over the runs of the bias for one motion and one CAD model
+    shares: part of the variance of each parameter that is drawn anew with each source
     """
 
     method: str = attribute("method.name")
@@ -74,7 +121,9 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     spread: Numbers = attribute("parameters.spread.value")
     spread_low: Numbers = attribute("parameters.spread.low")
     spread_high: Numbers = attribute("parameters.spread.high")
-    stated: Numbers = attribute("parameters.stated")
+    z: Numbers = attribute("parameters.z")
+    held_bias: Numbers = attribute("parameters.held_bias")
+    shares: Mapping[str, Numbers] = attribute("parameters.shares")
 
 
 class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
@@ -83,7 +132,7 @@ class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
     name: as in the tables
     runs: records that were simulated
     results: of all methods that take part: those that need wrenches do where they are measured
-    rankings: of every class that has two methods or more, by every error
+    comparisons: of every class that has two methods or more, by every error
     """
 
     name: str = attribute("outcomes.name")
@@ -93,7 +142,7 @@ class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
     base_units = attribute("outcomes.base_units")
     truth: Numbers = attribute("outcomes.truth")
     results: Sequence[StudyResultRecord]
-    rankings: Sequence[StudyRankingRecord]
+    comparisons: Sequence[StudyComparisonRecord]
 
 
 class StudyRecord(CommandRecord, format="graphdyn study 1"):
@@ -101,14 +150,26 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
 
     confidence: of all intervals and tests
     facts: what all scenarios share, in words
+    headline: which methods are best, by how much, how sure that is, and for what it holds
+    vary: what every run draws anew
+    repeats: draws of each of these in a run
+    pairs: which methods are compared: each with the reference, or all with all
+    region: relative differences of errors up to this are equivalent
     methods: all of them
+    comparisons: over all scenarios
     rankings: over all scenarios
     scenarios: all of them
     """
 
     confidence: float
     facts: Mapping[str, str]
+    headline: str
+    vary: Sequence[str]
+    repeats: Count
+    pairs: str
+    region: float
     methods: Sequence[Method]
+    comparisons: Sequence[StudyComparisonRecord]
     rankings: Sequence[StudyRankingRecord]
     scenarios: Sequence[StudyScenarioRecord]
 
@@ -119,10 +180,29 @@ def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command:
         command=command,
         confidence=CONFIDENCE_LEVEL,
         facts=dict(facts),
+        headline=headline(found).reason,
+        vary=found.design.vary,
+        repeats=found.design.repeats,
+        pairs=found.design.pairs,
+        region=found.design.region,
         methods=found.outcomes.methods,
+        comparisons=_comparisons(found.comparisons),
         rankings=_rankings(found.rankings),
         scenarios=[_scenario(scenario) for scenario in found.scenarios],
     )
+
+
+def _comparisons(found: Mapping[tuple[Measures, str], PairedComparison]) -> list[dict[str, Any]]:
+    return [
+        written(
+            StudyComparisonRecord,
+            comparison,
+            measures=measures,
+            error=error,
+            pairs=[written(StudyPairRecord, pair) for pair in comparison.pairs],
+        )
+        for (measures, error), comparison in found.items()
+    ]
 
 
 def _rankings(found: Mapping[tuple[Measures, str], Ranking]) -> list[dict[str, Any]]:
@@ -143,9 +223,7 @@ def _rank(ranking: Ranking, k: int) -> dict[str, Any]:
         StudyRankRecord,
         method=ranking.methods[k],
         rank=ranking.rank[k],
-        ratio=ranking.ratio[k],
         failures=ranking.failures[k],
-        better_than=[name for other, name in enumerate(ranking.methods) if ranking.better(k, other)],
     )
 
 
@@ -155,7 +233,7 @@ def _scenario(found: ScenarioSummary) -> dict[str, Any]:
         found,
         runs=len(found.outcomes.runs),
         results=[_result(method) for method in found.methods if method.runs],
-        rankings=_rankings(found.rankings),
+        comparisons=_comparisons(found.comparisons),
     )
 
 

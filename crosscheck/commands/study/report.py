@@ -7,21 +7,22 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
+from crosscheck.commands.study.comparison_report import comparison_section, headline, overview
 from crosscheck.commands.study.errors_report import errors_section
 from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.record import study_record
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
-from crosscheck.commands.study.words import ERRORS_IN_WORDS, HEADLINE_ERROR, METHOD_CLASSES, percent_text
+from crosscheck.commands.study.words import METHOD_CLASSES, SOURCES_IN_WORDS, listed, percent_text
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
+from crosscheck.study.settings.design import DEFAULT_DESIGN, StudyDesign
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.statistics.grid import Grid, grid_of
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, median, order_of_median, share
-from crosscheck.study.statistics.outcomes import Measures, read_outcomes
+from crosscheck.study.statistics.outcomes import Measures, StudyOutcomes
 from crosscheck.study.statistics.summary import StudySummary, summarized
 from crosscheck.study.tasks import Result, StudyOutcome, StudyTask
 from graphdyn.errors import counted
@@ -62,7 +63,7 @@ def _row(result: Result, seconds: float | None) -> Row:
     yes = None if result.consistent is None else "yes" if result.consistent else "no"
     return Row(
         (
-            result.method,
+            result.method if result.redrawn is None else f"{result.method}, other {result.redrawn} {result.repeat}",
             result.measures,
             result.iterations,
             result.simulations,
@@ -87,41 +88,28 @@ Repeat = Callable[[str, int], Sequence[str]]
 """The arguments that repeat one run with all methods, from the names of scenario and run."""
 
 
-def study_report(folder: Path, facts: Sequence[tuple[str, str]], repeat: Repeat) -> Report:
-    """The report of a finished study.
+def study_report(
+    outcomes: StudyOutcomes,
+    facts: Sequence[tuple[str, str]],
+    repeat: Repeat,
+    design: StudyDesign = DEFAULT_DESIGN,
+) -> Report:
+    """The report of what is there of a study.
 
-    folder: with results.parquet, scenarios.parquet and times.parquet
     facts: names and words of what all scenarios share
-
-    Raises as read_outcomes.
     """
-    found = summarized(read_outcomes(folder))
+    found = summarized(outcomes, design)
     grid = grid_of(found.outcomes.scenarios)
     on_page = shown_runs(found)
     sections = (
-        Section("study", "", (*_overview(found, grid, facts), *_leaders(found))),
+        Section("study", "", (*_overview(found, grid, facts), *overview(found))),
         *(section for measures in METHOD_CLASSES for section in _class_sections(found, grid, measures, on_page)),
         *_failures(found, grid, on_page),
         *scenario_sections(found, grid, on_page, repeat),
     )
     return Report(
-        "Identification methods compared", _verdict(found), sections, record=partial(study_record, found, facts)
+        "Identification methods compared", headline(found), sections, record=partial(study_record, found, facts)
     )
-
-
-def _verdict(found: StudySummary) -> Verdict:
-    records = sum(len(scenario.runs) for scenario in found.outcomes.scenarios)
-    words = f"{counted(len(found.outcomes.methods), 'method')} on {counted(records, 'record')}"
-    ranking = found.rankings.get(("torques", HEADLINE_ERROR))
-    if ranking is None:
-        return Verdict("plain", words, sentence=f"{words} were compared.")
-    what = f"by {ERRORS_IN_WORDS[HEADLINE_ERROR]}, of methods that measure torques"
-    leaders = ", ".join(ranking.leaders)
-    if len(ranking.leaders) == len(ranking.methods):
-        even = f"{words}: none is better than the others."
-        return Verdict("plain", words, f"None is better than the first, {ranking.methods[0]}, or worse: {what}.", even)
-    alone = "is better than all others" if len(ranking.leaders) == 1 else "lead without a significant difference"
-    return Verdict("plain", words, f"{leaders} {alone}, {what}, over all scenarios.", f"{leaders} {alone}.")
 
 
 def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]]) -> Iterator[Block]:
@@ -139,6 +127,7 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
             f"{count}{f' of {differing}' if differing else ''}; {how_many} of each",
         ),
         *([("usual setting", grid.usual)] if grid.usual else []),
+        ("drawn anew in every run", listed(SOURCES_IN_WORDS[source] for source in found.design.vary)),
         ("confidence", f"{CONFIDENCE_LEVEL:.0%} intervals and tests"),
         ("methods' time", f"{time} of processor time"),
     ]
@@ -151,28 +140,6 @@ def _overview(found: StudySummary, grid: Grid, facts: Sequence[tuple[str, str]])
         yield Notes((Note(said),))
 
 
-def _leaders(found: StudySummary) -> Iterator[Block]:
-    """Who is ahead by each error."""
-    rows = [
-        Row((ERRORS_IN_WORDS[error], METHOD_CLASSES[measures][1], ", ".join(ranking.leaders), len(ranking.methods),
-             ranking.records, ranking.probability, ranking.distance))
-        for (measures, error), ranking in found.rankings.items()
-    ]  # fmt: skip
-    yield Table(
-        (
-            Column("by", "name"),
-            Column("measured"),
-            Column("none is better than", "text"),
-            Column("of", "number", "methods"),
-            Column("records", "number"),
-            Column("Friedman p", "number", form=".2g", meaning="probability of such ranks if all methods were alike"),
-            Column("critical distance", "number", form=".2f", meaning="of mean ranks, Nemenyi"),
-        ),
-        tuple(rows),
-        title="Over all scenarios",
-    )
-
-
 def _class_sections(found: StudySummary, grid: Grid, measures: Measures, on_page: ShownRuns) -> Iterator[Section]:
     """Sections of the methods that measure this."""
     columns = found.methods(measures)
@@ -180,11 +147,14 @@ def _class_sections(found: StudySummary, grid: Grid, measures: Measures, on_page
         return
     measured = f"({METHOD_CLASSES[measures][1]} measured)"
     rankings = {error: ranking for (of, error), ranking in found.rankings.items() if of == measures}
+    compared = comparison_section(found, measures)
+    if compared is not None:
+        yield compared
     if rankings:
         yield Section(f"ranks-{measures}", f"Ranks {measured}", tuple(ranks(rankings)))
     yield errors_section(found, grid, measures, on_page)
     if rankings:
-        yield Section(f"time-{measures}", f"Accuracy and time {measured}", tuple(trades(found, rankings)))
+        yield Section(f"time-{measures}", f"Accuracy and time {measured}", tuple(trades(found, measures)))
     yield Section(f"answers-{measures}", f"Answers {measured}", (_answers(found, columns),))
 
 

@@ -14,14 +14,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from markupsafe import Markup
 
-from crosscheck.commands.study.words import METHOD_CLASSES, interval_text, percent_text
+from crosscheck.commands.study.words import METHOD_CLASSES, SOURCES_IN_WORDS, interval_text, percent_text
 from crosscheck.report.pictures.svg import BAR, CURVES, INK, MIDDLE_COLOR, picture
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Code, Column, Facts, Group, Hover, Picture, Prose, Row, Section, Table
+from crosscheck.study.settings.design import SOURCES
 from crosscheck.study.statistics.grid import Grid, with_unit
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL
 from crosscheck.study.statistics.outcomes import ERRORS, ScenarioOutcomes
-from crosscheck.study.statistics.summary import MethodSummary, StudySummary, record_ranks
+from crosscheck.study.statistics.ranking import record_ranks
+from crosscheck.study.statistics.summary import MethodSummary, StudySummary
 from graphdyn.errors import counted
 from graphdyn.layout import Array
 
@@ -115,7 +117,8 @@ ZERO_VALUE = 1e-12
 BIAS_NOTE = (
     "Dots: mean of found minus true, with its {level:.0%} interval; red where zero is outside, which happens to one "
     "parameter in twenty without any bias. Pale bars: ± standard deviation over the runs. All as parts of the standard "
-    "deviation that is usual for the parameter, the median over the methods. Linear up to 1, logarithmic beyond."
+    "deviation that is usual for the parameter, the median over the methods. Linear up to 1, logarithmic beyond. Where "
+    "runs have CAD models of their own, a method that draws parameters towards them has no bias: read z, which grows."
 )
 
 
@@ -153,6 +156,8 @@ def scenario_sections(
         blocks: list[Block] = [_axes(outcomes), _results(outcomes, in_order)]
         if place < MAX_DETAILED_SCENARIOS:
             blocks += _parameters(outcomes, in_order)
+        if outcomes.redrawn:
+            blocks.append(_sources(in_order))
         blocks.append(_runs(number, outcomes, found, on_page, repeat))
         yield Section(f"scenario-{number + 1}", f"Scenario: {grid.words(outcomes)}", tuple(blocks))
 
@@ -170,7 +175,7 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
             METHOD_CLASSES[one.method.measures][1],
             *(percent_text(one.errors[error]) for error in ERRORS),
             f"{one.parameters.biased} of {len(outcomes.truth)}" if one.found > 1 else None,
-            _honesty(one),
+            _median(one.parameters.z),
             percent_text(one.consistent),
             percent_text(one.failed),
             one.iterations[0],
@@ -186,7 +191,12 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
             Column("torque", "number", "%", meaning="of another motion, median"),
             Column("trajectory", "number", "%", meaning="of the simulated closed loop, median"),
             Column("biased", "number", meaning="parameters whose interval of the bias does not have zero in it"),
-            Column("σ stated / spread", "number", form=".2f", meaning="median over the parameters; 1 is honest"),
+            Column(
+                "z",
+                "number",
+                form=".2f",
+                meaning="(x − x*) / σ as stated, root mean square; median over x; 1 is honest",
+            ),
             Column("real bodies", "number", "%"),
             Column("failed", "number", "%"),
             Column("iterations", "number", form=".3g", meaning="median"),
@@ -198,11 +208,32 @@ def _results(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Ta
     )
 
 
-def _honesty(one: MethodSummary) -> float | None:
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = one.parameters.stated / one.parameters.spread.value
-    ratios = ratios[np.isfinite(ratios)]
-    return float(np.median(ratios)) if len(ratios) else None
+def _median(values: Array) -> float | None:
+    values = values[np.isfinite(values)]
+    return float(np.median(values)) if len(values) else None
+
+
+def _sources(methods: Sequence[MethodSummary]) -> Table:
+    """The parts of noise, motion, CAD model and start in the scatter of the parameters."""
+    drawn = {source for one in methods for source in one.parameters.shares}
+    sources = [source for source in SOURCES if source in drawn]
+    rows = []
+    for one in methods:
+        shares = [_median(100 * one.parameters.shares[source]) for source in sources]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            held = _median(one.parameters.held_bias / one.parameters.spread.value)
+        rows.append(Row((one.method.name, *shares, held)))
+    return Table(
+        (
+            Column("method", "name"),
+            *(Column(SOURCES_IN_WORDS[source], "number", "%", ".2g") for source in sources),
+            Column("held bias / spread", "number", form=".2f", meaning="for one motion and one CAD model"),
+        ),
+        tuple(rows),
+        title="Sources of the scatter",
+        caption="median over the parameters of the part of their variance that is drawn anew with each source",
+        on=("page",),
+    )
 
 
 def _parameters(outcomes: ScenarioOutcomes, methods: Sequence[MethodSummary]) -> Iterator[Block]:

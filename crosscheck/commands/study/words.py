@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from crosscheck.report.report import NO_VALUE
+from crosscheck.study.settings.design import Source
 from crosscheck.study.statistics.intervals import Interval
 from crosscheck.study.statistics.outcomes import Measures
 
@@ -21,6 +24,13 @@ ERRORS_IN_WORDS = {
     "trajectory_error": "trajectory error",
 }
 
+SOURCES_IN_WORDS: dict[Source, str] = {
+    "noise": "noise",
+    "motion": "motion",
+    "cad": "CAD model",
+    "start": "start of iterations",
+}
+
 HEADLINE_ERROR = "torque_error"
 """The error of the verdict and of the terminal: of torques of another motion, which users of a model meet first."""
 
@@ -31,6 +41,12 @@ def interval_text(found: Interval, form: str, factor: float = 1.0) -> str:
         return NO_VALUE
     value, low, high = (_text(factor * x, form) for x in (found.value, found.low, found.high))
     return value if np.isnan(found.low) else f"{value} ({low}–{high})"
+
+
+def listed(names: Iterable[str]) -> str:
+    """Such as "a, b and c"."""
+    *several, last = [*names] or [""]
+    return f"{', '.join(several)} and {last}" if several else last
 
 
 def percent_text(found: Interval) -> str:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from crosscheck.identifying import ESTIMATORS
+from crosscheck.study.settings.design import StudyDesign, study_design
 from crosscheck.study.settings.scenarios import Scenario, scenarios
 from crosscheck.study.settings.settings import (
     BadConfiguration,
@@ -25,6 +26,7 @@ from crosscheck.study.settings.settings import (
     robot_settings,
     texts,
     whole,
+    words,
 )
 from crosscheck.user_code import imported_files, refuse_code
 from graphdyn import InvalidInput
@@ -68,6 +70,11 @@ def measurable_methods(points: Sequence[Scenario]) -> tuple[str, ...]:
     return tuple(name for name, made in ESTIMATORS.items() if wrenches or not takes_wrenches(made()))
 
 
+def torque_methods(study: Configuration) -> list[str]:
+    """Its methods without those that take wrenches for measured, which are compared among themselves."""
+    return [name for name in study.methods if name not in ESTIMATORS or not takes_wrenches(ESTIMATORS[name]())]
+
+
 def takes_wrenches(estimator: Estimator) -> bool:
     """It asks for a recording, which has joint wrenches, beside the problem."""
     return hasattr(estimator, "recording")
@@ -85,6 +92,9 @@ SHIPPED_CONFIGURATIONS = ("small", "birdy")
 MAX_RUNS = 1_000_000
 """Largest number of runs of every scenario."""
 
+DEFAULT_RUNS = 12
+"""Runs of every scenario: with fewer than ten, twenty methods cannot be told from the reference."""
+
 CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid")
 
 
@@ -94,6 +104,7 @@ class Configuration:
 
     file: name for messages; text: of the file
     seed: of all random numbers; runs: of every scenario
+    design: what each run draws anew, and which methods are compared
     methods: names (METHODS), or FILE.py:NAME with the whole path of the file
     """
 
@@ -101,6 +112,7 @@ class Configuration:
     text: str
     seed: int
     runs: int
+    design: StudyDesign
     methods: tuple[str, ...]
     robot: RobotSettings
     errors: ErrorSettings
@@ -175,7 +187,8 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         file,
         content.decode(),
         study.take("seed", 0, whole(0)),
-        study.take("runs", 5, whole(1, MAX_RUNS)),
+        study.take("runs", DEFAULT_RUNS, whole(1, MAX_RUNS)),
+        study_design(study, lambda name: shown_name(_method(folder, words(name)))),
         study.take("methods", everything, methods_reader(folder, everything)),
         robot_settings(robot, folder),
         error_settings(errors),
@@ -193,6 +206,11 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
 
 def _check(study: Configuration, table: Settings, robot: Settings) -> None:
     """Raises BadConfiguration for a scenario that this robot cannot have, or no method can use, and the reverse."""
+    names = [shown_name(method) for method in study.methods]
+    if study.design.reference not in (None, *names):
+        raise table.error(
+            "reference", f"is {study.design.reference}, which is not among the methods: {', '.join(names)}"
+        )
     measured = {scenario.force_noise is not None for scenario in study.scenarios}
     need = [name for name in study.methods if name in ESTIMATORS and takes_wrenches(ESTIMATORS[name]())]
     if need and (measured == {False} or (False in measured and len(need) == len(study.methods))):

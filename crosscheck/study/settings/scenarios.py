@@ -9,9 +9,7 @@ from functools import cached_property
 from itertools import product
 from typing import Any
 
-import numpy as np
-
-from crosscheck.study.settings.settings import Settings, not_negative, number, one_of, positive, whole
+from crosscheck.study.settings.settings import Settings, not_negative, one_of, positive, whole
 from graphdyn.identification.closed_loop import MAX_SIMULATION_STEP
 
 MOTION_KINDS = ("random", "excited", "steps", "paper")
@@ -52,7 +50,7 @@ class Scenario:
     min_speed: rows of joints that are slower are left out   [rad/s or m/s]
     model_error: one of MODEL_ERRORS
     cad_error: largest relative error of the masses and centers of mass of the CAD model
-    start: of iterations: "wls", "cad", or a number: all parameters are so much smaller than the truth, relative
+    start: of iterations: "wls", "cad", or a number: parameters of bodies that could be real, off by this part at most
     """
 
     position_noise: float = 1.75e-5
@@ -79,10 +77,6 @@ class Scenario:
     def name(self) -> str:
         """The key in hexadecimal digits."""
         return f"{self.key:016x}"
-
-    def seeds(self, study: int, run: int, count: int) -> list[np.random.SeedSequence]:
-        """Independent ones for the random numbers of one run."""
-        return np.random.SeedSequence([study, self.key, run]).spawn(count)
 
     @property
     def start_error(self) -> float | None:
@@ -126,9 +120,9 @@ def _start(value: object) -> str:
     if isinstance(value, str) and value in STARTING_VALUES:
         return value
     try:
-        return repr(number(value))
+        return repr(_share(value))
     except ValueError:
-        raise ValueError('give "wls", "cad", or a number: the relative distance from the truth') from None
+        raise ValueError('give "wls", "cad", or a number from 0 to below 1: the largest relative error') from None
 
 
 def _share(value: object) -> float:

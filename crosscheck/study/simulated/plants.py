@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 import urdf
 from crosscheck.identifying.virtual import as_in_cad
+from crosscheck.study.settings.design import Stream
 from crosscheck.study.settings.settings import BadConfiguration, ErrorSettings, Numbers, RobotSettings
 from graphdyn import (
     Body,
@@ -125,17 +126,45 @@ def plant_of(settings: RobotSettings) -> ControlledRobot:
     )
 
 
-@lru_cache(maxsize=8)
-def torque_model_of(settings: RobotSettings, seed: int, cad_error: float, dry_friction: bool) -> TorqueModel:
-    """What the identification knows: a CAD model that is off, the same in every run, and the terms of the drives.
+CAD_STREAM, START_STREAM = 1, 4
+"""Numbers of the random streams of a study."""
 
-    seed: of the study; dry_friction: whether it is among the terms
+
+@lru_cache(maxsize=8)
+def torque_model_of(
+    settings: RobotSettings, seed: int, cad_error: float, dry_friction: bool, stream: Stream = (0, 0)
+) -> TorqueModel:
+    """What the identification knows: a CAD model that is off, and the terms of the drives.
+
+    seed: of the study; dry_friction: whether it is among the terms; stream: which errors of the CAD model
     """
     plant = plant_of(settings)
     model, drives = plant.model, plant.drives
     if cad_error:
-        model = as_in_cad(model, np.random.default_rng(np.random.SeedSequence([seed, 1])), cad_error)
+        model = as_in_cad(model, generator(seed, CAD_STREAM, *stream), cad_error)
     return TorqueModel(model, (RigidBodies(), *(one for one in drives if dry_friction or not isinstance(one, Coulomb))))
+
+
+def start_near_truth(
+    plant: ControlledRobot, torque_model: TorqueModel, seed: int, error: float, stream: Stream
+) -> Array:
+    """Parameters (p,) of a robot that could be real: masses, centers of mass and drives are off by `error` at most.
+
+    seed: of the study; stream: which of them
+    """
+    rng = generator(seed, START_STREAM, *stream)
+
+    def off(values: ArrayLike) -> Array:
+        return np.asarray(np.asarray(values) * rng.uniform(1 - error, 1 + error, np.shape(values)), dtype=float)
+
+    model = as_in_cad(plant.model, rng, error)
+    friction = Friction(off(plant.friction.viscous), off(plant.friction.coulomb))
+    return replace(plant, model=model, friction=friction, rotors=off(plant.rotors)).truth(torque_model)
+
+
+def generator(*entropy: int) -> np.random.Generator:
+    """The random numbers of one stream of a study. entropy: its seed, numbers of the stream"""
+    return np.random.default_rng(np.random.SeedSequence(entropy))
 
 
 MAX_STABLE_STEP = 1.0

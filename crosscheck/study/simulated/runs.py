@@ -1,6 +1,6 @@
 """One simulated recording: the robot in its control loop, measured with noise, and the errors of its model.
 
-One kind and seed of reference is the same motion in all scenarios and runs.
+Scenarios of a run share what they can: motion, errors of the CAD model, start, and the noise up to its size.
 """
 
 from __future__ import annotations
@@ -15,9 +15,19 @@ from crosscheck.exciting.excited import assumed_noise
 from crosscheck.identifying import Preparation
 from crosscheck.recordings import Provenance, Recording
 from crosscheck.study.settings.configuration import Configuration
+from crosscheck.study.settings.design import COMMON_DRAW, Draw, Stream
 from crosscheck.study.settings.scenarios import MOTION_KINDS, Scenario
 from crosscheck.study.settings.settings import RobotSettings
-from crosscheck.study.simulated.plants import ControlledRobot, Mechanism, flexible, plant_of, rigid, torque_model_of
+from crosscheck.study.simulated.plants import (
+    ControlledRobot,
+    Mechanism,
+    flexible,
+    generator,
+    plant_of,
+    rigid,
+    start_near_truth,
+    torque_model_of,
+)
 from graphdyn import InvalidInput, MeasurementNoise, inverse_dynamics, rollout
 from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, frame_origins, optimized, random_trajectory
 from graphdyn.identification import ClosedLoop, Problem, TorqueModel
@@ -44,16 +54,22 @@ QUINTIC_SPEED, QUINTIC_ACCELERATION = 1.875, 5.7735
 """Largest |v| T / Δ and |a| T² / Δ of the quintic from rest to rest over Δ in the time T: 15/8 and 10/√3."""
 
 
+MOTION_STREAM, NOISE_STREAM = 2, 3
+"""Numbers of the random streams of a study, beside those of CAD model and start."""
+
+
 @lru_cache(maxsize=16)
-def reference(settings: RobotSettings, seed: int, kind: str, number: int, duration: float) -> tuple[MotionLaw, ...]:
+def reference(
+    settings: RobotSettings, seed: int, kind: str, number: int, duration: float, stream: Stream = (0, 0)
+) -> tuple[MotionLaw, ...]:
     """One law per joint.
 
-    seed: of the study; number: which of the motions of this kind; duration: of the recording [s]
+    seed: of the study; number, stream: which of the motions of this kind; duration: of the recording [s]
 
     Raises InvalidInput where the limits allow no motion.
     """
     plant = plant_of(settings)
-    rng = np.random.default_rng(np.random.SeedSequence([seed, 2, MOTION_KINDS.index(kind), number]))
+    rng = generator(seed, MOTION_STREAM, MOTION_KINDS.index(kind), number, *stream)
     return _MOTION_MAKERS[kind](plant, rng, duration)
 
 
@@ -164,36 +180,40 @@ class RecordedProblem:
 
     recording: as prepared; loop: in which it was made, as the identification knows it
     truth: parameters of the torque model (p,)
+    start: of iterations, where the scenario has one of its own (p,)
     """
 
     problem: Problem
     recording: Recording
     loop: ClosedLoop
     truth: Array
+    start: Array | None = None
 
 
-def known_model(study: Configuration, scenario: Scenario) -> TorqueModel:
+def known_model(study: Configuration, scenario: Scenario, draw: Draw = COMMON_DRAW) -> TorqueModel:
     """What the identification knows of the robot in a scenario."""
-    return torque_model_of(study.robot, study.seed, scenario.cad_error, scenario.model_error != "friction")
+    return torque_model_of(study.robot, study.seed, scenario.cad_error, scenario.model_error != "friction", draw.cad)
 
 
-def simulated(study: Configuration, scenario: Scenario, run: int) -> RecordedProblem:
-    """The record of one run.
+def simulated(study: Configuration, scenario: Scenario, draw: Draw) -> RecordedProblem:
+    """The record of a scenario with these random numbers.
 
     Raises InvalidInput where the loop does not hold the robot, where the limits allow no motion, and where the filter
     leaves no row.
     """
     plant = plant_of(study.robot)
-    laws = reference(study.robot, study.seed, scenario.motion, scenario.motion_seed, scenario.duration)
+    laws = reference(study.robot, study.seed, scenario.motion, scenario.motion_seed, scenario.duration, draw.motion)
     controller = plant.controller(laws, scenario.control_period)
-    of_positions, *of_sensors = scenario.seeds(study.seed, run, 3)
+    of_positions, *of_sensors = np.random.SeedSequence([study.seed, NOISE_STREAM, *draw.noise]).spawn(3)
     motion = _motion(study, plant, laws, scenario, int(of_positions.generate_state(1, np.uint64)[0]))
     recording = _recorded(study, plant, motion, scenario, of_sensors)
     hold = min(scenario.period, scenario.control_period)
     preparation = Preparation(scenario.cutoff, min_speed=scenario.min_speed, torque_hold=hold)
-    prepared, known = preparation.differentiated(recording), known_model(study, scenario)
+    prepared, known = preparation.differentiated(recording), known_model(study, scenario, draw)
     loop = ClosedLoop(controller, torque_hold=hold, differentiation=preparation.differentiation(recording))
-    return RecordedProblem(preparation.problem(known, prepared), prepared, loop, plant.truth(known))
+    error = scenario.start_error
+    start = None if error is None else start_near_truth(plant, known, study.seed, error, draw.start)
+    return RecordedProblem(preparation.problem(known, prepared), prepared, loop, plant.truth(known), start)
 
 
 def _motion(

@@ -51,6 +51,7 @@ class ScenarioOutcomes:
     found: whether the method has an answer                                     (R, M)
     errors: by the names of ERRORS; infinite where there is none                (R, M)
     base, sigma: what was found, and its standard deviation as stated; NaN      (R, M, b)
+    redrawn: what was found when one source was drawn once more, K times, by the name of the source   (R, K, M, b)
     consistent: 1 for real bodies in all links, 0 for others; NaN where unknown (R, M)
     iterations, simulations, seconds: NaN where there is none                   (R, M)  [1, 1, s]
     reasons: why a method failed, by (row, column)
@@ -67,6 +68,7 @@ class ScenarioOutcomes:
     errors: Mapping[str, Array]
     base: Array
     sigma: Array
+    redrawn: Mapping[str, Array]
     consistent: Array
     iterations: Array
     simulations: Array
@@ -105,13 +107,23 @@ def outcomes(
 ) -> StudyOutcomes:
     """The same from the rows of the three tables."""
     methods = tuple(Method(*both) for both in dict.fromkeys((row["method"], row["measures"]) for row in results))
-    seconds = {(row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in times}
+    seconds = {
+        (row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in times if not row["repeat"]
+    }
     of: dict[str, dict[tuple[int, str], Mapping[str, Any]]] = {row["scenario"]: {} for row in scenarios}
+    again: dict[str, list[Mapping[str, Any]]] = {row["scenario"]: [] for row in scenarios}
     for row in results:
         if row["scenario"] not in of:
             raise InvalidInput(f"results.parquet has scenario '{row['scenario']}', scenarios.parquet has not")
-        of[row["scenario"]][row["run"], row["method"]] = row
-    found = tuple(_scenario(row, of[row["scenario"]], methods, seconds) for row in scenarios if of[row["scenario"]])
+        if row["repeat"]:
+            again[row["scenario"]].append(row)
+        else:
+            of[row["scenario"]][row["run"], row["method"]] = row
+    found = tuple(
+        _scenario(row, of[row["scenario"]], again[row["scenario"]], methods, seconds)
+        for row in scenarios
+        if of[row["scenario"]]
+    )
     if not found:
         raise InvalidInput("results.parquet has no rows: the study has no run to report")
     return StudyOutcomes(methods, found)
@@ -128,6 +140,7 @@ _NO_PART: Mapping[str, Any] = defaultdict(lambda: None)
 def _scenario(
     scenario: Mapping[str, Any],
     rows: Mapping[tuple[int, str], Mapping[str, Any]],
+    again: Sequence[Mapping[str, Any]],
     methods: Sequence[Method],
     seconds: Mapping[tuple[str, int, str], float],
 ) -> ScenarioOutcomes:
@@ -160,12 +173,28 @@ def _scenario(
         {column: np.where(part, np.where(np.isnan(found), np.inf, found), np.nan) for column, found in errors.items()},
         vectors("base"),
         vectors("sigma"),
+        _redrawn(again, runs, methods, size),
         numbers("consistent", np.nan),
         numbers("iterations", np.nan),
         numbers("simulations", np.nan),
         np.array(timed, float),
         {(i, j): row["reason"] for i, line in enumerate(table) for j, row in enumerate(line) if row["reason"]},
     )
+
+
+def _redrawn(
+    rows: Sequence[Mapping[str, Any]], runs: Sequence[int], methods: Sequence[Method], size: int
+) -> dict[str, Array]:
+    places = {run: k for k, run in enumerate(runs)}
+    columns = {method.name: k for k, method in enumerate(methods)}
+    found = dict[str, Array]()
+    for source in dict.fromkeys(row["redrawn"] for row in rows):
+        own = [row for row in rows if row["redrawn"] == source and row["run"] in places]
+        values = np.full((len(runs), max(row["repeat"] for row in own), len(methods), size), np.nan)
+        for row in own:
+            values[places[row["run"]], row["repeat"] - 1, columns[row["method"]]] = _whole(row, "base", size)
+        found[source] = values
+    return found
 
 
 def _whole(row: Mapping[str, Any], column: str, size: int) -> Array:

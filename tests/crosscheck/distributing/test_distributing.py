@@ -1,6 +1,7 @@
 """Tasks in processes and on the workers of a scheduler: each has its answer, whatever happens to a process."""
 
 import json
+import logging
 import multiprocessing
 import os
 import pickle
@@ -138,7 +139,7 @@ class TestScheduler:
         monkeypatch.setattr(dask_workers, "ANSWER_TIMEOUT", 0.001)
         monkeypatch.setattr(FakeCluster, "n_workers", lambda self: 0 if self.given else 1)
         monkeypatch.setattr(Future, "add_done_callback", lambda *_: None)
-        with pytest.raises(NoWorkers, match="the scheduler a has lost its last worker; start others, and run this ag"):
+        with pytest.raises(NoWorkers, match="the scheduler a has lost its last worker; start others"):
             list(DaskWorkers("a").each(deadly, ["ok"]))
 
 
@@ -164,6 +165,16 @@ class TestRefusals:
         monkeypatch.setattr(dask_workers, "SCHEDULER_TIMEOUT", 0.2)
         with self.refused(r"no Dask scheduler answers at .*; start one with: dask scheduler, and give the address"):
             next(DaskWorkers(address).each(deadly, [1]))
+
+    def test_what_dask_says_of_its_end_is_not_shown(self, caplog):
+        """Its traces, whatever level it sets; afterwards it may speak again."""
+        client = logging.getLogger("distributed.client")
+        with dask_workers.quiet_loggers():
+            client.setLevel(logging.INFO)
+            client.error("Traceback")
+            assert caplog.messages == []
+        client.error("Traceback")
+        assert caplog.messages == ["Traceback"]
 
     def test_libraries_of_a_study_are_asked_for(self, monkeypatch):
         """Of new workers only, and one that has another version is refused."""

@@ -6,6 +6,7 @@ import re
 import shutil
 import signal
 import sqlite3
+import subprocess
 import sys
 import warnings
 from contextlib import closing
@@ -23,29 +24,25 @@ from long_check import few
 
 from crosscheck.commands.program import own_process
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
+from crosscheck.commands.study.report import study_run_report
 from crosscheck.distributing import LocalProcesses, Lost, NoWorkers
+from crosscheck.report.text import as_text
 from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
-from crosscheck.study.running import (
-    CONFIGURATION,
-    DATABASE,
-    PROCESS_DIED,
-    RESULTS,
-    SCENARIOS,
-    TIMES,
-    Remaining,
-    run_study,
-    tasks_of,
-    write_tables,
-)
+from crosscheck.study.folder import CONFIGURATION, DATABASE
+from crosscheck.study.running import PROCESS_DIED, Remaining, run_study, tasks_of
 from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
 from crosscheck.study.simulated.runs import known_model
-from crosscheck.study.statistics.outcomes import ERRORS
+from crosscheck.study.so_far import read_so_far
+from crosscheck.study.statistics.outcomes import ERRORS, read_outcomes
+from crosscheck.study.statistics.summary import summarized
 from crosscheck.study.store import opened
-from crosscheck.study.tasks import Result, StudyOutcome, validation_metric
+from crosscheck.study.tables import RESULTS, SCENARIOS, TIMES, write_results, write_scenarios
+from crosscheck.study.tasks import Result, StudyOutcome
+from crosscheck.study.validation import validation_metric
 from graphdyn import InvalidInput
 from graphdyn.identification import structure
 
@@ -102,7 +99,9 @@ def test_errors_stand_in_the_columns_of_their_names(folder, complete):
     study = small_study(folder)
     scenarios = {one.name: one for one in study.scenarios}
     for row in rows(complete)[::6]:
-        measure = validation_metric(study.robot, study.seed, known_model(study, scenarios[row["scenario"]]))
+        draw = study.design.draw(row["run"])
+        known = known_model(study, scenarios[row["scenario"]], draw)
+        measure = validation_metric(study.robot, study.seed, known, draw.motion)
         expected = {name: getattr(measure, name)(row["base"]) for name in ERRORS}
         assert {name: row[name] for name in ERRORS} == expected
 
@@ -121,7 +120,8 @@ def test_tables_hold_every_field_of_every_result_beside_its_seconds(folder, tmp_
         return (scenario, run), StudyOutcome((*found, failed), (*numbers.values(), None), 9.0)
 
     given = [of(scenario.name, run) for scenario in study.scenarios for run in range(2)]
-    write_tables(study, given, tmp_path)
+    write_scenarios(study, tmp_path)
+    write_results(given, tmp_path)
     times = {(row["scenario"], row["run"], row["method"]): row["processor_seconds"] for row in rows(tmp_path, TIMES)}
     found = {(row.pop("scenario"), row.pop("run"), row["method"]): row for row in rows(tmp_path)}
     assert len(found) == len(times) == 4 * len(given)
@@ -176,6 +176,118 @@ def test_one_more_scenario_changes_no_other(folder, complete, tmp_path):
     assert len(rows(tmp_path / "out")) == len(rows(complete)) + 2 * 3
 
 
+class TestExtending:
+    """Runs, methods and scenarios are added to what is done."""
+
+    PART = "[study]\nruns = 1\nmethods = ['wls', 'iv']\n"
+
+    def test_a_study_that_has_grown_is_the_whole_one(self, folder, complete, tmp_path):
+        """Killed in the middle, and ended by --resume: the same to the last bit, and nothing is computed twice."""
+        out, done = tmp_path / "out", []
+        few = study_of(folder, self.PART, small.ROBOT, small.SCENARIO, "[[grid]]\nposition_noise = 1e-6\n")
+        run_study(few, out, InThisProcess())
+        with pytest.raises(KeyboardInterrupt):
+            run_study(small_study(folder), out, InThisProcess(ends=1), extend=True)
+        with opened(out / DATABASE) as database:
+            assert sorted(map(len, database.done().values())) == [3]
+        with pytest.raises(InvalidInput, match=r"study\.runs was 2, is 1"):
+            run_study(few, out, InThisProcess(), resume=True)
+        run_study(small_study(folder), out, InThisProcess(), resume=True, progress=lambda now: done.append(now.done))
+        assert done == [1, 2, 3, 4]
+        assert tables(out) == tables(complete)
+
+    @pytest.mark.parametrize(
+        ("study", "further", "said"),
+        [
+            (
+                small.STUDY.replace("runs = 2", "runs = 1"),
+                "",
+                "has results of run 1, which study.toml has not; --extend",
+            ),
+            ("[study]\nruns = 2\nmethods = ['wls', 'ols']\n", "", "has results of iv, which study.toml has not"),
+            (small.STUDY, "torque_noise = 1\n", "has results of scenario [0-9a-f]+, which study.toml has not"),
+            (small.STUDY + "seed = 1\n", "", r"another configuration than .*study\.seed was missing, is 1"),
+            (small.STUDY + "reference = 'ols'\n", "", r"another configuration than .*study\.reference was missing"),
+        ],
+    )
+    def test_it_only_grows(self, folder, begun, study, further, said):
+        with pytest.raises(InvalidInput, match=said):
+            run_study(small_study(folder, further, study=study), begun, InThisProcess(), extend=True)
+
+    def test_nothing_to_extend(self, folder, tmp_path):
+        with pytest.raises(InvalidInput, match="holds no study that could be extended; omit --extend to begin one"):
+            run_study(small_study(folder), tmp_path / "out", InThisProcess(), extend=True)
+
+
+class TestSoFar:
+    """What a study has found is read while it goes on."""
+
+    def test_it_is_read_while_it_is_written(self, folder, tmp_path):
+        """By another process, which finds what is done, and keeps nothing from being written."""
+        found = []
+
+        def read(now):
+            if now.done == 2:
+                given = [sys.executable, "-c", READ, str(tmp_path / "out")]
+                found.append(subprocess.run(given, capture_output=True, text=True, check=True).stdout.strip())
+
+        with pytest.raises(KeyboardInterrupt):
+            run_study(small_study(folder), tmp_path / "out", InThisProcess(ends=3), progress=read)
+        assert found == ["2 records of 2 scenarios"]
+        with opened(tmp_path / "out" / DATABASE) as database:
+            assert len(database.done()) == 3
+
+    def test_methods_that_are_not_everywhere_wait(self, folder, begun):
+        study = small_study(folder, study=small.STUDY.replace('"iv"', '"iv", "ridge"'))
+        with pytest.raises(KeyboardInterrupt):
+            run_study(study, begun, InThisProcess(ends=1), extend=True)
+        found = read_so_far(begun)
+        assert dict(found.facts)["not yet everywhere"] == "ridge"
+        assert [method.name for method in found.outcomes.methods] == ["iv", "ols", "wls"]
+        assert [len(scenario.runs) for scenario in found.outcomes.scenarios] == [2, 2]
+
+    def test_nothing_to_read(self, folder, tmp_path):
+        with pytest.raises(InvalidInput, match=r"holds no study: there is no study\.sqlite; name the folder of one"):
+            read_so_far(tmp_path)
+        with pytest.raises(KeyboardInterrupt):
+            run_study(small_study(folder), tmp_path / "out", InThisProcess(ends=0))
+        with pytest.raises(InvalidInput, match="has no finished run yet; wait for one"):
+            read_so_far(tmp_path / "out")
+
+    def test_a_store_that_is_written_all_the_time(self, begun, monkeypatch):
+        times = iter(range(1000))
+        monkeypatch.setattr(store, "_stamps", lambda file: next(times))
+        monkeypatch.setattr(store, "COPY_PAUSE", 0.0)
+        with pytest.raises(OSError, match=r"study\.sqlite is written all the time; try again"):
+            read_so_far(begun)
+
+
+READ = """
+import sys
+from pathlib import Path
+from crosscheck.study.so_far import read_so_far
+print(dict(read_so_far(Path(sys.argv[1])).facts)["so far"])
+"""
+
+
+def test_sources_that_are_drawn_once_more(folder, tmp_path):
+    """Each varying source of each run once more, with rows of their own; the run itself is as without."""
+    study = study_of(folder, small.STUDY + "repeats = 2\nvary = ['noise', 'cad']\n", small.ROBOT, small.SCENARIO)
+    plain = study_of(folder, small.STUDY + "vary = ['noise', 'cad']\n", small.ROBOT, small.SCENARIO)
+    for one, name in ((study, "repeated"), (plain, "plain")):
+        run_study(one, tmp_path / name, InThisProcess(lambda tasks: range(2)))
+    found = rows(tmp_path / "repeated")
+    again = [(row["redrawn"], row["repeat"]) for row in found if (row["run"], row["method"]) == (1, "iv")]
+    assert again == [(None, 0), ("cad", 1), ("noise", 1)]
+    assert [row for row in found if not row["repeat"]] == rows(tmp_path / "plain")
+    task = tasks_of(study)[1]
+    shown = as_text(study_run_report(task, computing.compute(study, task)), 200)
+    assert all(f" iv{other} " in shown for other in ("", ", other noise 1", ", other cad 1"))
+    shares = summarized(read_outcomes(tmp_path / "repeated")).scenarios[0].methods[0].parameters.shares
+    assert np.all(shares["cad"] < 1e-12), "no parameter of iv comes from the CAD model"
+    assert np.all(shares["noise"] > 0)
+
+
 def test_a_method_that_kills_its_process_fails_alone(folder, complete, tmp_path):
     told = []
     study = small_study(folder, study=small.STUDY.replace("runs = 2", "runs = 1"))
@@ -216,8 +328,9 @@ def test_methods_take_part_where_what_they_need_is_measured(folder):
 
 @pytest.mark.parametrize(("start", "expected"), [("wls", "wls"), ("cad", "cad"), ("0.15", [0.85, -1.7, 3.4])])
 def test_methods_are_given_what_they_have_a_use_for(start, expected):
-    """An iteration starts as far below the truth as the scenario says; only methods with wrenches see the recording."""
-    record = SimpleNamespace(loop=None, truth=np.array([1.0, -2.0, 4.0]), recording=object())
+    """An iteration starts where record and scenario say; only methods with wrenches see the recording."""
+    own = None if isinstance(expected, str) else np.array(expected)
+    record = SimpleNamespace(loop=None, truth=np.array([1.0, -2.0, 4.0]), recording=object(), start=own)
     scenario = Scenario(start=start)
     found = computing.ready(computing.estimator_of("didim"), record, scenario)
     assert np.array_equal(found.start, expected)
@@ -270,7 +383,9 @@ class Counts(OrdinaryLeastSquares):
 def test_a_folder_of_something_else_is_refused(folder, begun, tmp_path, monkeypatch):
     monkeypatch.setattr(store, "LOCK_TIMEOUT", 0.01)
     study = small_study(folder)
-    with pytest.raises(InvalidInput, match="holds a study already; go on with it by --resume, or name a new folder"):
+    with pytest.raises(
+        InvalidInput, match="holds a study already; go on with it by --resume, add to it by --extend, or"
+    ):
         run_study(study, begun, InThisProcess())
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "letter.txt").write_text("")
@@ -425,6 +540,18 @@ class TestMissing:
         answer = computing.computed(small_study(folder), computing.Surroundings(files, libraries), None)
         assert re.search(said, answer.reason)
 
+    def test_a_scheduler_that_ends(self, folder, tmp_path):
+        class Ending:
+            def each(self, function, tasks):
+                yield 0, function(tasks[0])
+                raise NoWorkers("the scheduler is lost; start it again")
+
+        said = "the scheduler is lost; start it again; what is done is kept: go on with --resume"
+        with pytest.raises(NoWorkers, match=said):
+            run_study(small_study(folder), tmp_path / "out", Ending())
+        with opened(tmp_path / "out" / DATABASE) as database:
+            assert len(database.done()) == 1
+
     def test_a_worker_that_can_do_nothing(self, folder, tmp_path):
         class Broken:
             def each(self, function, tasks):
@@ -455,6 +582,15 @@ BAD = {
     "[study]\nrunz = 5\n": r"runz in \[study\] is no setting of this table; did you mean runs\?",
     "[study]\nruns = 1000001\n": r"runs in \[study\] is 1000001; give 1000000 or less",
     "[study]\nruns = 0\n": r"runs in \[study\] is 0; give a whole number from 1 on",
+    "[study]\nvary = ['weather']\n": r"vary in \[study\] is \['weather'\]; give a list of what each run draws anew",
+    "[study]\nvary = []\n": r"vary in \[study\] is \[\]; give a list of what each run draws anew, of noise",
+    "[study]\nreference = 'best'\n": r"reference in \[study\] is 'best'; there is no method 'best'",
+    "[study]\nmethods = ['ols', 'iv']\nreference = 'wls'\n": (
+        r"reference in \[study\] is wls, which is not among the methods: ols, iv"
+    ),
+    "[study]\npairs = 'some'\n": r"pairs in \[study\] is 'some'; use one of reference, all",
+    "[study]\nregion = 0\n": r"region in \[study\] is 0; give a number above 0",
+    "[study]\nrepeats = 0\n": r"repeats in \[study\] is 0; give a whole number from 1 on",
     "[study]\nseed = 1.5\n": r"seed in \[study\] is 1\.5; give a whole number from 0 on",
     "[study]\nmethods = ['best']\n": r"methods in \[study\] is \['best'\]; there is no method 'best'; use ols, wls,",
     "[study]\nmethods = []\n": r'methods in \[study\] is \[\]; give methods, or "all"',
@@ -473,7 +609,7 @@ BAD = {
     "[[grid]]\ncutoff = 600\n": r"cutoff in \[grid\] is 600 Hz with a sampling_rate of 1000 Hz; it must be below half",
     "[[grid]]\nduration = 2.0005\n": r"duration in \[grid\] is 2\.0005 s .* 1000 Hz; give a whole number of samples",
     "[[grid]]\ncontrol_rate = 300\n": r"control_rate in \[grid\] is 300 Hz .* one must be a multiple of the other",
-    "[[grid]]\nstart = 'near'\n": r"start in \[grid\] is 'near'; give \"wls\", \"cad\", or a number",
+    "[[grid]]\nstart = 'near'\n": r"start in \[grid\] is 'near'; give \"wls\", \"cad\", or a number from 0",
     "[[grid]]\ncad_error = 1\n": r"cad_error in \[grid\] is 1; give a number from 0 to below 1",
     "[[grid]]\nmotion = 'paper'\n": r'duration in \[grid\] is 10 s; the motion "paper" lasts 2 s: give no more',
     "[[grid]]\nduration = 1e-3\n": r"duration in \[grid\] is 0\.001 s; give ten samples and control periods or more",
@@ -524,9 +660,10 @@ def test_what_only_the_robot_shows(folder):
 @pytest.mark.parametrize("name", SHIPPED_CONFIGURATIONS)
 def test_shipped_configurations(name):
     study = read_configuration(name)
-    assert len(study.scenarios) == 5
+    noises, runs = {"small": (2, 12), "birdy": (5, 25)}[name]
+    assert (len({(one.position_noise, one.torque_noise) for one in study.scenarios}), study.runs) == (noises, runs)
+    assert {one.start for one in study.scenarios} == {"0.15"}
     assert "graph" in study.methods
-    assert {(one.torque_noise, one.start) for one in study.scenarios} == {(0.05, "0.15"), (0.1, "0.15")}
 
 
 def test_axes_and_columns_are_those_of_a_scenario():
@@ -563,6 +700,16 @@ def test_the_command(program, words, folder, tmp_path, monkeypatch):
     again = program("study", "--config", config, "--out", out)
     assert (again.code, "go on with it by --resume" in words(again.err)) == (BAD_INPUT, True)
     name = rows(out)[0]["scenario"]
+    assert "2 runs cannot decide 2 comparisons, however clear they are: give 7 runs or more" in words(done.err)
+    so_far = program("study", "--report", out)
+    assert (so_far.code, "so far 4 records of 2 scenarios" in words(so_far.out)) == (AGREED, True)
+    assert json.loads((out / "study.json").read_text())["facts"]["so far"] == "4 records of 2 scenarios"
+    for options, message in (
+        (("--report", out, "--resume"), "--report only reads the folder that it names; omit the other options"),
+        ((), "name a configuration by --config, or the folder of a study by --report"),
+    ):
+        found = program("study", *options)
+        assert (found.code, message in words(found.err)) == (BAD_INPUT, True)
     shown = program("study", "--config", config, "--only", f"{name}:1")
     assert (shown.code, "3 of 3 methods have an answer" in words(shown.out)) == (AGREED, True)
     refused = {

@@ -7,12 +7,13 @@ import pytest
 from identified import small_study as small
 from identified.small_study import ARM, study_of
 
+from crosscheck.study.settings.design import COMMON_DRAW, RUN_ITSELF, SOURCES, Redraw, StudyDesign
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.settings.settings import ErrorSettings
 from crosscheck.study.simulated import runs as records
 from crosscheck.study.simulated.plants import flexible, plant_of, torque_model_of
 from crosscheck.study.simulated.runs import PAPER_ACCELERATION, known_model, reference, simulated
-from crosscheck.study.tasks import validation_metric
+from crosscheck.study.validation import validation_metric
 from graphdyn import (
     Friction,
     InvalidInput,
@@ -65,7 +66,7 @@ def raw(monkeypatch):
     keeping("_recorded")
 
     def both(study, scenario, run=0):
-        simulated(study, scenario, run)
+        simulated(study, scenario, study.design.draw(run))
         return kept["_motion"], kept["_recorded"]
 
     return both
@@ -134,7 +135,7 @@ def test_the_controller_sees_the_noise_of_the_recording(study, raw, sampling, co
     scenario = replace(EXACT, position_noise=1e-3, sampling_rate=sampling, control_rate=control, duration=1.0)
     (motion, recording), plant = raw(study, scenario), plant_of(study.robot)
     ticks = slice(None, None, max(1, round(sampling / control)))
-    laws = reference(study.robot, 0, "random", 0, 1.0)
+    laws = reference(study.robot, 0, "random", 0, 1.0, study.design.draw(0).motion)
     q_d, v_d, _ = np.moveaxis(np.array([law(recording.t[ticks]) for law in laws]), 0, -1)
     expected = plant.position_gain * (q_d - recording.q[ticks]) + plant.velocity_gain * (v_d - motion.links[1][ticks])
     assert np.abs(expected - recording.tau[ticks]).max() < ROUNDING * np.abs(expected).max()
@@ -147,8 +148,9 @@ def test_every_run_and_sensor_has_noise_of_its_own(study, raw):
     """Standard normal where it is divided by its deviation; all correlations below five of their own, 1 / √N."""
     scenario = replace(EXACT, position_noise=1e-4, torque_noise=0.2, force_noise=0.5, duration=1.0)
     plant, found = plant_of(study.robot), []
+    held = replace(study, design=StudyDesign(vary=("noise",)))
     for run in (0, 1, 0):
-        motion, recording = raw(study, scenario, run)
+        motion, recording = raw(held, scenario, run)
         wrenches = recording.joint_wrenches - inverse_dynamics(plant.model, *motion.links).joint_wrenches
         noises = (recording.q - motion.links[0]) / 1e-4, (recording.tau - motion.tau) / 0.2
         found.append([*noises, wrenches[:, :, 1] / 0.5, wrenches[:, :, 4] / 0.2])
@@ -216,10 +218,39 @@ def test_loops_and_springs_are_damped_as_told(study):
 
 
 def test_slow_rows_are_left_out(study):
-    record = simulated(study, replace(EXACT, min_speed=0.2), 0)
+    record = simulated(study, replace(EXACT, min_speed=0.2), COMMON_DRAW)
     fast = np.abs(record.recording.channel("v")) >= 0.2
     assert record.problem.equations.counts.tolist() == fast.sum(axis=0).tolist()
     assert not fast.all()
+
+
+def test_each_source_is_drawn_by_itself(study):
+    """Runs share what does not vary; a redraw changes one source, and scenarios share all of them but sizes."""
+    scenario = replace(EXACT, position_noise=1e-6, torque_noise=0.1, duration=1.0, cad_error=0.15, start="0.15")
+
+    def drawn(scenario, design, run, redraw=RUN_ITSELF):
+        draw = design.draw(run, redraw)
+        record = simulated(replace(study, design=design), scenario, draw)
+        laws = reference(study.robot, study.seed, scenario.motion, 0, 1.0, draw.motion)
+        motion = np.array([law(np.array([0.37]))[0] for law in laws])
+        masses = [body.mass for body in record.problem.torque_model.model.bodies]
+        return {"noise": record.recording.channel("tau")[0], "motion": motion, "cad": masses, "start": record.start}
+
+    def changed(one, other):
+        return {name for name in SOURCES if not np.array_equal(one[name], other[name])}
+
+    first = drawn(scenario, StudyDesign(), 0)
+    for source in SOURCES:
+        design = StudyDesign(vary=(source,), repeats=2)
+        assert [one.source for one in design.redraws] == [None, source]
+        none, other, again = (drawn(scenario, design, *of) for of in ((0,), (1,), (0, Redraw(source, 1))))
+        assert changed(none, other) - {"noise"} == changed(none, again) - {"noise"} == {source} - {"noise"}
+        assert ("noise" in changed(none, other)) == (source in ("noise", "motion")), "torques follow the motion"
+    louder = drawn(replace(scenario, torque_noise=0.2), StudyDesign(), 0)
+    assert changed(first, louder) == {"noise"}
+    places = [0, 10, *range(20, len(first["start"]))]  # masses and drives
+    off = first["start"][places] / drawn(replace(scenario, start="0.0"), StudyDesign(), 0)["start"][places] - 1
+    assert np.all((np.abs(off) > 0) & (np.abs(off) <= 0.15))
 
 
 def test_every_study_has_cad_of_its_own(study):

@@ -2,26 +2,18 @@
 
 from dataclasses import replace
 from itertools import permutations, product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import scipy.stats
 from identified.study_tables import METHODS, NAMES, NOISES, TRUTH, study_tables
 
+from crosscheck.study.settings.design import StudyDesign
 from crosscheck.study.statistics.grid import grid_of
-from crosscheck.study.statistics.intervals import (
-    Intervals,
-    deviations,
-    drawn_means,
-    ends,
-    means,
-    median,
-    order_of_median,
-    share,
-)
+from crosscheck.study.statistics.intervals import Intervals, deviations, means, median, order_of_median, share
 from crosscheck.study.statistics.outcomes import outcomes, read_outcomes
-from crosscheck.study.statistics.summary import critical_distance, friedman, ranked, record_ranks, summarized
+from crosscheck.study.statistics.ranking import critical_distance, friedman, ranked, record_ranks
+from crosscheck.study.statistics.summary import summarized
 from graphdyn import InvalidInput
 
 # Demšar 2006, Table 6: ranks of C4.5 and three variants on 14 data sets
@@ -94,51 +86,6 @@ def test_means_and_deviations():
             assert tail(6 * column.var(ddof=1) / end**2, 6) == pytest.approx(0.025)
 
 
-@pytest.mark.parametrize("scenarios", [1, 2])
-def test_bootstrap_covers_the_mean(scenarios):
-    """Intervals of five runs of each scenario cover in 95 of 100 cases: 400 cases, 4 standard deviations."""
-    values = np.random.default_rng(2).normal(size=(scenarios, 5, 400))
-    drawn = np.mean([drawn_means(part, str(k)) for k, part in enumerate(values)], axis=0)
-    low, high = ends(drawn, [5] * scenarios)
-    assert np.mean((low < 0) & (high > 0)) == pytest.approx(0.95, abs=4 * np.sqrt(0.95 * 0.05 / 400))
-
-
-@pytest.mark.parametrize("scenarios", [1, 2])
-def test_ends_of_the_bootstrap_are_those_of_student(scenarios):
-    """Where the mean is normal: of one sample, and of the mean of two, half as wide as that of their difference."""
-    values = np.random.default_rng(5).normal(size=(scenarios, 6))
-    normal = scipy.stats.norm.ppf((np.arange(50_000) + 0.5) / 50_000)
-    drawn = values.mean() + normal * np.sqrt(values.var(axis=1).sum() / 6) / scenarios
-    low, high = ends(drawn[:, None], [6] * scenarios)[:, 0]
-    known = scipy.stats.ttest_1samp(values[0], 0) if scenarios == 1 else scipy.stats.ttest_ind(*values)
-    interval = known.confidence_interval(0.95)
-    assert (high - low) * scenarios == pytest.approx(interval.high - interval.low, rel=2e-3)
-    assert (high + low) / 2 == pytest.approx(values.mean(), abs=1e-9)
-
-
-def test_drawn_means_are_those_of_a_sample():
-    """Their deviation is σ / √R, without the values that are missing."""
-    values = np.random.default_rng(6).normal(size=(8, 2))
-    values[5:, 1] = np.nan
-    drawn = drawn_means(values, "0")
-    for k, there in enumerate((values[:, 0], values[:5, 1])):
-        bound = 6 * there.std() / np.sqrt(len(there) * len(drawn))
-        assert np.nanmean(drawn[:, k]) == pytest.approx(there.mean(), abs=bound)
-    assert drawn[:, 0].std() == pytest.approx(values[:, 0].std() / np.sqrt(8), rel=0.05)
-
-
-def test_percentiles_alone_are_too_narrow():
-    values = np.random.default_rng(2).normal(size=(5, 400))
-    low, high = np.quantile(drawn_means(values, "0"), [0.025, 0.975], axis=0)
-    assert np.mean((low < 0) & (high > 0)) < 0.88
-
-
-def test_bootstrap_follows_from_the_name_alone():
-    values = np.random.default_rng(3).normal(size=(5, 2))
-    assert np.array_equal(drawn_means(values, "a", 50), drawn_means(values, "a", 50))
-    assert not np.array_equal(drawn_means(values, "a", 50), drawn_means(values, "b", 50))
-
-
 def test_ranks():
     """Equal up to rounding share their ranks; so do failures, which come last."""
     errors = np.array([[0.2, 0.1, 0.1 * (1 + 1e-9), np.inf, np.inf, 0.3], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]])
@@ -199,22 +146,79 @@ def test_friedman_needs_two():
 
 
 def test_ranking(study):
-    """Methods differ only beyond the critical distance; failures are last; the classes are apart."""
+    """Of the run means; methods are apart beyond the critical distance alone; failures are last; classes are apart."""
     assert {measures for measures, _ in study.rankings} == {"torques"}, "one method with wrenches has nothing beside it"
     found = study.rankings["torques", "parameter_error"]
-    assert found.records == RUNS * 2 * len(NOISES)
-    assert found.leaders == ("didim", "iv", "cloe")
-    assert found.alike == [(0, 2), (1, 4), (3, 5)]
-    assert dict(zip(found.methods, found.failures, strict=True))["cloe"] == 8
-    assert found.better(0, 3)
-    assert not found.better(0, 2)
-    assert not found.better(3, 0)
+    assert found.runs == RUNS
+    assert found.distance == pytest.approx(2.850 * np.sqrt(6 * 7 / (6 * RUNS)), abs=2e-3)
+    assert dict(zip(found.methods, found.failures, strict=True)) == {
+        "didim": 1, "iv": 0, "cloe": 4, "wls": 0, "wls-pinocchio": 0, "ols": 0,
+    }  # fmt: skip
+    assert found.apart(0, 5)
+    assert not any(found.apart(k, k + 1) for k in range(5))
     assert [replace(found, probability=p).differ for p in (0.049, 0.051)] == [True, False]
     assert np.all(found.rank.low <= found.rank.value)
-    assert np.all(found.rank.value <= found.rank.high)
-    iv = found.methods.index("iv")
-    assert found.ratio.value[iv] == pytest.approx(0.7 / 0.6), "where both have an answer their errors are in this ratio"
-    assert found.ratio.low[iv] == pytest.approx(0.7 / 0.6)
+
+
+def test_ranks_are_those_of_run_means():
+    """Runs are independent, records of a run are not: of two scenarios each run has one rank for each method."""
+    errors = np.random.default_rng(7).lognormal(size=(9, 2, 3))
+    errors[0, 1] = np.inf
+    errors[1, 0, 2] = np.inf
+    found = ranked(["a", "b", "c"], errors)
+    means = np.exp(np.log(errors).mean(axis=1))
+    means[0] = errors[0, 0]
+    ranks = scipy.stats.rankdata(means, axis=1)
+    order = [("a", "b", "c").index(name) for name in found.methods]
+    assert found.rank.value == pytest.approx(ranks.mean(axis=0)[order])
+    known = scipy.stats.ttest_1samp(ranks[:, order[0]], 0).confidence_interval(0.95)
+    assert (found.rank.low[0], found.rank.high[0]) == pytest.approx((known.low, known.high))
+    assert (found.runs, sorted(found.failures)) == (9, [0, 0, 1])
+    assert found.probability == pytest.approx(friedman(ranks), abs=0.05)  # of 2000 other permutations
+    assert ranked(["a", "b"], np.full((3, 1, 2), np.inf)) is None
+
+
+def test_comparisons_of_a_study(study):
+    """Over the scenarios in which all of a class take part, and of each scenario; errors in a known ratio."""
+    found = study.comparisons["torques", "parameter_error"]
+    assert (found.reference, found.same) == ("wls", (("wls", "wls-pinocchio"),))
+    assert (found.runs, found.scenarios) == (RUNS, 2 * len(NOISES))
+    cloe = found.with_reference["cloe"]
+    assert (cloe.failed, cloe.other_failed, cloe.ratio.high) == (4, 0, np.inf)
+    first = study.scenarios[0].comparisons["torques", "parameter_error"].with_reference
+    assert first["didim"].ratio.value / first["iv"].ratio.value == pytest.approx(6 / 7), "as planted, in each record"
+    both = summarized(study.outcomes, StudyDesign(reference="iv", pairs="all")).comparisons["torques", "torque_error"]
+    assert (both.reference, len(both.pairs)) == ("iv", 10)
+
+
+def test_sources_of_the_scatter():
+    """Of two parameters that noise and motion move by known amounts; a bias that only redrawn CAD models hide."""
+    rng, runs, repeats = np.random.default_rng(8), 400, 3
+    size = {"noise": np.array([1.0, 2.0]), "cad": np.array([3.0, 0.5])}
+
+    def drawn(source, *shape):
+        return size[source] * rng.standard_normal((*shape, 2))
+
+    noise, cad = drawn("noise", runs), drawn("cad", runs)
+    results, scenarios, times = study_tables(1, motions=("Fourier",))
+    row = next(row for row in results if row["method"] == "wls")
+    truth = {"base_names": ["M_1", "M_2"], "base_units": ["kg", "kg"], "truth": [0.0, 0.0]}
+    rows = []
+    for run in range(runs):
+        values = {(None, 0): noise[run] + cad[run]}
+        for k in range(1, repeats + 1):
+            values["noise", k] = drawn("noise") + cad[run]
+            values["cad", k] = noise[run] + drawn("cad")
+        rows += [
+            {**row, "run": run, "redrawn": source, "repeat": k, "base": base.tolist(), "sigma": [0.5, 1.0]}
+            for (source, k), base in values.items()
+        ]
+    found = summarized(outcomes(rows, [scenarios[0] | truth], times)).scenarios[0].methods[0].parameters
+    total = size["noise"] ** 2 + size["cad"] ** 2
+    for source, expected in size.items():
+        assert found.shares[source] == pytest.approx(expected**2 / total, abs=0.15)
+    assert found.held_bias == pytest.approx(size["cad"], rel=0.2)
+    assert found.z == pytest.approx(np.sqrt(total) / [0.5, 1.0], rel=0.15)
 
 
 def test_scenarios_with_the_usual_motion_come_first():
@@ -224,83 +228,22 @@ def test_scenarios_with_the_usual_motion_come_first():
     assert shown == [("Fourier", 1e-3), ("Fourier", 1e-2), ("paper", 1e-3), ("paper", 1e-2)]
 
 
-def test_a_method_that_beats_all_others_is_in_no_group(study):
+def test_a_method_that_is_apart_is_in_no_group(study):
     found = study.rankings["torques", "parameter_error"]
     ranks = np.array([1.0, 3.0, 3.5, 4.4, 4.6, 6.0])
     alone = replace(found, rank=Intervals(ranks, ranks, ranks), distance=1.2, probability=0.01)
-    assert (alone.leaders, alone.alike) == (alone.methods[:1], [(1, 2), (2, 4)])
+    assert alone.alike == [(1, 2), (2, 4)]
     assert replace(alone, probability=0.5).alike == [(0, 5)]
-
-
-def test_scenarios_have_the_same_weight():
-    """Two records where the first method is the best, six where it is the last but once; means of logarithms."""
-    few, many = np.array([[1.0, 2.0, 4.0]] * 2), np.array([[9.0, 4.0, 3.0]] * 5 + [[9.0, np.inf, 3.0]])
-    scenarios = [SimpleNamespace(errors={"e": errors}, name=str(len(errors))) for errors in (few, many)]
-    found = ranked(["a", "b", "c"], [0, 1, 2], scenarios, "e")
-    assert found.methods == ("a", "c", "b")
-    assert found.rank.value == pytest.approx([2 - 1 / 12, 2, 2 + 1 / 12])
-    ratios = scipy.stats.gmean([[1, 4, 2], [1, 1 / 3, 4 / 9]])
-    assert found.ratio.value == pytest.approx(ratios)
-    assert found.failures == [0, 0, 1]
-    assert (found.records, found.distance) == (8, pytest.approx(2.343 * np.sqrt(3 * 4 / (6 * 8)), abs=2e-3))
-
-
-def test_scenarios_are_drawn_independently():
-    """Ranks of 120 records, in two scenarios that happen to have the same errors: Student's interval of them all."""
-    errors = np.random.default_rng(7).normal([0.0, 0.1], size=(60, 2))
-    scenarios = [SimpleNamespace(errors={"e": errors}, name=name) for name in ("slow", "fast")]
-    rank = ranked(["a", "b"], [0, 1], scenarios, "e").rank
-    each = np.tile(record_ranks(errors)[:, 0], 2)
-    known = scipy.stats.ttest_1samp(each, 0).confidence_interval(0.95)
-    assert rank.high - rank.low == pytest.approx([known.high - known.low] * 2, rel=0.1)
-
-
-def test_few_records_tell_little(study):
-    """With six runs no neighbors differ."""
-    found = study.scenarios[0].rankings["torques", "torque_error"]
-    assert found.records == RUNS
-    assert found.distance == pytest.approx(2.850 * np.sqrt(6 * 7 / (6 * RUNS)), abs=2e-3)
-    assert not any(found.better(k, k + 1) for k in range(5))
-    assert found.better(0, 5)
 
 
 def test_one_run_has_no_interval():
     found = summarized(outcomes(*study_tables(1, motions=("Fourier",))))
     ranking = found.rankings["torques", "torque_error"]
     assert np.isnan(ranking.rank.low).all()
-    assert found.scenarios[0].rankings["torques", "torque_error"].probability is None
-    assert not found.scenarios[0].rankings["torques", "torque_error"].differ
-
-
-def test_one_common_record_has_no_interval_of_the_ratio():
-    """Where a method has one answer in six runs, there is a ratio, and no saying how sure it is."""
-    results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
-    failed = {"status": "failed", "reason": "none", "torque_error": None}
-    lone = [{**row, **failed} if row["method"] == "wls" and row["run"] else row for row in results]
-    summary = summarized(outcomes(lone, scenarios, times))
-    for part in (summary, summary.scenarios[0]):
-        ranking = part.rankings["torques", "torque_error"]
-        wls = ranking.methods.index("wls")
-        assert np.isfinite(ranking.ratio.value[wls])
-        assert np.isnan([ranking.ratio.low[wls], ranking.ratio.high[wls]]).all()
-    assert np.isfinite(ranking.ratio.low[: wls - 1]).all()
-
-
-def test_stated_deviations_of_the_runs_that_state_them():
-    """A run that determines fewer parameters states none; the others do."""
-    results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
-    some = [{**row, "sigma": None} if row["method"] == "ols" and row["run"] == 0 else row for row in results]
-    ols = summarized(outcomes(some, scenarios, times)).scenarios[0].methods[0]
-    assert ols.method.name == "ols"
-    assert ols.parameters.stated == pytest.approx(NOISES[0] * np.abs(TRUTH))
-
-
-def test_stated_deviations_are_root_mean_squares():
-    results, scenarios, times = study_tables(RUNS, motions=("Fourier",))
-    factors = [{**row, "sigma": [(1 + row["run"]) * x for x in row["sigma"] or []] or None} for row in results]
-    ols = summarized(outcomes(factors, scenarios, times)).scenarios[0].methods[0]
-    mean_square = (1 + 4 + 9 + 16 + 25 + 36) / 6
-    assert ols.parameters.stated == pytest.approx(np.sqrt(mean_square) * NOISES[0] * np.abs(TRUTH))
+    assert not ranking.differ
+    pair = found.comparisons["torques", "torque_error"].with_reference["ols"]
+    assert np.isnan([pair.ratio.low, pair.ratio.high]).all()
+    assert (pair.detectable, pair.more_runs, pair.verdict) == (None, None, "undecided")
 
 
 def test_summary(study):
@@ -310,8 +253,9 @@ def test_summary(study):
     ols, cloe = (scenario.methods[names.index(name)] for name in ("ols", "cloe"))
     spread = ols.parameters
     planted = NOISES[-1] * METHODS["ols"][1] * TRUTH
-    assert np.all(np.abs(spread.bias.value - planted) < 4 * spread.stated / np.sqrt(RUNS))
-    assert spread.stated == pytest.approx(NOISES[-1] * np.abs(TRUTH))
+    stated = NOISES[-1] * np.abs(TRUTH)
+    assert np.all(np.abs(spread.bias.value - planted) < 4 * stated / np.sqrt(RUNS))
+    assert spread.z == pytest.approx(np.hypot(spread.bias.value, spread.spread.value * np.sqrt(1 - 1 / RUNS)) / stated)
     assert spread.biased == len(NAMES)
     assert (cloe.runs, cloe.found, cloe.reasons) == (6, 2, {"no convergence after 50 iterations": 4})
     assert cloe.failed.value == pytest.approx(4 / 6)
@@ -353,12 +297,12 @@ def test_every_number_of_a_summary_is_that_of_its_rows():
             if own:
                 assert method.failed.value == pytest.approx(1 - len(answered) / len(own))
                 assert method.seconds.value == pytest.approx(np.median(numbers_of(took, "processor_seconds")))
-                base, stated = (
-                    np.array([each[name] for each in answered if each[name] is not None]) for name in ("base", "sigma")
-                )
+                base = np.array([each["base"] for each in answered])
+                stated = [each for each in answered if each["sigma"] is not None]
+                z = [(np.array(each["base"]) - row["truth"]) / each["sigma"] for each in stated]
                 assert method.parameters.bias.value == pytest.approx(base.mean(axis=0) - row["truth"])
                 assert method.parameters.spread.value == pytest.approx(base.std(axis=0, ddof=1))
-                assert method.parameters.stated == pytest.approx(np.sqrt(np.mean(stated**2, axis=0)))
+                assert method.parameters.z == pytest.approx(np.sqrt(np.mean(np.square(z), axis=0)))
 
 
 def numbers_of(rows, name):

@@ -1,6 +1,5 @@
 """The store of a study: whatever becomes of its file, what is read was written, and what is lost is said."""
 
-import json
 import random
 import sqlite3
 from contextlib import closing
@@ -8,7 +7,7 @@ from dataclasses import fields
 
 import pytest
 
-from crosscheck.study.running import DATABASE
+from crosscheck.study.folder import DATABASE
 from crosscheck.study.store import STORE_SCHEMA, opened
 from crosscheck.study.tasks import Result, StudyOutcome
 from graphdyn import InvalidInput
@@ -34,7 +33,7 @@ def content(tmp_path_factory):
     with opened(file) as store:
         store.begin(INPUTS)
         for key, one in OUTCOMES.items():
-            store.write(key, one)
+            store.add(key, one)
     return file.read_bytes()
 
 
@@ -57,7 +56,7 @@ def read(file):
     told = []
     with opened(file, told.append) as store:
         found = store.inputs(), dict(store.outcomes())
-        assert store.done() == found[1].keys()
+        assert store.done().keys() == found[1].keys()
     with opened(file, told.append) as store:
         assert (store.inputs(), dict(store.outcomes())) == found
     return *found, told
@@ -129,7 +128,7 @@ def test_a_damaged_page_takes_only_its_rows(fill, file, content):
         ("UPDATE inputs SET content = replace(content, '2.0', '2.1')", "what the study was begun with cannot be read"),
         ("DELETE FROM inputs", "what the study was begun with cannot be read"),
         ("DROP TABLE inputs", "what the study was begun with cannot be read"),
-        ("PRAGMA user_version = 3", "has form 3, and this graphdyn reads form 2; go on with the one that began it, or"),
+        ("PRAGMA user_version = 2", "has form 2, and this graphdyn reads form 3; go on with the one that began it, or"),
     ],
 )
 def test_what_cannot_be_mended(harm, said, file):
@@ -146,25 +145,10 @@ def test_no_folder(tmp_path):
         pass
 
 
-def test_a_file_of_the_first_form(tmp_path):
-    """What it holds is read, but for rows of other fields."""
-    plain = [(*key, json.dumps(one.as_json())) for key, one in OUTCOMES.items()]
-    plain[2] = (*plain[2][:2], plain[2][2].replace('"simulations": 0, ', ""))
-    with closing(sqlite3.connect(tmp_path / DATABASE)) as connection:
-        connection.execute("CREATE TABLE inputs (name TEXT PRIMARY KEY, value TEXT NOT NULL)")
-        connection.execute("CREATE TABLE tasks (scenario TEXT, run INTEGER, outcome TEXT, PRIMARY KEY (scenario, run))")
-        connection.executemany("INSERT INTO inputs VALUES (?, ?)", INPUTS.items())
-        connection.executemany("INSERT INTO tasks VALUES (?, ?, ?)", plain)
-        connection.commit()
-    inputs, found, told = read(tmp_path / DATABASE)
-    assert (inputs, found) == (INPUTS, {key: one for key, one in OUTCOMES.items() if key != ("few", 2)})
-    assert told == [f"{tmp_path / DATABASE} has an earlier form: 11 runs can be read, all others are computed again"]
-
-
 def test_other_fields_of_an_outcome_need_another_number():
     """Raise STORE_SCHEMA with them: else rows of before would be read as rows of now."""
     known = {
-        2: "method measures reason rank iterations simulations base sigma parameter_error torque_error "
-        "trajectory_error consistent results seconds total"
+        3: "method measures reason rank iterations simulations base sigma parameter_error torque_error "
+        "trajectory_error consistent redrawn repeat results seconds total"
     }
     assert known[STORE_SCHEMA] == " ".join(field.name for kind in (Result, StudyOutcome) for field in fields(kind))

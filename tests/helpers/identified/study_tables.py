@@ -34,7 +34,7 @@ def study_tables(runs=6, seed=0, motions=("Fourier", "paper")):
             rows = [_row(name, run, method, noise * (5 if motion == "paper" else 1), shared) for method in methods]
             results += rows
             times += [
-                {key: row[key] for key in ("scenario", "run", "method")}
+                {key: row[key] for key in ("scenario", "run", "method", "redrawn", "repeat")}
                 | {"processor_seconds": METHODS[row["method"]][4] * (1 + 0.1 * run**2)}
                 for row in rows
             ]
@@ -44,6 +44,7 @@ def study_tables(runs=6, seed=0, motions=("Fourier", "paper")):
 def _row(scenario, run, method, noise, shared):
     measures, bias, spread, failing, _ = METHODS[method]
     row = {"scenario": scenario, "run": run, "method": method, "measures": measures, "status": "found", "reason": None}
+    row |= {"redrawn": None, "repeat": 0}
     numbers = ("iterations", "simulations", "base", "sigma", "parameter_error", "torque_error", "trajectory_error")
     if noise >= NOISES[-1] and (run + 0.5) / 10 < failing / 2:
         reason = "no convergence after 50 iterations"

@@ -416,7 +416,7 @@ def study_store() -> bytes:
         with opened(path) as store:
             store.begin(readings.INPUTS)
             for key, outcome in readings.stored().items():
-                store.write(key, outcome)
+                store.add(key, outcome)
         with closing(sqlite3.connect(path)) as connection:
             connection.execute("PRAGMA wal_checkpoint(TRUNCATE)")
             connection.execute("PRAGMA journal_mode = DELETE")

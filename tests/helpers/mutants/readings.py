@@ -43,7 +43,7 @@ from crosscheck.judging.exchange.program import ProgramFunction
 from crosscheck.judging.exchange.protocols import PROTOCOLS_BY_NAME
 from crosscheck.quantities.tested_function import Refusal
 from crosscheck.recordings import Recording, load_mapping, load_recording
-from crosscheck.study.settings.configuration import configuration_of
+from crosscheck.study.settings.configuration import DEFAULT_RUNS, configuration_of
 from crosscheck.study.store import opened
 from crosscheck.study.tasks import Result, StudyOutcome
 from graphdyn import GraphDynError
@@ -498,7 +498,7 @@ def study_fault(path: Path, found: Any) -> str | None:
         return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
 
     faults = [differs(key, getattr(found, key), there["study"].get(key, default)) for key, default in (("seed", 0),)]
-    faults.append(differs("runs", found.runs, there["study"].get("runs", 5)))
+    faults.append(differs("runs", found.runs, there["study"].get("runs", DEFAULT_RUNS)))
     for table, settings in (("robot", found.robot), ("errors", found.errors)):
         known = {field.name for field in fields(settings)}
         for key, value in there.get(table, {}).items():

@@ -13,7 +13,7 @@ from crosscheck.report.plain_text import time_text
 from crosscheck.report.records.record import plain
 from crosscheck.report.report import Picture
 
-RUNS = 5
+RUNS = 8
 ERROR_NAMES = ("parameter_error", "torque_error", "trajectory_error")
 TORQUE_METHODS = [name for name in METHODS if METHODS[name][0] == "torques"]
 DEMSAR = 2.850
@@ -55,22 +55,16 @@ class Rows:
         errors = np.column_stack([self.errors(scenario, method, error) for method in TORQUE_METHODS])
         return stats.rankdata(np.where(np.isinf(errors), 1e9, np.round(errors, 12)), axis=1)
 
-    def mean_rank(self, error):
-        return dict(
-            zip(
-                TORQUE_METHODS,
-                np.mean([self.ranks(error, name).mean(axis=0) for name in self.scenarios], axis=0),
-                strict=True,
-            )
-        )
+    def table(self, error):
+        """Errors of the methods that measure torques (R, S, k)."""
+        parts = [[self.errors(one, method, error) for method in TORQUE_METHODS] for one in self.scenarios]
+        return np.moveaxis(np.array(parts), -1, 0)
 
-    def ratio(self, error, method, first):
-        """Geometric mean over runs with both, then over scenarios."""
-        logs = []
-        for scenario in self.scenarios:
-            both = [self.column(scenario, name, error) for name in (method, first)]
-            logs.append(np.nanmean(np.log(both[0] / both[1])) if np.isfinite(both[0]).any() else np.nan)
-        return np.exp(np.nanmean(logs))
+    def mean_rank(self, error):
+        with np.errstate(invalid="ignore"):
+            of_runs = np.exp(np.log(self.table(error)).mean(axis=1))
+        ranks = stats.rankdata(np.where(np.isinf(of_runs), 1e9, np.round(of_runs, 12)), axis=1)
+        return dict(zip(TORQUE_METHODS, ranks.mean(axis=0), strict=True)), ranks
 
 
 def wilson(count, trials):
@@ -81,7 +75,7 @@ def wilson(count, trials):
 
 
 def middle(values):
-    """Median, and the smallest and largest of five."""
+    """Median, and the smallest and largest of eight."""
     return [np.median(values), values.min(), values.max()]
 
 
@@ -143,96 +137,83 @@ def test_methods_in_scenarios(rows, record):
             assert found["spread"] == pytest.approx(spread.tolist())
             for name, p in {"spread_low": 0.975, "spread_high": 0.025}.items():
                 assert found[name] == pytest.approx((spread * np.sqrt(free / stats.chi2.ppf(p, free))).tolist())
-            assert found["stated"] == pytest.approx(np.sqrt(np.mean(sigma**2, axis=0)).tolist())
+            assert found["z"] == pytest.approx(np.sqrt(np.mean((off / sigma) ** 2, axis=0)).tolist())
+            assert (found["held_bias"], found["shares"]) == ([None] * len(TRUTH), {})
     assert names == [*rows.of]
 
 
 def test_rankings(rows, record, report):
-    records = RUNS * len(rows.scenarios)
-    distance = DEMSAR * np.sqrt(6 * 7 / (6 * records))
-    leading = cells(tables(report, "study")[0])
+    distance = DEMSAR * np.sqrt(6 * 7 / (6 * RUNS))
     (ranked,) = tables(report, "ranks-torques")
     shown = cells(ranked)
-    assert [column.title for column in ranked.columns[1:-1:2]] == [
-        f"rank by {e.replace('_', ' ')}" for e in ERROR_NAMES
-    ]
+    assert [column.title for column in ranked.columns[1:-1]] == [f"rank by {e.replace('_', ' ')}" for e in ERROR_NAMES]
     for place, (error, found) in enumerate(zip(ERROR_NAMES, record["rankings"], strict=True)):
-        mean = rows.mean_rank(error)
-        first = min(mean, key=mean.get)
-        assert (found["error"], found["measures"], found["records"]) == (error, "torques", records)
+        mean, ranks = rows.mean_rank(error)
+        assert (found["error"], found["measures"], found["runs"]) == (error, "torques", RUNS)
         assert found["critical_distance"] == pytest.approx(distance, rel=1e-3)
-        assert found["friedman"] == pytest.approx(1 / 2001)  # none of 2000 permutations is as extreme
-        assert found["leaders"] == [
-            one["method"] for one in found["methods"] if mean[one["method"]] < mean[first] + distance
-        ]
-        assert len(found["methods"]) == len(TORQUE_METHODS)
         assert [one["rank"]["value"] for one in found["methods"]] == pytest.approx(sorted(mean.values()))
         for one in found["methods"]:
             name = one["method"]
-            assert one["rank"]["value"] == pytest.approx(mean[name])
-            failures = np.isnan(rows.everywhere(name, error)).sum()
+            of_runs = ranks[:, TORQUE_METHODS.index(name)]
+            known = (
+                stats.t.interval(0.95, RUNS - 1, of_runs.mean(), stats.sem(of_runs))
+                if np.ptp(of_runs)
+                else 2 * [mean[name]]
+            )
+            assert ends(one["rank"]) == pytest.approx([mean[name], *known])
+            failures = np.isinf(rows.table(error)[:, :, TORQUE_METHODS.index(name)]).any(axis=1).sum()
             assert one["failures"] == failures
-            further = [other for other in TORQUE_METHODS if mean[other] > mean[name] + distance]
-            assert sorted(one["better_than"]) == sorted(further)
-            ratio = rows.ratio(error, name, first)
-            assert one["ratio"]["value"] == pytest.approx(ratio)
-            rank_said, ratio_said = shown[name][2 * place : 2 * place + 2]
-            assert read(rank_said) == pytest.approx(ends(one["rank"]), abs=0.0051)
-            known = [x for x in one["ratio"].values() if x is not None] if name != first else [1]
-            assert read(ratio_said) == pytest.approx(known, rel=THREE_DIGITS)
+            assert read(shown[name][place]) == pytest.approx(ends(one["rank"]), abs=0.0051)
             assert shown[name][-1] == (str(failures) if failures else "–")
-        measured, leaders, count, said_records, p, said = leading[error.replace("_", " ")]
-        assert (measured, leaders, count, said_records) == (
-            "torques",
-            ", ".join(found["leaders"]),
-            "6",
-            str(records),
-        )
-        assert (float(p), float(said)) == (
-            pytest.approx(1 / 2001, rel=TWO_DIGITS),
-            pytest.approx(distance, abs=0.0051),
-        )
 
 
-def test_intervals(rows, record):
-    """By a bootstrap with other draws: ends of 95 % intervals, moved outwards as Hesterberg does."""
-    rng, found = np.random.default_rng(11), record["rankings"][1]["methods"]
-    first = found[0]["method"]
-    drawn = rng.integers(0, RUNS, (len(rows.scenarios), 20_000, RUNS))
-    total = RUNS * len(rows.scenarios)
-    free = total - len(rows.scenarios)
-    beyond = stats.norm.cdf(-np.sqrt(total / free) * stats.t.ppf(0.975, free))
-
-    def interval(of_scenarios):
-        means = np.mean([values[k].mean(axis=1) for values, k in zip(of_scenarios, drawn, strict=True)], axis=0)
-        return np.quantile(means, [beyond, 1 - beyond])
-
-    for one in found:
-        k = TORQUE_METHODS.index(one["method"])
-        ranks = interval([rows.ranks("torque_error", name)[:, k] for name in rows.scenarios])
-        assert ends(one["rank"])[1:] == pytest.approx(ranks, abs=0.051)
-        errors = [
-            [rows.column(name, method, "torque_error") for method in (one["method"], first)] for name in rows.scenarios
-        ]
-        if one["method"] != first and not np.isnan(errors).any():
-            ratios = np.exp(interval([np.log(own / best) for own, best in errors]))
-            assert ends(one["ratio"])[1:] == pytest.approx(ratios, rel=0.02)
+def test_comparisons(rows, record, report):
+    """Of each method with wls; wls-pinocchio is told to be one with it."""
+    others = [name for name in TORQUE_METHODS if not name.startswith("wls")]
+    reference = TORQUE_METHODS.index("wls")
+    found = {one.title: cells(one) for one in tables(report, "comparisons-torques")}
+    for error, compared in zip(ERROR_NAMES, record["comparisons"], strict=True):
+        assert (compared["reference"], compared["same"]) == ("wls", [["wls", "wls-pinocchio"]])
+        logs = np.log(rows.table(error))
+        with np.errstate(invalid="ignore"):
+            differences = {
+                name: (logs[..., TORQUE_METHODS.index(name)] - logs[..., reference]).mean(axis=1) for name in others
+            }
+        ranked = {name: np.where(np.isinf(of), 99.0 + np.arange(RUNS), of) for name, of in differences.items()}
+        plain = {name: stats.wilcoxon(of).pvalue for name, of in ranked.items()}
+        order = sorted(others, key=plain.get)
+        factors = [plain[name] * (len(others) - k) for k, name in enumerate(order)]
+        adjusted = dict(zip(order, np.minimum(1, np.maximum.accumulate(factors)), strict=True))
+        assert [pair["method"] for pair in compared["pairs"]] == others
+        for pair in compared["pairs"]:
+            name = pair["method"]
+            of = differences[name][np.isfinite(differences[name])]
+            low, high = stats.t.interval(1 - 0.05 / 4, len(of) - 1, of.mean(), stats.sem(of))
+            failed = RUNS - len(of)
+            wanted = [np.exp(of.mean()), np.exp(low), np.inf if failed else np.exp(high)]
+            assert ends(pair["ratio"]) == pytest.approx(wanted)
+            assert pair["probability"] == pytest.approx(adjusted[name])
+            assert (pair["runs"], pair["failed"], pair["other_failed"]) == (len(of), failed, 0)
+            said = found[f"By {error.replace('_', ' ')}"][name]
+            assert read(said[0]) == pytest.approx(wanted, rel=THREE_DIGITS)
+            assert said[1].startswith(pair["verdict"])
+            assert float(said[2]) == pytest.approx(pair["probability"], rel=TWO_DIGITS)
+            assert said[3:] == [f"{failed}, 0" if failed else "–", str(len(of))]
 
 
 def test_pictures(rows, record, report):
     """Ranks, trades, lines of errors, bias and spread: what is drawn, in the order of the blocks."""
     ranks = [one.draw.keywords["ranking"] for one in blocks(report, "ranks-torques") if isinstance(one, Picture)]
     for ranking, error in zip(ranks, ERROR_NAMES, strict=True):
-        mean = rows.mean_rank(error)
+        mean, _ = rows.mean_rank(error)
         assert ranking.rank.value.tolist() == pytest.approx([mean[name] for name in ranking.methods])
     drawn = [one.draw.keywords for one in blocks(report, "time-torques") if isinstance(one, Picture)]
-    for keywords, error, ranking in zip(drawn, ERROR_NAMES, record["rankings"], strict=True):
-        said = {one["method"]: one["ratio"] for one in ranking["methods"]}
+    for keywords, error, compared in zip(drawn, ERROR_NAMES, record["comparisons"], strict=True):
+        said = {one["method"]: one["ratio"] for one in compared["pairs"]}
+        alone = {"value": 1.0, "low": 1.0, "high": 1.0}
         for trade in keywords["trades"]:
             assert trade.seconds == pytest.approx(np.median(rows.everywhere(trade.name, "seconds")))
-            assert trade.ratio == pytest.approx(rows.ratio(error, trade.name, keywords["best"]))
-            wanted = [np.nan if x is None else x for x in (said[trade.name]["low"], said[trade.name]["high"])]
-            assert [trade.low, trade.high] == pytest.approx(wanted, nan_ok=True)
+            assert [trade.ratio, trade.low, trade.high] == pytest.approx(ends(said.get(trade.name, alone)))
             assert trade.whole == (not np.isnan(rows.everywhere(trade.name, error)).any())
     (lines, *_) = [one.draw.keywords for one in blocks(report, "errors-torques") if isinstance(one, Picture)]
     assert lines["places"] == tuple(f"{noise:g}" for noise in NOISES)
@@ -273,7 +254,7 @@ def test_answers(rows, report):
             assert iterations == simulations == most == "–"
         seconds = np.sort(rows.everywhere(name, "seconds"))
         assert time == time_text(np.median(seconds))
-        assert upper == time_text(seconds[-6])  # of 20 values the 6th from either end: 95.9 %
+        assert upper == time_text(seconds[-10])  # of 32 values the 10th from either end: 97.9 %
 
 
 @pytest.mark.parametrize("measures", ["torques", "wrenches"])
@@ -303,7 +284,7 @@ def test_tables_of_scenarios(rows, report):
             if len(off) > 1:
                 biased = (stats.ttest_1samp(off, 0).pvalue < 0.05).sum()
                 assert said[4] == f"{biased} of {len(TRUTH)}"
-                honest = np.median(np.sqrt(np.mean(sigma**2, axis=0)) / off.std(axis=0, ddof=1))
+                honest = np.median(np.sqrt(np.mean((off / sigma) ** 2, axis=0)))
                 assert float(said[5]) == pytest.approx(honest, abs=0.0051)
             real, answered = rows.column(*own, "consistent"), np.isfinite(rows.errors(*own, "torque_error"))
             for text, count, trials in (

@@ -1,6 +1,7 @@
 """The report of a study: page, terminal and record say the same, and every point leads to its run."""
 
 import json
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -17,18 +18,20 @@ from shown.approved import approve_result
 from shown.browser import CHROMIUM, document
 
 from crosscheck.commands.study import errors_report, scenarios_report
+from crosscheck.commands.study.comparison_report import headline, verdict_text
 from crosscheck.commands.study.ranking_report import Trade, bar_columns, efficient, trades
 from crosscheck.commands.study.report import study_report
 from crosscheck.commands.study.scenarios_report import ShownRuns
 from crosscheck.report.records.record import plain
 from crosscheck.report.report import Picture
 from crosscheck.report.text import as_text
+from crosscheck.study.settings.design import StudyDesign
 from crosscheck.study.statistics.grid import grid_of
 from crosscheck.study.statistics.outcomes import ERRORS, outcomes, read_outcomes
 from crosscheck.study.statistics.summary import summarized
 
 SCHEMA = REPOSITORY / "docs/schemas/study-1.schema.json"
-RUNS = 5
+RUNS = 8
 
 
 def repeat(scenario, run):
@@ -69,11 +72,16 @@ def test_record(report, summary):
     record = plain(report.record(["study"]))
     Draft202012Validator(json.loads(SCHEMA.read_text(encoding="utf-8"))).validate(record)
     found = summary
-    ranking = found.rankings["torques", "torque_error"]
-    said = next(one for one in record["rankings"] if one["error"] == "torque_error")
+    ranking, comparison = (of["torques", "torque_error"] for of in (found.rankings, found.comparisons))
+    said, compared = (
+        next(one for one in record[name] if one["error"] == "torque_error") for name in ("rankings", "comparisons")
+    )
     assert [one["method"] for one in said["methods"]] == list(ranking.methods)
-    assert said["leaders"] == list(ranking.leaders)
-    assert said["methods"][0]["better_than"] == [m for k, m in enumerate(ranking.methods) if ranking.better(0, k)] != []
+    assert [(one["method"], one["verdict"]) for one in compared["pairs"]] == [
+        (pair.method, pair.verdict) for pair in comparison.pairs
+    ]
+    assert compared["same"] == [["wls", "wls-pinocchio"]]
+    assert record["headline"] == headline(found).reason
     for scenario, told in zip(record["scenarios"], found.scenarios, strict=True):
         by_name = {one["method"]: one for one in scenario["results"]}
         assert ("graph" in by_name) == (scenario["axes"]["motion"] == "Fourier"), (
@@ -85,15 +93,10 @@ def test_record(report, summary):
 
 
 def test_terminal(report, summary):
-    """Who leads, with what right; the median torque errors; why methods failed."""
+    """Who is best, with what right; the median torque errors; why methods failed."""
     text = as_text(report, 200)
-    ranking = summary.rankings["torques", "torque_error"]
-    assert f"{', '.join(ranking.leaders)} lead without a significant difference, by torque error" in " ".join(
-        text.split()
-    )
-    assert f"{ranking.distance:.2f}" in text
+    assert headline(summary).reason in " ".join(text.split())
     assert "no convergence after 50 iterations" in text
-    assert "intervals of medians reach from the smallest to the largest of 5 runs, which has 93.8%" in text
     middle = np.median([row["torque_error"] for row in study_tables(RUNS)[0][:: len(METHODS)][:RUNS]])
     assert f"{100 * middle:.2g} (" in text
 
@@ -132,13 +135,14 @@ def test_numbers_of_the_tables(written, folder):
 
 
 def test_ranks_in_numbers(written):
-    """Of the torque errors of every record, failures last, on average."""
+    """Of the mean torque errors of every run, failures last, on average."""
     rows = [row for row in study_tables(RUNS)[0] if row["measures"] == "torques"]
     methods = [name for name in METHODS if METHODS[name][0] == "torques"]
-    records = sorted({(row["scenario"], row["run"]) for row in rows})
-    errors = {(row["scenario"], row["run"], row["method"]): row["torque_error"] for row in rows}
-    table = [[errors[(*record, name)] or np.inf for name in methods] for record in records]
-    means = scipy.stats.rankdata(np.round(table, 9), axis=1).mean(axis=0)
+    errors = {(row["scenario"], row["run"], row["method"]): row["torque_error"] or np.inf for row in rows}
+    scenarios = list(dict.fromkeys(row["scenario"] for row in rows))
+    table = [[[errors[one, run, name] for name in methods] for one in scenarios] for run in range(RUNS)]
+    of_runs = np.exp(np.log(table).mean(axis=1))
+    means = scipy.stats.rankdata(np.where(np.isinf(of_runs), np.inf, np.round(of_runs, 9)), axis=1).mean(axis=0)
     shown = html.fromstring(written).xpath("//tr[td[contains(., '(')]]")
     cells = [[" ".join(cell.text_content().split()) for cell in row] for row in shown]
     for name, mean in zip(methods, means, strict=True):
@@ -226,9 +230,8 @@ def test_tables_of_runs_have_the_numbers_of_the_rows(summary):
         for row in results.rows:
             own = [r for r in rows if (r["scenario"], r["method"]) == (scenario.name, row.cells[0]) and r["base"]]
             if len(own) > 1:
-                stated = np.sqrt(np.mean(np.square([r["sigma"] for r in own]), axis=0))
-                spread = np.std([r["base"] for r in own], axis=0, ddof=1)
-                assert row.cells[6] == pytest.approx(np.median(stated / spread))
+                z = [(np.array(r["base"]) - TRUTH) / r["sigma"] for r in own]
+                assert row.cells[6] == pytest.approx(np.median(np.sqrt(np.mean(np.square(z), axis=0))))
 
 
 def test_pictures_of_parameters_are_parts_of_the_usual_spread(summary):
@@ -260,10 +263,9 @@ def test_pictures_of_parameters_are_parts_of_the_usual_spread(summary):
 
 
 def test_trades_have_the_times_and_failures_of_the_rows(summary):
-    """Median of all processor times; hollow where a record has no answer; the best of the ranking has the ratio one."""
+    """Median of all processor times; hollow where a record has no answer; the reference has the ratio one."""
     rows, _, times = study_tables(RUNS)
-    rankings = {error: summary.rankings["torques", error] for error in ERRORS}
-    pictures = [block.draw.keywords for block in trades(summary, rankings) if isinstance(block, Picture)]
+    pictures = [block.draw.keywords for block in trades(summary, "torques") if isinstance(block, Picture)]
     assert len(pictures) == len(ERRORS)
     for picture in pictures:
         found = {trade.name: trade for trade in picture["trades"]}
@@ -284,7 +286,7 @@ def test_one_run(tmp_path):
     """No intervals, and that is said."""
     for name, rows in zip(("results", "scenarios", "times"), study_tables(1, motions=("Fourier",)), strict=True):
         write_table(pyarrow.Table.from_pylist(rows), tmp_path / f"{name}.parquet")
-    report = study_report(tmp_path, [], repeat)
+    report = study_report(read_outcomes(tmp_path), [], repeat)
     text = as_text(report, 200)
     assert "one run of a scenario says nothing of its scatter: there are no intervals" in text
     assert "1 run of each" in text
@@ -330,13 +332,13 @@ def test_classes_are_apart(shown):
 def test_largest_studies_keep_a_page(folder, monkeypatch):
     """The first runs of every scenario have their tables; links and dots of others are left out."""
     monkeypatch.setattr("crosscheck.commands.study.scenarios_report.MAX_RUNS", 8)
-    report = study_report(folder, [], repeat)
+    report = study_report(read_outcomes(folder), [], repeat)
     groups = [group for section in report.sections for group in section.blocks if getattr(group, "title", "") == "Runs"]
     assert len(groups) == 2 * len(NOISES)
     for group in groups:
         *runs, left = group.blocks
         assert [run.title[:5] for run in runs] == ["run 0", "run 1"]
-        assert left.text == "results.parquet has 3 more."
+        assert left.text == f"results.parquet has {RUNS - 2} more."
     failures = next(section for section in report.sections if section.key == "failures").blocks[0]
     assert {row.link for row in failures.rows} <= {run.key for group in groups for run in group.blocks[:-1]} | {None}
 
@@ -386,6 +388,51 @@ def test_one_scenario():
     grid = grid_of(scenarios_at({"motion": "random"}))
     assert grid.views() == []
     assert grid.words(grid.scenarios[0]) == "the only scenario"
+
+
+def test_headlines(summary):
+    """Who is best and by how much; what is not drawn anew; that nothing is decided."""
+    pair = summary.comparisons["torques", "torque_error"].of("better")[0]
+    said, numbers = headline(summary), [f"{x:.3g}" for x in (pair.ratio.value, pair.ratio.low, pair.ratio.high)]
+    assert said.reason.startswith(
+        f"{pair.method} is better than wls: its torque error is {numbers[0]} ({numbers[1]}–{numbers[2]}) times as "
+        f"large, 95% sure over 4 comparisons in {RUNS} runs."
+    )
+    assert said.reason.endswith("The motion of the paper is the same in all runs.")
+    held = headline(replace(summary, design=StudyDesign(vary=("noise", "start"))))
+    assert held.sentence.endswith("All runs share one motion and CAD model: this holds for it alone.")
+    comparison = summary.comparisons["torques", "torque_error"]
+    several = replace(comparison, pairs=tuple(replace(one, verdict="better") for one in comparison.pairs))
+    many = headline(replace(summary, comparisons={("torques", "torque_error"): several}))
+    first, *_, last = sorted(comparison.pairs, key=lambda one: one.ratio.value)
+    assert many.reason.startswith(
+        f"{first.method} is best of the 4 methods that are better than wls: its torque error is"
+    )
+    assert f"and {last.method} with {last.ratio.value:.3g} (" in many.reason
+    few = summarized(outcomes(*study_tables(7)))
+    assert headline(few).sentence == (
+        "Nothing is decided: 4 comparisons need 8 runs or more, and there are 7. "
+        "The motion of the paper is the same in all runs."
+    )
+    alike = summarized(outcomes(*study_tables(RUNS)), StudyDesign(reference="didim"))
+    assert headline(alike).reason.startswith(
+        "No method is shown to be better than didim by torque error, 95% sure over"
+    )
+
+
+def test_what_is_said_of_a_pair(summary):
+    comparison = summary.comparisons["torques", "torque_error"]
+    pair = replace(comparison.with_reference["iv"], verdict="undecided", detectable=1.1342, more_runs=417)
+    for change, said in (
+        ({}, "undecided: this study can show a ratio of 1.13; about 420 more runs for 1.05"),
+        ({"more_runs": None}, "undecided: this study can show a ratio of 1.13"),
+        ({"detectable": None}, "undecided"),
+        ({"failed": 1, "other_failed": 2}, "undecided: it alone failed in 1 run and wls alone failed in 2 runs"),
+        ({"verdict": "equivalent"}, "equivalent within 5 %"),
+        ({"verdict": "worse"}, "worse"),
+    ):
+        assert verdict_text(replace(pair, **change), comparison, 0.05) == said
+    assert verdict_text(pair, replace(comparison, runs=7), 0.05) == "undecided: below 8 runs nothing is"
 
 
 def test_efficient():
