@@ -4,9 +4,15 @@ align finds the map, differences compares what is left after it. Both take seria
 """
 
 from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
-from graphdyn.aligning.differences import VERDICTS, DifferenceVerdict, FlangeDifference, ModelDifferences, differences
 from graphdyn.aligning.fields import JointDifference, LinkDifference, SettingDifference
 from graphdyn.aligning.joint_map import JointMap
+from graphdyn.aligning.model_differences import (
+    VERDICTS,
+    DifferenceVerdict,
+    FlangeDifference,
+    ModelDifferences,
+    differences,
+)
 from graphdyn.aligning.torques import BaseParameterDifference, TorqueDifference
 
 __all__ = [

@@ -31,9 +31,12 @@ COUNTED_FROM = 1e-5
 MOST_JOINTS = 12
 """Joints of the longest robot that is aligned: every further one doubles the number of choices of senses."""
 
-EQUAL_COST = 1e-3
-"""Misfits [rad, parts of the reach] by which two choices of senses may differ and still be of one class: they are then
-compared by their inertias and changes."""
+COST_RATIO, COST_MARGIN = 3.0, 1e-3
+"""Misfits [rad, parts of the reach] of a choice of senses, as a multiple of the smallest and above it, with which it is
+looked at: where axes are displaced, the right one need not have the smallest; what differs then decides."""
+
+MOST_CHOICES = 16
+"""Choices of senses that are looked at: those of one robot are eight at most, two for each end and the wrist."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +89,7 @@ def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_F
     best, *others = sorted(found, key=lambda laid: laid.order)
     maps = [best.map]
     for each in others:
-        if each.misfits <= best.misfits and not any(each.map.is_like(known, tolerance) for known in maps):
+        if each.cost <= best.cost + tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
             maps.append(each.map)
     return Alignment(first, second, best.map, best.model, tuple(maps[1:]))
 
@@ -124,8 +127,9 @@ def _class_of_senses(first: JointAxes, second: JointAxes) -> Iterator[Array]:
     """The choices of senses (n,) with the smallest misfits."""
     choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=len(first.directions))]
     costs = np.array([Walk(first, second, signs).cost for signs in choices])
-    for chosen in np.flatnonzero(costs <= costs.min() * (1 + EQUAL_COST) + EQUAL_COST):
-        yield choices[chosen]
+    for chosen in np.argsort(costs, kind="stable")[:MOST_CHOICES]:
+        if costs[chosen] <= COST_RATIO * costs.min() + COST_MARGIN:
+            yield choices[chosen]
 
 
 def _walks(first: JointAxes, second: JointAxes, signs: Array, inertias: LinkInertias) -> Iterator[Walk]:

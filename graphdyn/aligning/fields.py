@@ -21,6 +21,7 @@ LIMIT_NAMES = ("lower", "upper", "velocity", "effort")
 class JointDifference:
     """One thing that is different at a joint of A.
 
+    joint: its name in A
     kind: "length" (where its axis lies in the link before it), "angle" (how that link turns it), or "axis" (its
         direction alone: the links outside of it are turned as before)
     link: the link before it, in which the difference is; where a length lies along the axis before it, link and
@@ -44,6 +45,7 @@ class JointDifference:
 class LinkDifference:
     """One thing that is different in the inertia of a link.
 
+    link: its name in A
     kind: "mass", "center" or "tensor" (about the center of mass)
     value: B's mass minus A's [kg]; distance of the centers [m]; largest difference of an entry [kg m²]
     relative: value as a part of A's mass, the reach, A's largest entry; infinite where that is zero
@@ -65,6 +67,8 @@ class LinkDifference:
 class SettingDifference:
     """Another armature, damping, friction or limit of a joint; None where a robot states no limit.
 
+    joint: its name in A
+    name: "armature", "damping", "friction", or that of a limit: "lower", "upper", "velocity", "effort"
     first, second: of A, and of B for A's joint positions
     """
 

@@ -28,6 +28,7 @@ class TorqueDifference:
     """The largest difference of one term of the torque of one joint.
 
     term: "gravity", "inertia" or "velocity"
+    joint: its name in A
     difference: torque of B minus that of A where it is largest           [N m or N]
     first: torque of A there; largest: of A or B over all states          [N m or N]
     q, v, a: the state                                                    (n,)
@@ -56,6 +57,7 @@ class BaseParameterDifference:
     """A combination of inertial parameters that the joint torques depend on, with other values.
 
     name: the combination, in terms of A's links
+    first, second: its values, of A and B                   [kg, kg m, kg m²]
     """
 
     name: str

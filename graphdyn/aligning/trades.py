@@ -28,12 +28,12 @@ EQUAL_LIMITS = 1e-5
 class LaidRobot:
     """A map, B written like A with it, and where it stands among others.
 
-    misfits: joints that differ; order: the smallest is the best
+    cost: misfits of its walk; order: the smallest is the best
     """
 
     map: JointMap
     model: RobotModel
-    misfits: int
+    cost: float
     order: tuple[float, ...]
 
 
@@ -58,7 +58,7 @@ def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkIner
         changes = joint_map.n_changes(inertias.tolerance, inertias.length)
         limits = sum(_limits_differ(a.limits, b.limits) for a, b in zip(robots[0].joints, model.joints, strict=True))
         order = (len(joints) + len(links), changes + limits, float(np.abs(zeros).sum()))
-        return LaidRobot(joint_map, model, len(joints), order)
+        return LaidRobot(joint_map, model, walk.cost, order)
 
     tool = np.linalg.inv(ends[0, 1]) @ walk.places[-1] @ ends[1, 1]
     to_tool = [0.0]

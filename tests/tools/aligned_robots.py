@@ -42,7 +42,7 @@ def main() -> None:
     names = arms(*asked.robots) if asked.robots in (["tuned"], ["aside"]) else asked.robots
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", urdf.URDFWarning)
-        models = [urdf.load(name) for name in names]
+        models = [urdf.load(name, mimic="locked") for name in names]
     rng = np.random.default_rng(asked.seed)
     pairs(models, asked.pairs, rng, asked.list)
     plants(models, asked.pairs, rng, asked.list)
