@@ -1,9 +1,9 @@
 """Constrained dynamics of robot arms as a graph: bodies are vertices, joints are edges, one system for everything.
 
-The names in `__all__` are the whole public interface, with those in `__all__` of the five modules among them:
-identification (parameters from data, with its module terms), excitation (motions for it), export (code to take along),
-motion_laws (for virtual experiments) and layout (rows and columns of stacked vectors). All other modules may change
-without notice. docs/notation.md relates the names to the paper.
+The names in `__all__` are the whole public interface, with those in `__all__` of the six modules among them:
+identification (parameters from data, with its module terms), excitation (motions for it), aligning (two descriptions of
+one robot), export (code to take along), motion_laws (for virtual experiments) and layout (rows and columns of stacked
+vectors). All other modules may change without notice. docs/notation.md relates the names to the paper.
 """
 
 from importlib import import_module
@@ -59,7 +59,7 @@ from graphdyn.verbs.momenta import *  # noqa: F403
 from graphdyn.verbs.recorded_function import *  # noqa: F403
 
 if TYPE_CHECKING:
-    from graphdyn import excitation, export, identification
+    from graphdyn import aligning, excitation, export, identification
     from graphdyn import simulation as _simulation
     from graphdyn.simulation import *  # noqa: F403
 else:
@@ -79,8 +79,8 @@ else:
     )
 
     def __getattr__(name: str) -> object:
-        """Imports graphdyn.identification, excitation, export, and what simulates, when first used."""
-        if name in ("excitation", "export", "identification"):
+        """Imports graphdyn.aligning, identification, excitation, export, and what simulates, when first used."""
+        if name in ("aligning", "excitation", "export", "identification"):
             return import_module(f"graphdyn.{name}")
         if name in _SIMULATION:
             return getattr(import_module("graphdyn.simulation"), name)
@@ -116,6 +116,7 @@ __all__ = [
     "SingularMassMatrix",
     "UnknownFrame",
     "VirtualRecording",
+    "aligning",
     "analyze_loops",
     "excitation",
     "export",

@@ -10,6 +10,7 @@ import typer
 from crosscheck.commands.bench import command as bench
 from crosscheck.commands.cache import command as cache
 from crosscheck.commands.crosscheck import command as crosscheck
+from crosscheck.commands.diff import command as diff
 from crosscheck.commands.errata import command as errata
 from crosscheck.commands.excite import command as excite
 from crosscheck.commands.export import command as export
@@ -45,6 +46,7 @@ CODE, ROBOTS, RECORDINGS, PROGRAM = "Dynamics code", "Robot files", "Recordings"
 COMMANDS = (
     (inspect, "inspect", ROBOTS),
     (crosscheck, "crosscheck", ROBOTS),
+    (diff, "diff", ROBOTS),
     (repair, "repair", ROBOTS),
     (show, "show", ROBOTS),
     (view, "view", ROBOTS),

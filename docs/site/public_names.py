@@ -19,6 +19,7 @@ FOR_USERS = {
     "graphdyn.identification.terms": "Terms of the torque",
     "graphdyn.identification.data_quality": "Data quality of recordings",
     "graphdyn.identification.currents": "Loads and gains from currents",
+    "graphdyn.aligning": "Two descriptions of one robot",
     "graphdyn.export": "Code to take along",
     "graphdyn.export.casadi": "Functions for CasADi",
     "graphdyn.export.jax": "Functions for JAX",

@@ -41,7 +41,7 @@ LABEL_DISTANCE = 0.045
 """Joints nearer to each other than this part of the size share one label."""
 
 LINK, JOINT, MASS, EDGE, FAINT, GROUND = SOFT_COLOR, CURVES[0], "#c98a1b", CURVES[3], MIDDLE_COLOR, colors.FAINT_COLOR
-CHORD_COLOR = CURVES[1]
+CHORD_COLOR = OVERLAY_COLOR = CURVES[1]
 
 
 def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None) -> Markup:
@@ -53,6 +53,29 @@ def stick_figure(key: str, model: RobotModel, name: str, q: Array | None = None)
         f"{sum(body.mass for body in model.bodies):.3g} kg"
     )
     return picture(key, label, (WIDTH, WIDTH * scene.ratio), scene.draw)
+
+
+def two_stick_figures(key: str, first: RobotModel, second: RobotModel) -> Markup:
+    """Two robots in the pose of the first, one over the other; the second dashed, without labels and masses."""
+    q = pose(first)
+    scenes = _Drawing(first, q), _Drawing(second, q, _view_of(first, q))
+    low = np.minimum(*(scene.corners[0] for scene in scenes))
+    high = np.maximum(*(scene.corners[1] for scene in scenes))
+    ratio = float(np.clip((high - low)[1] / (high - low)[0], MIN_HEIGHT_RATIO, MAX_HEIGHT_RATIO))
+
+    def draw(axes: Axes) -> None:
+        scenes[0].draw(axes)
+        scenes[1].draw_over(axes)
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        axes.set_aspect("equal", adjustable="datalim")
+
+    return picture(
+        key, f"Stick figures of {first.name} and {second.name}, one over the other", (WIDTH, WIDTH * ratio), draw
+    )
+
+
+def _view_of(model: RobotModel, q: Array) -> Array:
+    return _view(np.vstack([model.base.translation, link_origins(maximal_state(model, q))]))
 
 
 def pose(model: RobotModel) -> Array:
@@ -80,11 +103,12 @@ def pose_text(model: RobotModel) -> str:
 class _Drawing:
     """Everything that is drawn, on the plane of the picture [m]; ratio: height over width."""
 
-    def __init__(self, model: RobotModel, q: Array):
+    def __init__(self, model: RobotModel, q: Array, view: Array | None = None):
+        """view: right and up of the picture (2, 3), chosen for this robot where it is not given"""
         self.model = model
         state = maximal_state(model, q)
         origins = np.vstack([model.base.translation, link_origins(state)])
-        self._view = _view(origins)
+        self._view = _view(origins) if view is None else view
         frames = [frame_placement(model, q, frame.name)[1] for frame in model.frames]
         self.origins = self._flat(origins)
         self.centers = self._flat(state.position)
@@ -106,7 +130,7 @@ class _Drawing:
         self.ratio = float(np.clip(height / width, MIN_HEIGHT_RATIO, MAX_HEIGHT_RATIO))
         half = max(width, height / self.ratio) / 2
         reach = np.array([half, half * self.ratio])
-        self._corners = np.stack([(low + high) / 2 - reach, (low + high) / 2 + reach])
+        self.corners = np.stack([(low + high) / 2 - reach, (low + high) / 2 + reach])
 
     def _flat(self, points: Array) -> Array:
         """Orthographic projection of points or directions (k, 3) → (k, 2)."""
@@ -114,7 +138,7 @@ class _Drawing:
 
     def draw(self, axes: Axes) -> None:
         axes.set_axis_off()
-        axes.set(xlim=self._corners[:, 0], ylim=self._corners[:, 1])
+        axes.set(xlim=self.corners[:, 0], ylim=self.corners[:, 1])
         self._draw_ground(axes)
         self._draw_links(axes)
         masses = np.array([body.mass for body in self.model.bodies])
@@ -133,6 +157,13 @@ class _Drawing:
                 fontsize=9,
                 zorder=7,
             )
+
+    def draw_over(self, axes: Axes) -> None:
+        """Draw the links alone, dashed over another robot."""
+        for j, joint in enumerate(self.model.joints, start=1):
+            line = self.origins[[joint.inside, j]].T
+            axes.plot(*line, color=OVERLAY_COLOR, linewidth=1.6, linestyle="--", zorder=8)
+            axes.plot(*self.origins[j], marker="o", markersize=3.5, color=OVERLAY_COLOR, zorder=8)
 
     def _draw_ground(self, axes: Axes) -> None:
         """Shadow of the links on the base plane, and the axes of the base."""

@@ -38,7 +38,7 @@ from graphdyn import __version__
 from graphdyn.compiler import CACHE_VARIABLE
 
 COMMANDS = (
-    *("inspect", "crosscheck", "repair", "show", "view", "simulate", "robots"),
+    *("inspect", "crosscheck", "diff", "repair", "show", "view", "simulate", "robots"),
     *("judge", "questions", "vectors", "export"),
     *("recording", "identify", "excite", "payload", "study"),
     *("bench", "paper", "errata", "cache"),

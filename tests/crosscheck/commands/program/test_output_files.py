@@ -30,6 +30,7 @@ READS = {
     "export": ("{robot}",),
     "vectors": ("{robot}", "--out", "vectors"),
     "inspect": ("{robot}",),
+    "diff": ("{robot}", "{robot}"),
     "repair": ("{robot}", "--take", "axis"),
     "recording": ("{log}", "--robot", "{robot}"),
     "identify": (

@@ -1,0 +1,117 @@
+"""The format `graphdyn diff 1`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import urdf
+from crosscheck.commands.diff.robots import ComparedRobots
+from crosscheck.commands.diff.words import changes_in_words
+from crosscheck.report.records.record import CommandRecord, Count, Number, Numbers, Record, attribute, written
+from graphdyn.aligning import JointDifference, JointMap, LinkDifference, ModelDifferences, TorqueDifference
+
+
+class JointMapRecord(Record, of=JointMap, only=("signs", "zeros")):
+    """How q of B follows from q of A: q_B = signs q_A + zeros.
+
+    base_rotation: R of B's ground frame: a point with coordinates x in it has R x + t in A's ground frame (3, 3)
+    base_translation: t (3,) [m]
+    tool_rotation: R of B's last link frame, in A's at q = 0 (3, 3)
+    tool_translation: t (3,) [m]
+    """
+
+    signs: Numbers
+    zeros: Numbers
+    base_rotation: Sequence[Numbers] = attribute("base.rotation")
+    base_translation: Numbers = attribute("base.translation")
+    tool_rotation: Sequence[Numbers] = attribute("tool.rotation")
+    tool_translation: Numbers = attribute("tool.translation")
+
+
+class JointDifferenceRecord(Record, of=JointDifference):
+    """One thing that is different at a joint of A.
+
+    unit: of the value
+    """
+
+    unit: str = attribute()
+
+
+class LinkDifferenceRecord(Record, of=LinkDifference):
+    """One thing that is different in the inertia of a link.
+
+    unit: of the value
+    """
+
+    relative: Number
+    unit: str = attribute()
+
+
+class TorqueDifferenceRecord(Record, of=TorqueDifference):
+    """The largest difference of one term of the torque of one joint.
+
+    relative: the difference as a part of the largest torque of this term and joint
+    """
+
+    q: Numbers
+    v: Numbers
+    a: Numbers
+    relative: Number = attribute()
+
+
+class UpdateRecord(Record, of=urdf.Update):
+    """The URDF file that was written.
+
+    path: of the file
+    """
+
+    path: str
+
+
+class DiffRecord(
+    CommandRecord,
+    of=ModelDifferences,
+    only=("verdict", "tolerance", "n_states", "base_parameters", "settings"),
+    format="graphdyn diff 1",
+):
+    """What differs between robots A and B, after B is laid over A.
+
+    robots: A and B as given; seed: of the random states
+    joint_names: of A, then of B, in the order of positions
+    changes: what the map does, in sentences
+    map: the map that was taken; other_maps: those that move the flange in the same way
+    flange_distance: the largest one [m]; flange_q: where, of A (n,)
+    joints: lengths, angles and axes that differ, from the base outward
+    links: masses, centers of mass and tensors that differ
+    torques: of every term and joint the largest difference, and its state
+    inertials_written: what --use-inertials-of wrote, null without it
+    """
+
+    robots: Sequence[str]
+    seed: Count
+    joint_names: Sequence[Sequence[str]]
+    changes: Sequence[str]
+    map: JointMapRecord = attribute("alignment.map")
+    other_maps: Sequence[JointMapRecord] = attribute("alignment.others")
+    flange_distance: float = attribute("flange.largest")
+    flange_q: Numbers = attribute("flange.q")
+    joints: Sequence[JointDifferenceRecord] = attribute()
+    links: Sequence[LinkDifferenceRecord] = attribute()
+    torques: Sequence[TorqueDifferenceRecord] = attribute()
+    inertials_written: UpdateRecord | None
+
+
+def record(compared: ComparedRobots, command: Sequence[str]) -> dict[str, Any]:
+    found = compared.found
+    update = compared.written
+    return written(
+        DiffRecord,
+        found,
+        command=command,
+        robots=[each.source for each in compared.robots],
+        seed=compared.seed,
+        joint_names=[found.alignment.first.joint_names, found.alignment.second.joint_names],
+        changes=changes_in_words(found),
+        inertials_written=None if update is None else written(UpdateRecord, update, path=str(update.path)),
+    )

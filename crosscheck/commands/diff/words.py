@@ -1,0 +1,79 @@
+"""What had to be done to lay robot B over robot A, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from graphdyn import Placement
+from graphdyn.aligning import Alignment, JointMap, ModelDifferences
+from graphdyn.layout import Array
+
+AXIS_WORD_TOLERANCE = 1e-6
+"""Entry of a unit vector below which it counts as zero: the axis is then called x, y or z."""
+
+
+def changes_in_words(found: ModelDifferences) -> list[str]:
+    """Each change that the map makes, as a sentence; none where B is written like A but for names and link frames."""
+    alignment = found.alignment
+    joints = alignment.second.joint_names
+    words = [f"B's joint '{name}' turns or slides the other way" for name in _reversed(alignment.map, joints)]
+    for joint, zero in zip(alignment.second.joints, alignment.map.zeros, strict=True):
+        if abs(zero) > found.tolerance:
+            size = f"{zero:.6g} m" if joint.is_prismatic else f"{degrees(zero)}°"
+            words.append(f"B's zero of joint '{joint.name}' is at {size}")
+    words += [f"B's base is {moved}" for moved in _moved(alignment.map.base, found.tolerance)]
+    words += [f"B's last link frame is {moved}, in A's" for moved in _moved(alignment.map.tool, found.tolerance)]
+    renamed = [
+        f"'{one}' = '{other}'" for one, other in zip(alignment.first.joint_names, joints, strict=True) if one != other
+    ]
+    if renamed:
+        words.append(f"joints of A and B: {', '.join(renamed)}")
+    return words
+
+
+def map_in_words(alignment: Alignment, other: JointMap) -> str:
+    """Another map of the class, in a line."""
+    names = alignment.second.joint_names
+    parts = []
+    if reversed_ones := list(_reversed(other, names)):
+        parts.append(f"other way: {', '.join(reversed_ones)}")
+    zeros = [
+        f"{joint.name} at {f'{zero:.6g} m' if joint.is_prismatic else f'{degrees(zero)}°'}"
+        for joint, zero in zip(alignment.second.joints, other.zeros, strict=True)
+        if degrees(zero) != "0"
+    ]
+    if zeros:
+        parts.append(f"zeros: {', '.join(zeros)}")
+    return "; ".join(parts) or "no change of joints"
+
+
+def degrees(angle: float) -> str:
+    """An angle [rad] in degrees, without a digit that rounding made."""
+    return f"{round(float(np.degrees(angle)), 4) + 0.0:g}"
+
+
+def _reversed(joint_map: JointMap, names: tuple[str, ...]) -> Iterator[str]:
+    return (name for name, sign in zip(names, joint_map.signs, strict=True) if sign < 0)
+
+
+def _moved(frame: Placement, tolerance: float) -> Iterator[str]:
+    """How a frame is turned and moved."""
+    vector = np.array([frame.rotation[k, j] - frame.rotation[j, k] for k, j in ((2, 1), (0, 2), (1, 0))]) / 2
+    angle = float(np.arctan2(np.linalg.norm(vector), (np.trace(frame.rotation) - 1) / 2))
+    if angle > tolerance:
+        values, vectors = np.linalg.eigh((frame.rotation + frame.rotation.T) / 2)
+        axis = vectors[:, int(values.argmax())]
+        forward = 1.0 if axis[int(np.abs(axis).argmax())] > 0 else -1.0
+        sense = float(np.sign(axis @ vector)) or forward
+        yield f"turned by {degrees(sense * forward * angle)}° about {_direction(forward * axis)}"
+    if np.linalg.norm(frame.translation) > tolerance:
+        yield f"moved by ({', '.join(f'{x + 0.0:.6g}' for x in np.round(frame.translation, 9))}) m"
+
+
+def _direction(axis: Array) -> str:
+    for k, letter in enumerate("xyz"):
+        if abs(abs(axis[k]) - 1) < AXIS_WORD_TOLERANCE:
+            return letter
+    return f"({', '.join(f'{x + 0.0:.4g}' for x in np.round(axis, 6))})"

@@ -1,0 +1,33 @@
+"""Two descriptions of one robot: how the joints, zeros and frames of the second relate to the first, and what differs.
+
+align finds the map, differences compares what is left after it. Both take serial robots.
+"""
+
+from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
+from graphdyn.aligning.fields import JointDifference, LinkDifference, SettingDifference
+from graphdyn.aligning.joint_map import JointMap
+from graphdyn.aligning.model_differences import (
+    VERDICTS,
+    DifferenceVerdict,
+    FlangeDifference,
+    ModelDifferences,
+    differences,
+)
+from graphdyn.aligning.torques import BaseParameterDifference, TorqueDifference
+
+__all__ = [
+    "COUNTED_FROM",
+    "VERDICTS",
+    "Alignment",
+    "BaseParameterDifference",
+    "DifferenceVerdict",
+    "FlangeDifference",
+    "JointDifference",
+    "JointMap",
+    "LinkDifference",
+    "ModelDifferences",
+    "SettingDifference",
+    "TorqueDifference",
+    "align",
+    "differences",
+]

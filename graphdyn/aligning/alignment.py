@@ -1,0 +1,148 @@
+"""The map that lays one serial robot over another: senses and zeros of the joints, base and tool.
+
+Where a wrist can be flipped, or the zero of an end joint trades with base or tool, several maps give one motion of the
+flange. Of these, the one is taken with which most links have equal inertias, then the one with the fewest changes, then
+the one with which most limits agree.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from graphdyn.aligning.axes import JointAxes
+from graphdyn.aligning.inertias import LinkInertias
+from graphdyn.aligning.joint_map import JointMap
+from graphdyn.aligning.trades import traded
+from graphdyn.aligning.walk import Walk
+from graphdyn.arguments.arrays import as_floats
+from graphdyn.display import short_repr
+from graphdyn.errors import InvalidInput
+from graphdyn.layout import Array
+from graphdyn.model.robot_model import RobotModel, check_model
+
+COUNTED_FROM = 1e-5
+"""Differences that do not count, as parts of the size of what is compared, and in radians: files that write 1.5708 for
+π/2 err by 3.7e-6."""
+
+MOST_JOINTS = 12
+"""Joints of the longest robot that is aligned: every further one doubles the number of choices of senses."""
+
+COST_RATIO, COST_MARGIN = 3.0, 1e-3
+"""Misfits [rad, parts of the reach] of a choice of senses, as a multiple of the smallest and above it, with which it is
+looked at: where axes are displaced, the right one need not have the smallest; what differs then decides."""
+
+MOST_CHOICES = 16
+"""Choices of senses that are looked at: those of one robot are eight at most, two for each end and the wrist."""
+
+
+@dataclass(frozen=True, eq=False)
+@short_repr
+class Alignment:
+    """Robot B laid over robot A.
+
+    first, second: A and B
+    map: how joint positions, base and tool relate
+    model: B in the link frames, joint names and joint positions of A: the same robot, to rounding, written like A
+    others: maps that move the flange in the same way, with less of the links equal or more changes
+    """
+
+    first: RobotModel
+    second: RobotModel
+    map: JointMap
+    model: RobotModel
+    others: tuple[JointMap, ...]
+
+
+def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_FROM) -> Alignment:
+    """Lay a serial robot over another with as many joints of the same kinds.
+
+    tolerance: what does not count as a difference, as a part of reach, mass and tensor, and in radians
+
+    Joints correspond in their order from the base. Raises InvalidInput for robots that are not serial, that have
+    couplings or chords, more than 12 joints, or other numbers or kinds of joints.
+
+    >>> import graphdyn
+    >>> from graphdyn.aligning import align
+    >>> arm = graphdyn.kr500()
+    >>> align(arm, arm).map.signs
+    array([1., 1., 1., 1., 1., 1.])
+    """
+    check_comparable(first, second)
+    (tolerance,) = as_floats("tolerance", [tolerance])
+    if not tolerance > 0:
+        raise InvalidInput(f"tolerance is {tolerance:g}; give a number above zero")
+    axes = JointAxes.of(first), JointAxes.of(second)
+    inertias = LinkInertias.of((first, second), axes, tolerance)
+    robots = first, second
+    found = []
+    for signs in _class_of_senses(*axes):
+        laid = []
+        for walk in _walks(*axes, signs, inertias):
+            laid.append(traded(walk, robots, inertias))
+            if not laid[-1].order[0]:
+                break  # no other walk can leave less
+        found.append(min(laid, key=lambda each: each.order))
+    best, *others = sorted(found, key=lambda laid: laid.order)
+    maps = [best.map]
+    for each in others:
+        if each.cost <= best.cost + tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
+            maps.append(each.map)
+    return Alignment(first, second, best.map, best.model, tuple(maps[1:]))
+
+
+def check_comparable(first: RobotModel, second: RobotModel) -> None:
+    """Raise InvalidInput where one is not serial, or where numbers and kinds of joints differ."""
+    for model in (first, second):
+        check_model(model)
+        who = f"robot '{model.name}'"
+        if model.couplings or model.chords:
+            raise InvalidInput(f"{who} has couplings or loops; lock the joints that others drive, or choose a chain")
+        for number, joint in enumerate(model.joints):
+            if joint.inside != number:
+                where = "the ground" if joint.inside == 0 else f"link '{model.body_names[joint.inside - 1]}'"
+                raise InvalidInput(
+                    f"{who} branches at {where}, before joint '{joint.name}'; choose the chain to one tip"
+                )
+        if model.n_bodies > MOST_JOINTS:
+            raise InvalidInput(
+                f"{who} has {model.n_bodies} joints; {MOST_JOINTS} can be aligned: choose a shorter chain"
+            )
+    if first.n_bodies != second.n_bodies:
+        raise InvalidInput(
+            f"robot '{first.name}' has {first.n_bodies} joints ({', '.join(first.joint_names)}), robot '{second.name}' "
+            f"has {second.n_bodies} ({', '.join(second.joint_names)}); choose the chain to one tip, or lock joints"
+        )
+    for one, other in zip(first.joints, second.joints, strict=True):
+        if one.is_prismatic != other.is_prismatic:
+            slides = one if one.is_prismatic else other
+            turns = other if one.is_prismatic else one
+            raise InvalidInput(f"joint '{slides.name}' slides, and joint '{turns.name}' in its place turns")
+
+
+def _class_of_senses(first: JointAxes, second: JointAxes) -> Iterator[Array]:
+    """The choices of senses (n,) with the smallest misfits."""
+    choices = [np.array(signs) for signs in product((1.0, -1.0), repeat=len(first.directions))]
+    costs = np.array([Walk(first, second, signs).cost for signs in choices])
+    for chosen in np.argsort(costs, kind="stable")[:MOST_CHOICES]:
+        if costs[chosen] <= COST_RATIO * costs.min() + COST_MARGIN:
+            yield choices[chosen]
+
+
+def _walks(first: JointAxes, second: JointAxes, signs: Array, inertias: LinkInertias) -> Iterator[Walk]:
+    """B laid over A by its axes; by its inertias too; with whole right angles; by all axes but the first.
+
+    Axes that are nearly parallel leave a translation along them open until others determine it; a second walk begins
+    where the first has put the base, so that the small angles between them do no harm.
+    """
+    for given in (None, inertias):
+        start = Walk(first, second, signs, given).places[0]
+        yield Walk(first, second, signs, given, start)
+    yield Walk(first, second, signs, inertias, snapped=True)
+    if len(signs) > 1:
+        outer = Walk(first.outer, second.outer, signs[1:])
+        start = Walk(first.outer, second.outer, signs[1:], start=outer.places[0]).places[0]
+        yield Walk(first, second, signs, inertias, start, held=True)

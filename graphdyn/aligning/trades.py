@@ -1,0 +1,114 @@
+"""The zeros of the first and the last joint, which trade with base and tool.
+
+The motion of the flange is the same for all of them. Taken is what leaves the fewest differences, then the fewest
+changes and other limits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from graphdyn.aligning.axes import matrix, placement_of, turned_about, twist_about
+from graphdyn.aligning.fields import joint_differences, link_differences
+from graphdyn.aligning.inertias import LinkInertias
+from graphdyn.aligning.joint_map import JointMap
+from graphdyn.aligning.reexpressed import mapped_limits, reexpressed
+from graphdyn.aligning.walk import Walk
+from graphdyn.layout import Array
+from graphdyn.model.parts import JointLimits
+from graphdyn.model.robot_model import RobotModel
+
+EQUAL_LIMITS = 1e-5
+"""Difference of limits [rad or m] that does not count when zeros are chosen by them: that of rounded angles."""
+
+
+@dataclass(frozen=True, eq=False)
+class LaidRobot:
+    """A map, B written like A with it, and where it stands among others.
+
+    cost: misfits of its walk; order: the smallest is the best
+    """
+
+    map: JointMap
+    model: RobotModel
+    cost: float
+    order: tuple[float, ...]
+
+
+def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkInertias) -> LaidRobot:
+    """The best map of a walk: the zero of the last joint traded with the tool, then that of the first with the base."""
+    first, second = walk.first, walk.second
+    about = walk.signs[:, None] * first.directions
+    ends = np.array([[matrix(robot.base), axes.links[-1]] for robot, axes in zip(robots, (first, second), strict=True)])
+
+    def laid(from_base: float, to_tool: float) -> LaidRobot:
+        places, zeros = walk.places.copy(), walk.zeros.copy()
+        places[0] = turned_about(about[0], first.points[0], -from_base) @ places[0]
+        places[-1] = turned_about(about[-1], first.points[-1], to_tool) @ places[-1]
+        zeros[0] += from_base
+        zeros[-1] += to_tool
+        base, tool = np.linalg.inv(ends[0]) @ places[[0, -1]] @ ends[1]
+        zeros = _by_limits(walk, zeros, robots)
+        joint_map = JointMap(walk.signs, zeros, placement_of(base), placement_of(tool))
+        model = reexpressed(*robots, joint_map, places, walk)
+        joints = joint_differences(robots[0], model, inertias.tolerance)
+        links = link_differences(robots[0], model, inertias.tolerance)
+        changes = joint_map.n_changes(inertias.tolerance, inertias.length)
+        limits = sum(_limits_differ(a.limits, b.limits) for a, b in zip(robots[0].joints, model.joints, strict=True))
+        order = (len(joints) + len(links), changes + limits, float(np.abs(zeros).sum()))
+        return LaidRobot(joint_map, model, walk.cost, order)
+
+    tool = np.linalg.inv(ends[0, 1]) @ walk.places[-1] @ ends[1, 1]
+    to_tool = [0.0]
+    if not first.slides[-1]:
+        to_tool += [-_twist(about[-1], tool, ends[0, 1]), *_zeros_of_limits(-1, walk, robots)]
+        fits = inertias.fits(len(about) - 1, walk.places[-1], about[-1], first.points[-1], 0.0)
+        to_tool += [angle for angle, _ in fits]
+    base = np.linalg.inv(ends[0, 0]) @ walk.places[0] @ ends[1, 0]
+    from_base = [0.0]
+    if not first.slides[0]:
+        from_base += [_twist(about[0], base, ends[0, 0]), *_zeros_of_limits(0, walk, robots)]
+    chosen = min(dict.fromkeys(to_tool), key=lambda angle: laid(0.0, angle).order)
+    return min((laid(angle, chosen) for angle in dict.fromkeys(from_base)), key=lambda each: each.order)
+
+
+def _twist(about: Array, frame: Array, inside: Array) -> float:
+    """The angle by which a frame (4, 4), seen in `inside`, is turned about an axis of the world."""
+    return twist_about(inside[:3, :3].T @ about, frame[:3, :3])
+
+
+def _zeros_of_limits(joint: int, walk: Walk, robots: tuple[RobotModel, RobotModel]) -> list[float]:
+    """What must be added to the zero of an end joint so that both its limits agree; empty where nothing does."""
+    one, other = (robot.joints[joint].limits for robot in robots)
+    ends = (other.lower, other.upper) if walk.signs[joint] > 0 else (other.upper, other.lower)
+    if one.lower is None or one.upper is None or ends[0] is None or ends[1] is None:
+        return []
+    zeros = [float(b - walk.signs[joint] * a) for a, b in zip((one.lower, one.upper), ends, strict=True)]
+    return [zeros[0] - float(walk.zeros[joint])] if abs(zeros[0] - zeros[1]) < EQUAL_LIMITS else []
+
+
+def _by_limits(walk: Walk, zeros: Array, robots: tuple[RobotModel, RobotModel]) -> Array:
+    """Zeros from -π to π, or a turn away where the limits agree then."""
+    wrapped = np.where(walk.first.slides, zeros, _wrapped(zeros))
+    for k, (one, other) in enumerate(zip(robots[0].joints, robots[1].joints, strict=True)):
+        now = mapped_limits(other.limits, float(walk.signs[k]), wrapped[k])
+        if not one.is_prismatic and _limits_differ(one.limits, now):
+            turns = (wrapped[k], wrapped[k] - 2 * np.pi, wrapped[k] + 2 * np.pi)
+            mapped = [mapped_limits(other.limits, float(walk.signs[k]), zero) for zero in turns]
+            differing = [_limits_differ(one.limits, limits) for limits in mapped]
+            wrapped[k] = turns[differing.index(min(differing))]
+    return wrapped
+
+
+def _limits_differ(one: JointLimits, other: JointLimits) -> int:
+    """How many of the limits of position differ."""
+    pairs = (one.lower, other.lower), (one.upper, other.upper)
+    return sum(a is not b if a is None or b is None else abs(a - b) > EQUAL_LIMITS for a, b in pairs)
+
+
+def _wrapped(angles: Array) -> Array:
+    """Angles from -π to π, and π rather than -π."""
+    turned = np.remainder(angles + np.pi, 2 * np.pi) - np.pi
+    return np.where(turned < -np.pi + EQUAL_LIMITS, turned + 2 * np.pi, turned)

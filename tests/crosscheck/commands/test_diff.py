@@ -1,0 +1,127 @@
+"""`graphdyn diff`: the words of the terminal, the JSON file, the page, a file with other inertials, and bad input."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+from robots.ur5e_like import MASSES, NAMES, OTHER_MASSES, SHIFTS, ur5e_like
+from shared_data import REPOSITORY
+
+import urdf
+from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from graphdyn import Placement
+from graphdyn.model import rotation_about
+
+SCHEMA = json.loads((REPOSITORY / "docs/schemas/diff-1.schema.json").read_text(encoding="utf-8"))
+
+BODY = '<body name="x"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """An arm as URDF; the same heavier; an MJCF file of another one with a base that is turned by 90°."""
+    place = tmp_path_factory.mktemp("robots")
+    arm = ur5e_like()
+    urdf.save(arm, place / "arm.urdf")
+    urdf.save(ur5e_like(OTHER_MASSES), place / "other.urdf")
+    measured = ur5e_like(OTHER_MASSES, SHIFTS)
+    turned = Placement(rotation_about([0, 0, 1], np.pi / 2), np.zeros(3))
+    first = replace(measured.joints[0], placement=turned @ measured.joints[0].placement)
+    urdf.save_mjcf(replace(measured, joints=(first, *measured.joints[1:])), place / "arm.xml")
+    return place
+
+
+@pytest.fixture
+def run(program, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    return lambda *arguments: program("diff", *arguments)
+
+
+def test_a_robot_and_itself(run):
+    done = run("arm.urdf", "arm.urdf", "--samples", 10)
+    assert done.code == AGREED, done.err
+    assert "same model" in done.out
+    assert "nothing had to be changed but link frames" in done.out
+
+
+@pytest.mark.usefixtures("unpictured")
+def test_an_mjcf_file_with_a_turned_base_displaced_axes_and_other_masses(run, tmp_path):
+    done = run("arm.urdf", "arm.xml", "--samples", 20, "--json", tmp_path / "d.json", "--html", tmp_path / "d.html")
+    assert done.code == DISAGREED, done.err
+    assert "B's base is turned by -90° about z" in done.out
+    data = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
+    Draft202012Validator(SCHEMA).validate(data)
+    assert data["verdict"] == "different robots"
+    assert data["map"]["zeros"] == pytest.approx([0] * 6, abs=5e-3)  # displaced axes trade with zeros, 1 mm in 0.4 m
+    assert {each["joint"] for each in data["joints"]} <= {f"{name}_joint" for name in NAMES}
+    assert max(each["value"] for each in data["joints"] if each["kind"] == "length") == pytest.approx(1.1e-3, rel=0.2)
+    masses = {each["link"]: each["value"] for each in data["links"] if each["kind"] == "mass"}
+    gains = {name: other - mass for name, mass, other in zip(NAMES, MASSES, OTHER_MASSES, strict=True)}
+    expected = {f"{name}_link": gain for name, gain in gains.items() if gain}
+    assert masses == pytest.approx(expected)
+    assert "one over the other" in (tmp_path / "d.html").read_text(encoding="utf-8")
+
+
+def test_the_inertials_of_the_other_robot(run, tmp_path):
+    out = tmp_path / "better.urdf"
+    done = run("arm.urdf", "other.urdf", "--samples", 10, "--use-inertials-of", "B", "--out", out)
+    assert done.code == DISAGREED, done.err
+    assert "new inertials of pan_link, lift_link, elbow_link, wrist_3_link" in " ".join(done.out.split())
+    assert [body.mass for body in urdf.load(out).bodies] == pytest.approx(OTHER_MASSES)
+    assert run(out, "other.urdf", "--samples", 10).code == AGREED
+    back = tmp_path / "back.urdf"
+    run("arm.urdf", "other.urdf", "--samples", 10, "--use-inertials-of", "A", "--out", back)
+    assert run(back, "arm.urdf", "--samples", 10).code == AGREED
+
+
+def test_a_model_of_export_and_the_arm_before_a_gripper(run, program, tmp_path):
+    exported = tmp_path / "arm.json"
+    program("export", "arm.urdf", "--to", exported)
+    done = run("arm.urdf", exported, "--samples", 10)
+    assert "equal in all joint torques" in done.out  # it has no limits
+    shortened = run("arm.urdf", "other.urdf", "--tip", "lift_link", "--samples", 10, "--json", tmp_path / "d.json")
+    assert shortened.code == DISAGREED
+    data = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
+    assert data["joint_names"] == [["pan_joint", "lift_joint"]] * 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("arm.urdf", "nowhere.urdf"), "nowhere.urdf"),
+        (("arm.urdf", "cut.urdf"), "cut.urdf"),
+        (("arm.urdf", "wrong.json"), "not in the format 'graphdyn export 1'; give a file that"),
+        (("arm.urdf", "text.json"), "not a JSON file"),
+        (("arm.urdf", "heavy.json"), "heavy.json: a value has the wrong type"),
+        (("arm.urdf", "light.json"), "light.json: body 'b': mass -1.0 kg is negative"),
+        (("arm.urdf", "ball.xml"), "ball.xml"),
+        (("arm.urdf", "arm.urdf", "--tip", "nothing"), "nothing"),
+        (("arm.urdf", "arm.urdf", "--tip", "-", "--tip", "wrist_1_link"), "robot 'ur5e_like' has 6 joints"),
+        (("arm.urdf", "arm.urdf", *("--tip", "-") * 3), "--tip is given 3 times; give it once, or for A and for B"),
+        (("light.json", "arm.urdf", "--tip", "b"), "--tip b: light.json is a model that is cut already"),
+        (("arm.urdf", "arm.urdf", "--tolerance", "0"), "tolerance is 0; give a number above zero"),
+        (("arm.urdf", "arm.urdf", "--samples", "0"), "--samples"),
+        (("arm.urdf", "arm.urdf", "--out", "c.urdf"), "--use-inertials-of and --out belong together"),
+        (("arm.xml", "arm.urdf", "--use-inertials-of", "B", "--out", "c.urdf"), "arm.xml is no URDF file"),
+        (("arm.urdf",), "takes 2 values"),
+    ],
+)
+def test_bad_input(run, folder, words, arguments, message):
+    body = {"number": 1, "name": "b", "joint": "j", "kind": "revolute", "parent": 0, "axis": [0, 0, 1], "mass": -1}
+    body |= {"rotation": np.eye(3).tolist(), "translation": [0] * 3, "center_of_mass": [0] * 3}
+    model = {"format": "graphdyn export 1", "robot": "r", "versions": {}, "warnings": [], "locked": {}, "chain": None}
+    model |= {"n": 1, "gravity": [0, 0, -9.81], "base_rotation": np.eye(3).tolist(), "base_translation": [0] * 3}
+    light = model | {"bodies": [body | {"inertia": np.eye(3).tolist()}], "frames": []}
+    heavy = light | {"robot": "h", "bodies": [light["bodies"][0] | {"mass": 1}]}
+    (folder / "light.json").write_text(json.dumps(light), encoding="utf-8")
+    (folder / "heavy.json").write_text(json.dumps(heavy | {"bodies": None}), encoding="utf-8")
+    (folder / "wrong.json").write_text("{}", encoding="utf-8")
+    (folder / "text.json").write_text("{", encoding="utf-8")
+    (folder / "cut.urdf").write_text((folder / "arm.urdf").read_text(encoding="utf-8")[:900], encoding="utf-8")
+    ball = f'<mujoco><worldbody>{BODY}<joint type="ball"/></body></worldbody></mujoco>'
+    (folder / "ball.xml").write_text(ball, encoding="utf-8")
+    done = run(*arguments)
+    assert done.code == BAD_INPUT
+    assert message in words(done.err)
