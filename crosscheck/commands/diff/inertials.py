@@ -24,7 +24,7 @@ def with_inertials_of(
         model = found.alignment.model
     else:
         model = align(robots[1].model, robots[0].model, tolerance=found.tolerance).model
-    if Path(taker.source).suffix.lower() in (".json", ".xml"):
+    if Path(taker.source).suffix.lower() in (".json", ".toml", ".xml"):
         raise typer.BadParameter(
             f"--use-inertials-of {giver}: {taker.source} is no URDF file; write MJCF with `graphdyn export --patch`"
         )
