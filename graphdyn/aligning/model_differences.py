@@ -81,7 +81,7 @@ def differences(
 ) -> ModelDifferences:
     """Lay a serial robot over another, and compare what is left.
 
-    tolerance: what does not count as a difference: a part of reach, mass, tensor and of the largest torque of its term,
+    tolerance: what does not count as a difference: a part of reach, mass, tensor and of the moments that joints bear,
         and an angle [rad]
     samples, seed: number of random states within the limits of the first robot, and what they are drawn with
 
