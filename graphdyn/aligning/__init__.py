@@ -4,7 +4,7 @@ align finds the map, differences compares what is left after it. Both take seria
 """
 
 from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
-from graphdyn.aligning.fields import JointDifference, LinkDifference, SettingDifference
+from graphdyn.aligning.fields import FrameDifference, JointDifference, LinkDifference, SettingDifference
 from graphdyn.aligning.joint_map import JointMap
 from graphdyn.aligning.model_differences import (
     VERDICTS,
@@ -22,6 +22,7 @@ __all__ = [
     "BaseParameterDifference",
     "DifferenceVerdict",
     "FlangeDifference",
+    "FrameDifference",
     "JointDifference",
     "JointMap",
     "LinkDifference",

@@ -1,4 +1,4 @@
-"""Two robots in the same link frames, field by field: joints, links, drives and limits."""
+"""Two robots in the same link frames, field by field: joints, links, named frames, drives and limits."""
 
 from __future__ import annotations
 
@@ -64,6 +64,21 @@ class LinkDifference:
 
 @dataclass(frozen=True)
 @short_repr
+class FrameDifference:
+    """A named frame of both robots, such as a flange, that is elsewhere in its link.
+
+    name: in A and B; link: of A, which carries it
+    distance: of the origins [m]; angle: by which one is turned against the other [rad]
+    """
+
+    name: str
+    link: str
+    distance: float
+    angle: float
+
+
+@dataclass(frozen=True)
+@short_repr
 class SettingDifference:
     """Another armature, damping, friction or limit of a joint; None where a robot states no limit.
 
@@ -116,6 +131,18 @@ def link_differences(first: RobotModel, model: RobotModel, tolerance: float) -> 
             found.append(LinkDifference(one.name, "center", apart, apart / reach))
         if tensor > tolerance * max(largest, float(np.abs(other.inertia).max())):
             found.append(LinkDifference(one.name, "tensor", tensor, _part(tensor, largest)))
+    return tuple(found)
+
+
+def frame_differences(first: RobotModel, model: RobotModel, tolerance: float) -> tuple[FrameDifference, ...]:
+    """Named frames that both robots have on a link, where they differ."""
+    reach, here, found = JointAxes.of(first).reach, {frame.name: frame for frame in first.frames}, []
+    for frame in model.frames:
+        one, other = here[frame.name].placement, frame.placement
+        distance = float(np.linalg.norm(other.translation - one.translation))
+        angle = rotation_angle(one.rotation.T @ other.rotation)
+        if distance > tolerance * reach or angle > tolerance:
+            found.append(FrameDifference(frame.name, first.body_names[frame.body - 1], distance, angle))
     return tuple(found)
 
 

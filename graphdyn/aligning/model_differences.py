@@ -9,9 +9,11 @@ import numpy as np
 
 from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
 from graphdyn.aligning.fields import (
+    FrameDifference,
     JointDifference,
     LinkDifference,
     SettingDifference,
+    frame_differences,
     joint_differences,
     link_differences,
     setting_differences,
@@ -54,6 +56,7 @@ class ModelDifferences:
     flange: largest distance of the flanges
     joints: lengths, angles and axes that differ, from the base outward
     links: masses, centers of mass and tensors that differ
+    frames: named frames, such as a flange, that both robots have, but elsewhere in the same link
     torques: of every term and joint the largest difference, and its state
     base_parameters: those that differ, where the kinematics are the same
     settings: armature, damping, friction and limits that differ
@@ -66,6 +69,7 @@ class ModelDifferences:
     flange: FlangeDifference
     joints: tuple[JointDifference, ...]
     links: tuple[LinkDifference, ...]
+    frames: tuple[FrameDifference, ...]
     torques: tuple[TorqueDifference, ...]
     base_parameters: tuple[BaseParameterDifference, ...]
     settings: tuple[SettingDifference, ...]
@@ -81,7 +85,7 @@ def differences(
 ) -> ModelDifferences:
     """Lay a serial robot over another, and compare what is left.
 
-    tolerance: what does not count as a difference: a part of reach, mass, tensor and of the largest torque of its term,
+    tolerance: what does not count as a difference: a part of reach, mass, tensor and of the moments that joints bear,
         and an angle [rad]
     samples, seed: number of random states within the limits of the first robot, and what they are drawn with
 
@@ -104,6 +108,7 @@ def differences(
     q, v = first.random_state(np.random.default_rng(seed), samples)
     joints = joint_differences(first, model, tolerance)
     links = link_differences(first, model, tolerance)
+    frames = frame_differences(first, model, tolerance)
     settings = setting_differences(first, model, tolerance)
     torques = torque_differences(first, model, q, v, tolerance)
     flange = _flange(first, model, q)
@@ -112,12 +117,14 @@ def differences(
         verdict = "different robots"
     elif any(each.counts for each in torques) or any(each.shows_in_torque for each in settings):
         verdict = "same kinematics only"
-    elif links or settings:
+    elif links or frames or settings:
         verdict = "equal in all joint torques"
     else:
         verdict = "same model"
     base = () if joints or not links else base_differences(first, model, q, v, tolerance)
-    return ModelDifferences(verdict, alignment, tolerance, samples, flange, joints, links, torques, base, settings)
+    return ModelDifferences(
+        verdict, alignment, tolerance, samples, flange, joints, links, frames, torques, base, settings
+    )
 
 
 def _flange(first: RobotModel, model: RobotModel, q: Array) -> FlangeDifference:

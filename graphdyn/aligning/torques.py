@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from graphdyn.aligning.axes import JointAxes
 from graphdyn.display import short_repr
 from graphdyn.identification.algebra.base_parameters import base_parameters
-from graphdyn.layout import Array
+from graphdyn.layout import ANGULAR, LINEAR, Array
 from graphdyn.model.inertia import PARAMETER_NAMES
 from graphdyn.model.robot_model import RobotModel
-from graphdyn.verbs.dynamics import bias_torque, gravity_torque
+from graphdyn.verbs.dynamics import bias_torque, gravity_torque, inverse_dynamics
 from graphdyn.verbs.matrices import joint_torque_regressor, mass_matrix
 
 Term = Literal["gravity", "inertia", "velocity"]
@@ -32,7 +33,7 @@ class TorqueDifference:
     difference: torque of B minus that of A where it is largest           [N m or N]
     first: torque of A there; largest: of A or B over all states          [N m or N]
     q, v, a: the state                                                    (n,)
-    counts: whether it is more than the tolerance, as a part of the largest torque of this term at any joint of its kind
+    counts: whether it is more than the tolerance, as a part of the force or moment that the joints bear in this term
     """
 
     term: Term
@@ -69,8 +70,8 @@ def torque_differences(
     first: RobotModel, model: RobotModel, q: Array, v: Array, tolerance: float
 ) -> tuple[TorqueDifference, ...]:
     """Each term and joint of two robots of one kinematic form; accelerations are v in one second."""
-    slides = np.array([joint.is_prismatic for joint in first.joints])
     terms = _terms(first, q, v), _terms(model, q, v)
+    scales = _scales(first, q, v)
     found = []
     for term in terms[0]:
         one, other = terms[0][term], terms[1][term]
@@ -78,7 +79,7 @@ def torque_differences(
         for j, joint in enumerate(first.joints):
             gaps = other[:, j] - one[:, j]
             k = int(np.abs(gaps).argmax())
-            scale = float(largest[slides == slides[j]].max())
+            force, moment = scales["weight" if term == "gravity" else "motion"]
             still = np.zeros_like(q[k])
             found.append(
                 TorqueDifference(
@@ -90,7 +91,7 @@ def torque_differences(
                     q[k],
                     v[k] if term == "velocity" else still,
                     v[k] if term == "inertia" else still,
-                    bool(abs(gaps[k]) > tolerance * scale),
+                    bool(abs(gaps[k]) > tolerance * (force if joint.is_prismatic else moment)),
                 )
             )
     return tuple(found)
@@ -121,3 +122,22 @@ def _terms(model: RobotModel, q: Array, v: Array) -> dict[Term, Array]:
     at_rest = gravity_torque(model, q)
     inertia: Array = (mass_matrix(model, q) @ v[..., None])[..., 0]
     return {"gravity": at_rest, "inertia": inertia, "velocity": bias_torque(model, q, v) - at_rest}
+
+
+def _scales(model: RobotModel, q: Array, v: Array) -> dict[str, tuple[float, float]]:
+    """Largest force [N] and moment [N m] of a joint by weight, and by motion.
+
+    Unlike torques, these do not vanish where all axes are vertical, or where no velocity shows at any joint. A moment
+    counts with the force at the end of the reach.
+    """
+    still, weightless = np.zeros_like(v), replace(model, gravity=np.zeros(3))
+    found = {
+        "weight": inverse_dynamics(model, q, still, still).joint_wrenches,
+        "motion": inverse_dynamics(weightless, q, v, v).joint_wrenches,
+    }
+    reach = JointAxes.of(model).reach
+    scales = {}
+    for name, wrenches in found.items():
+        force, moment = (float(np.linalg.norm(wrenches[..., part], axis=-1).max()) for part in (LINEAR, ANGULAR))
+        scales[name] = force, moment + force * reach
+    return scales

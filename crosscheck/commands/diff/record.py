@@ -72,7 +72,7 @@ class UpdateRecord(Record, of=urdf.Update):
 class DiffRecord(
     CommandRecord,
     of=ModelDifferences,
-    only=("verdict", "tolerance", "n_states", "base_parameters", "settings"),
+    only=("verdict", "tolerance", "n_states", "frames", "base_parameters", "settings"),
     format="graphdyn diff 1",
 ):
     """What differs between robots A and B, after B is laid over A.

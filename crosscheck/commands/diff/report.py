@@ -43,7 +43,11 @@ def diff_report(compared: ComparedRobots) -> Report:
     names = [each.source for each in compared.robots]
     sections = (
         Section("alignment", "B laid over A", (*_alignment(compared), overlay_picture(found))),
-        Section("differences", "What differs", (*_kinematics(found), *_links(found), _settings(found), _base(found))),
+        Section(
+            "differences",
+            "What differs",
+            (*_kinematics(found), *_links(found), _frames(found), _settings(found), _base(found)),
+        ),
         Section("torques", "What shows in torque", (torque_table(found), torque_bars(found))),
     )
     return Report(f"{names[0]} (A) and {names[1]} (B)", verdict, sections, record=partial(record, compared))
@@ -65,6 +69,9 @@ def reason(found: ModelDifferences) -> str:
     if found.settings:
         joints = dict.fromkeys(each.joint for each in found.settings)
         return f"armature, damping, friction or limits of {counted(len(joints), 'joint')} differ"
+    if found.frames:
+        names = ", ".join(f"'{each.name}'" for each in found.frames)
+        return f"joints and torques agree, but frames are elsewhere in their links: {names}"
     if found.links:
         return "inertias differ in what no joint torque shows"
     return f"nothing differs by more than {found.tolerance:g}"
@@ -117,6 +124,17 @@ def _links(found: ModelDifferences) -> tuple[Block, ...]:
         Column("part", "number", "%", ".3g", meaning="of A's mass, of the reach, of A's largest entry"),
     )
     return (Table(columns, tuple(rows), title="Links, in A's frames", failures_first=False),)
+
+
+def _frames(found: ModelDifferences) -> Table:
+    rows = tuple(Row((one.name, one.link, one.distance, degrees(one.angle))) for one in found.frames)
+    columns = (
+        Column("frame", "name"),
+        Column("link", "name"),
+        Column("moved by", unit="m", **NUMBER),
+        Column("turned by", "number", "°"),
+    )
+    return Table(columns, rows, title="Frames of the same name", failures_first=False)
 
 
 def _settings(found: ModelDifferences) -> Table:
