@@ -148,7 +148,9 @@ def _connected(file: Path, named: Path) -> Iterator[sqlite3.Connection]:
         except sqlite3.OperationalError as error:
             if "locked" not in str(error):
                 raise InvalidInput(f"{named} cannot be opened: {error}") from None
-            raise InvalidInput(f"{named} is in use: a study writes there; wait for it, or name another folder") from None
+            raise InvalidInput(
+                f"{named} is in use: a study writes there; wait for it, or name another folder"
+            ) from None
         except sqlite3.DatabaseError as error:
             raise _damaged(named, str(error)) from None
         yield connection
