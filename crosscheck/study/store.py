@@ -101,39 +101,41 @@ def checksum(*values: Any) -> str:
 
 
 @contextmanager
-def opened(file: Path, tell: Callable[[str], None] | None = None) -> Iterator[Store]:
+def opened(file: Path, tell: Callable[[str], None] | None = None, *, copy_of: Path | None = None) -> Iterator[Store]:
     """No other process can open it in the meantime.
 
-    tell: called with a line where something in the file is damaged, and is left out
+    tell: called with a line where something in the file is damaged, and is left out; copy_of: the file that messages
+    name, where this one is a copy of it
 
     Raises InvalidInput where another process has it open, for other files, and where it is damaged beyond what it was
     begun with; OSError where it cannot be written, as on a full disk.
     """
+    named = copy_of or file
     with ExitStack() as opened_now:
         try:
             try:
-                connection = opened_now.enter_context(_connected(file))
-                kept = _kept(connection, file)
+                connection = opened_now.enter_context(_connected(file, named))
+                kept = _kept(connection, named)
             except DamagedStore as damage:
-                kept = _kept_of_cut_off(file)
+                kept = _kept_of_cut_off(file, named)
                 if kept is None:
                     raise damage from None
             if kept is not None:
                 opened_now.close()
                 _rewrite(file, kept)
                 whole = counted(len(kept.tasks), "run")
-                (tell or (lambda _: None))(f"{file} is damaged: {whole} can be read, all others are computed again")
-                connection = opened_now.enter_context(_connected(file))
+                (tell or (lambda _: None))(f"{named} is damaged: {whole} can be read, all others are computed again")
+                connection = opened_now.enter_context(_connected(file, named))
             yield Store(connection)
         except sqlite3.OperationalError as error:
-            raise OSError(f"{file} cannot be written: {error}; make room, and go on with --resume") from None
+            raise OSError(f"{named} cannot be written: {error}; make room, and go on with --resume") from None
         except sqlite3.DatabaseError as error:
-            raise OSError(f"{file} has been damaged: {error}; go on with --resume") from None
+            raise OSError(f"{named} has been damaged: {error}; go on with --resume") from None
 
 
 @contextmanager
-def _connected(file: Path) -> Iterator[sqlite3.Connection]:
-    """Raises InvalidInput where it cannot be opened, and for what is no database."""
+def _connected(file: Path, named: Path) -> Iterator[sqlite3.Connection]:
+    """Raises InvalidInput, which names the file so, where it cannot be opened, and for what is no database."""
     with ExitStack() as opened_now:
         try:
             connection = opened_now.enter_context(closing(sqlite3.connect(file, timeout=LOCK_TIMEOUT)))
@@ -145,14 +147,16 @@ def _connected(file: Path) -> Iterator[sqlite3.Connection]:
                 connection.executescript(f"BEGIN IMMEDIATE; {TABLE_DEFINITIONS} COMMIT;")
         except sqlite3.OperationalError as error:
             if "locked" not in str(error):
-                raise InvalidInput(f"{file} cannot be opened: {error}") from None
-            raise InvalidInput(f"{file} is in use: a study writes there; wait for it, or name another folder") from None
+                raise InvalidInput(f"{named} cannot be opened: {error}") from None
+            raise InvalidInput(
+                f"{named} is in use: a study writes there; wait for it, or name another folder"
+            ) from None
         except sqlite3.DatabaseError as error:
-            raise _damaged(file, str(error)) from None
+            raise _damaged(named, str(error)) from None
         yield connection
 
 
-def _kept_of_cut_off(file: Path) -> _Kept | None:
+def _kept_of_cut_off(file: Path, named: Path) -> _Kept | None:
     """What can be read of a file that is cut off: with empty pages in place of the lost ones SQLite reads the others.
 
     None where it is as long as it says, and where its inputs are lost.
@@ -164,8 +168,8 @@ def _kept_of_cut_off(file: Path) -> _Kept | None:
         filled = Path(folder) / file.name
         _copy(file, filled)
         os.truncate(filled, whole)
-        with suppress(DamagedStore), _connected(filled) as connection:
-            return _kept(connection, file)
+        with suppress(DamagedStore), _connected(filled, named) as connection:
+            return _kept(connection, named)
     return None
 
 
@@ -202,7 +206,7 @@ def copied(file: Path) -> Iterator[Store]:
             time.sleep(COPY_PAUSE)
         else:
             raise OSError(f"{file} is written all the time; try again")
-        with opened(copy) as store:
+        with opened(copy, copy_of=file) as store:
             yield store
 
 

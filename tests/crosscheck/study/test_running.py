@@ -254,6 +254,12 @@ class TestSoFar:
         with pytest.raises(InvalidInput, match="has no finished run yet; wait for one"):
             read_so_far(tmp_path / "out")
 
+    def test_a_store_of_another_form_is_named_where_it_is(self, begun):
+        with closing(sqlite3.connect(begun / DATABASE)) as database:
+            database.execute("PRAGMA user_version = 2")
+        with pytest.raises(InvalidInput, match=re.escape(f"{begun / DATABASE} has form 2")):
+            read_so_far(begun)
+
     def test_a_store_that_is_written_all_the_time(self, begun, monkeypatch):
         times = iter(range(1000))
         monkeypatch.setattr(store, "_stamps", lambda file: next(times))
