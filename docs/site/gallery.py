@@ -56,6 +56,11 @@ EXHIBITS = (
         ("judge", "ur5", "--inverse-dynamics", "textbook.py:textbook_rnea"),
         exit_code=1,
     ),
+    Exhibit(
+        "diff",
+        "Two descriptions of one robot laid over each other, and every difference in N m.",
+        ("diff", "ur5", "ur5_joint_limited", "--samples", "100"),
+    ),
     Exhibit("inspect", "A file with faults, each with line and remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
     Exhibit(
         "simulate",

@@ -12,6 +12,8 @@ FIRST_FUNCTIONS = (
     "crosscheck.compare",
     "crosscheck.identify",
     "crosscheck.judge",
+    "graphdyn.aligning.align",
+    "graphdyn.aligning.differences",
     "graphdyn.excitation.optimized",
     "urdf.dh_table",
     "urdf.inspect",

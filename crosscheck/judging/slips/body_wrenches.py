@@ -19,6 +19,7 @@ OF_THE_INSIDE = "taken with {} of the inside link"
 INSIDE_UNTURNED = "taken with ω of the inside link, not turned"
 PRINCIPAL_ALONE = "taken with the principal moments of J alone, without products of inertia"
 ONE_OMEGA = "taken as {}, one ω× missing"
+SQUARED = "taken as −ω² {}"
 
 SPIN, SPIN_UP = "q̇ p in ω", "q̈ p in ω̇"
 CROSS = "the term ω × q̇ p in ω̇"
@@ -64,6 +65,7 @@ def add_body(
     centripetal = do.result(OMEGA_CENTER, j, crossed(w, crossed(w, c)), {
         OF_THE_INSIDE.format("ω"): lambda: crossed(w_i, crossed(w_i, c)),
         ONE_OMEGA.format("ω × c"): lambda: crossed(w, c),
+        SQUARED.format("c"): lambda: -(w * w).sum(axis=0) * c,
     }, product=(crossed, {"the first ω": w, "ω × c": crossed(w, c)}))  # fmt: skip
     at_center = a_o + tangential + centripetal
     weight = do.result(WEIGHT, j, mass * gravity[-1])
@@ -73,6 +75,7 @@ def add_body(
     spun, diagonal = turned(tensor, w), tensor * np.eye(3).reshape(3, 3, *[1] * (tensor.ndim - 2))
     gyroscopic = do.result(GYROSCOPIC, j, crossed(w, spun), {
         "taken with ω of the inside link": lambda: crossed(w_i, turned(tensor, w_i)),
+        "taken with ω of the inside link as its first factor": lambda: crossed(w_i, spun),
         "taken as ω × ω, without J": lambda: 0.0 * spun,
         PRINCIPAL_ALONE: lambda: crossed(w, turned(diagonal, w)),
         "taken as J (ω × ω̇)": lambda: turned(tensor, crossed(w, dw)),

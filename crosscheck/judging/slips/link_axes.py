@@ -39,6 +39,7 @@ from crosscheck.judging.slips.body_wrenches import (
     SLIDING,
     SPIN,
     SPIN_UP,
+    SQUARED,
     TORQUE_ALONG_AXIS,
     WHOLE_ACCELERATION,
     BodyWrench,
@@ -125,6 +126,7 @@ class LinkAxes:
                 "taken with r not turned": lambda: turned(turn, crossed(carried, crossed(carried, r))),
                 "taken with r not turned and ω of the link": lambda: turned(turn, crossed(w_j, crossed(w_j, r))),
                 ONE_OMEGA.format("ω × r"): lambda: crossed(w, r),
+                SQUARED.format("r"): lambda: -(w * w).sum(axis=0) * r,
                 "taken as (ω × ω) × r, zero": lambda: 0.0 * around,
             }
             product: Product = (crossed, {"the first ω": w, "ω × r": crossed(w, r)})

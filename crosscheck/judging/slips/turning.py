@@ -32,11 +32,17 @@ def ways_of_centers(R: Array, before: Array, c: Array) -> dict[str, Callable[[],
     }
 
 
-def tensor_in_world(b: int, R: Array, before: Array, J: Array, do: Operations, of: Of = "joint") -> Array:
-    """R J Rᵀ."""
+def tensor_in_world(
+    b: int, R: Array, before: Array, J: Array, do: Operations, of: Of = "joint", at_zero: Array | None = None
+) -> Array:
+    """R J Rᵀ. at_zero: R at q = 0, where a code could have turned the tensor once"""
     Rt = np.swapaxes(R, 0, 1)
     diagonal = np.eye(3).reshape(3, 3, *[1] * (J.ndim - 2))
+    once: dict[str, Callable[[], Array]] = {}
+    if at_zero is not None:
+        once["turned as at q = 0"] = lambda: times(times(at_zero, J), np.swapaxes(at_zero, 0, 1)) + 0 * R
     return do.result("the tensor in world axes", b, times(times(R, J), Rt), {
+        **once,
         NOT_TURNED: lambda: J + 0 * R, WRONG_WAY: lambda: times(times(Rt, J), R),
         WITH_THE_INSIDE: lambda: times(times(before, J), np.swapaxes(before, 0, 1)),
         "taken as R J, the second R missing": lambda: times(R, J),

@@ -31,6 +31,7 @@ from crosscheck.judging.slips.body_wrenches import (
     SLIDING,
     SPIN,
     SPIN_UP,
+    SQUARED,
     TORQUE_ALONG_AXIS,
     add_body,
 )
@@ -44,6 +45,7 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
     q, v, a = state
     zero = np.zeros((3, 1, 1))
     attitude, omega, alpha, linear = [np.eye(3)[:, :, None, None]], [zero], [zero], [-x.gravity]
+    at_zero, origins = [attitude[0]], [zero]
     arms: list[Array] = []
     axes: list[Array] = []
     forces: list[Array] = []
@@ -53,6 +55,8 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
         turn, local = joint_placement(code, x, q, j)
         attitude.append(times(attitude[inside], turn))
         base, R = attitude[inside], attitude[-1]
+        at_zero.append(times(at_zero[inside], x.rotations[j]))
+        origins.append(origins[inside] + turned(base, local))
         ways = {
             NOT_TURNED: lambda: local + 0 * base[0], WRONG_WAY: lambda: turned_back(base, local),
             "turned with the outer link": lambda: turned(R, local),
@@ -75,6 +79,7 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
         around = do.result(OMEGA_ARM, j, crossed(w, crossed(w, r)), {
             OF_THE_LINK.format("ω"): lambda: crossed(w_j, crossed(w_j, r)),
             ONE_OMEGA.format("ω × r"): lambda: crossed(w, r),
+            SQUARED.format("r"): lambda: -(w * w).sum(axis=0) * r,
         })  # fmt: skip
         sliding = do.result(SLIDING, j, 2 * crossed(w, slide))
         driven = do.result("q̈ p of sliding joints in the acceleration", j, z * a[j] if slides else 0.0 * z)
@@ -85,19 +90,24 @@ def world_axes(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> 
         c = do.result("c in world axes", j, turned(R, own_c), ways)
         lever = do.result("c in world axes, in c × F,", j, c, ways)
         c = do.result("c in world axes, in the acceleration of the center of mass,", j, c, ways)
-        tensor = tensor_in_world(j, R, base, own_j, do)
+        tensor = tensor_in_world(j, R, base, own_j, do, at_zero=at_zero[-1])
         body = x.masses[j], c, lever, tensor
         add_body(j, inside, body, do, (omega, alpha, linear, [zero]), (forces, moments))
         axes.append(z)
     tau = []
     for j in reversed(range(len(code.inside))):
-        tau.append(
-            do.result(TORQUE_ALONG_AXIS, j, (axes[j] * (forces[j] if code.prismatic[j] else moments[j])).sum(axis=0))
-        )
+        z, f, n, o = axes[j], forces[j], moments[j], origins[j + 1]
+        following = axes[min(j + 1, len(axes) - 1)]
+        tau.append(do.result(TORQUE_ALONG_AXIS, j, (z * (f if code.prismatic[j] else n)).sum(axis=0), {
+            "taken about the world's origin": lambda: (z * (f if code.prismatic[j] else n + crossed(o, f))).sum(axis=0),
+            "taken along the axis of the next joint": lambda: (
+                (following * (f if code.prismatic[j] else n)).sum(axis=0)
+            ),
+        }))  # fmt: skip
         i = code.inside[j] - 1
         if i < 0:
             continue
-        f, own, r = forces[j], forces[i], arms[j]
+        own, r = forces[i], arms[j]
         others = {
             "taken with the force of the inside link": lambda: crossed(r, own),
             "taken with the forces of both links": lambda: crossed(r, own + f),

@@ -164,13 +164,13 @@ def diagonal_energy(arm, right, code):
 
 TORQUES = (
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, tensors as at q = 0", "R[b] @ arm.tensors[j] @ R[b].T", "poses(arm, 0 * q)[0][b] @ arm.tensors[j] @ poses(arm, 0 * q)[0][b].T", f"{TENSOR}.*(q = 0|zero|constant|pose|not turned|world axes|axes)"),
-    formulation("inverse_dynamics", "torques_in_world_axes", "world axes, moments about the world's origin", " - cross(o[j + 1], force[j])", "", "(moment|o × F|r × f|\\bo\\b|lever|p ×).*(world|origin|left out|missing)"),
+    formulation("inverse_dynamics", "torques_in_world_axes", "world axes, moments about the world's origin", " - cross(o[j + 1], force[j])", "", "(moment|torque p · n|o × F|r × f|\\bo\\b|lever|p ×).*(world|origin|left out|missing)"),
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, ω of the inside link across J ω", "cross(w[b], I @ w[b])", "cross(w[arm.inside[j]], I @ w[b])", f"(ω × (J|I) ω|gyroscopic|\\bω\\b).*{INSIDE}"),
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, torque about the axis of the next joint", "z[j] @ (force", "z[min(j + 1, arm.n - 1)] @ (force", f"(axis|axes|\\bz\\b|project).*({SHIFTED}|outer)|({SHIFTED}|outer).*(axis|axes)", robots=CHAINS),
     formulation("inverse_dynamics", "torques_in_world_axes", "world axes, moments handed on before they are complete", "    for j in range(arm.n - 1, -1, -1):", "    for j in range(arm.n):", f"(outer|outside|passed on|handed on|accumul|beyond).*({OUT}|{OWN}|not|beyond|order)|order of"),
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, v ×* S q̇", "across(V[j + 1]) @ S[j] * v[j]", "-across(V[j + 1]).T @ S[j] * v[j]", "(v × S q̇|velocity product|\\bc\\b|v ×).*(force|×\\*|dual|transposed|motion|linear|left out)"),
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, v × I v", "- across(V[j + 1]).T @ inertia", "+ across(V[j + 1]) @ inertia", "(v ×\\* I v|bias force|I v|v ×).*(motion|v × I v|dual|transposed|in place|not)"),
-    helper("inverse_dynamics", "spatial_torques", "rigid_inertia", "spatial vectors, off-diagonal blocks of the inertia exchanged", "m * c], [-m * c", "-m * c], [m * c", f"(center|m c|first moment|\\bc\\b|\\bh\\b).*({OPPOSITE}|transposed|exchanged)"),
+    helper("inverse_dynamics", "spatial_torques", "rigid_inertia", "spatial vectors, off-diagonal blocks of the inertia exchanged", "m * c], [-m * c", "-m * c], [m * c", f"(center|m c|first moment|\\bc\\b|\\bh\\b).*({OPPOSITE}|transposed|exchanged|other side)"),
     helper("inverse_dynamics", "spatial_torques", "joint_transforms", "spatial vectors, R in place of Rᵀ in the lower block", "-R.T @ hat(r)", "-R @ hat(r)", f"(ω × r|ω̇ × r|r ×|\\br\\b|\\bX\\b|lever|translation).*({AXES}|wrong way|transposed|Rᵀ)"),
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, inertial force without acceleration of the joint", "inertia @ A[j + 1] - across", "inertia @ (A[j + 1] - S[j] * a[j]) - across", f"(S q̈|p q̈|\\ba\\b|q̈|acceleration|ω̇).*({OWN}|{OUT}|{INSIDE})"),
     formulation("inverse_dynamics", "lagrange_torques", "Lagrange, gradient of vᵀ M v without ½", "- 0.5 * np.einsum", "- np.einsum", f"(gradient|∂M|kinetic energy|∂T).*{TWICE}"),
@@ -192,7 +192,7 @@ STATICS = (
     text("static_torque", "loads act on the link inside", "static_torque", "j + 1, o[j + 1])", "arm.inside[j], o[j + 1])", f"(external|load).*({INSIDE}|{SHIFTED})"),
     text("power", "torques at a = 0", "power", "inverse_dynamics(arm, q, v, a)", "bias_torque(arm, q, v)", f"(acceleration|M a|\\ba\\b|inertia).*{OUT}"),
     answers("power", "efficiency of the gears by the sign of the power", lambda p, *_: np.where(p > 0, p / 0.9, 0.9 * p), f"{EFFICIENCY}.*{DRIVES}|{DRIVES}.*{EFFICIENCY}"),
-    text("joint_wrenches", "r × f with the sum of the inside link", "newton_euler", "cross(r[j], push)", "cross(r[j], f[i])", f"(r × f|lever|\\bf\\b|moment).*({INSIDE}|{OWN}|sum|total|whole|own)"),
+    text("joint_wrenches", "r × f with the sum of the inside link", "newton_euler", "cross(r[j], push)", "cross(r[j], f[i])", f"(r × f|lever|\\bf\\b|moment).*({INSIDE}|{OWN}|both|sum|total|whole|own)"),
     text("joint_wrenches", "force of the outer link not turned", "newton_euler", "push = R[j] @ f[j]", "push = f[j]", f"(\\bf\\b|force|\\bF\\b|r × f).*{AXES}"),
     text("multipliers", "turned by the position of the joint before", "multipliers", "turn(p, q[j]) @ m[j]", "turn(p, q[j - 1]) @ m[j]", "(position|\\bq\\b|angle|turn).*(before|previous|another joint|other joint|shift|next|inside|wrong)"),
 )  # fmt: skip
@@ -222,7 +222,7 @@ FRAMES = (
 MASSES = (
     plant("center_of_mass", "mean of pairs, body after body", mean_of_pairs, "masses|mass of (all|every|<|.?body)|weights?\\b|\\bmean|average|equal"),
     plant("center_of_mass_jacobian", "every joint moves the link inside of it, too", with_link_inside, f"(bod|link|path|moves).*({INSIDE}|moves|moved)"),
-    plant("center_of_mass_velocity", "in axes of the first link", in_first_link, f"{AXES}|reference"),
+    plant("center_of_mass_velocity", "in axes of the first link", in_first_link, f"{AXES}|reference", equal="angle.*<joint 1>.*zero"),
     plant("momentum", "shifted to the center of mass without the mass", shifted_without_mass, "(about|lever|shift|transport|c ×).*(mass|another point|other point|divided|factor|origin|velocity)|(mass|1 kg).*(lever|shift|about|c ×)"),
     text("centroidal_map", "each column about its joint", "centroidal_map", "cross(c[j] - com, p)", "cross(c[j] - poses(arm, q)[1][k + 1], p)", "(about|lever|center of mass|com|point|c - ).*(joint|origin|link)|(joint|origin).*(about|lever)"),
     plant("kinetic_energy", "½ Σ M_jj v_j²", diagonal_energy, "diagonal|(products?|mixed|off).*(left out|missing)|squares"),
