@@ -100,21 +100,21 @@ def check_comparable(first: RobotModel, second: RobotModel) -> None:
         check_model(model)
         who = f"robot '{model.name}'"
         if model.couplings or model.chords:
-            raise InvalidInput(f"{who} has couplings or loops; lock the joints that others drive, or choose a chain")
+            raise InvalidInput(f"{who} has couplings or loops; choose the chain to one tip (--tip)")
         for number, joint in enumerate(model.joints):
             if joint.inside != number:
                 where = "the ground" if joint.inside == 0 else f"link '{model.body_names[joint.inside - 1]}'"
                 raise InvalidInput(
-                    f"{who} branches at {where}, before joint '{joint.name}'; choose the chain to one tip"
+                    f"{who} branches at {where}, before joint '{joint.name}'; choose the chain to one tip (--tip)"
                 )
         if model.n_bodies > MOST_JOINTS:
             raise InvalidInput(
-                f"{who} has {model.n_bodies} joints; {MOST_JOINTS} can be aligned: choose a shorter chain"
+                f"{who} has {model.n_bodies} joints; {MOST_JOINTS} can be aligned: choose a shorter chain (--tip)"
             )
     if first.n_bodies != second.n_bodies:
         raise InvalidInput(
             f"robot '{first.name}' has {first.n_bodies} joints ({', '.join(first.joint_names)}), robot '{second.name}' "
-            f"has {second.n_bodies} ({', '.join(second.joint_names)}); choose the chain to one tip, or lock joints"
+            f"has {second.n_bodies} ({', '.join(second.joint_names)}); choose the chain to one tip (--tip)"
         )
     for one, other in zip(first.joints, second.joints, strict=True):
         if one.is_prismatic != other.is_prismatic:

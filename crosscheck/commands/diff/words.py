@@ -30,6 +30,10 @@ def changes_in_words(found: ModelDifferences) -> list[str]:
     ]
     if renamed:
         words.append(f"joints of A and B: {', '.join(renamed)}")
+    gravity = alignment.map.base.rotation @ alignment.second.gravity
+    strength = float(np.linalg.norm(alignment.first.gravity))
+    if np.linalg.norm(gravity - alignment.first.gravity) > found.tolerance * (strength or 1.0):
+        words.append(f"B's gravity is {_vector(gravity)} m/s² in A's world; torques of both are under A's")
     return words
 
 
@@ -69,7 +73,11 @@ def _moved(frame: Placement, tolerance: float) -> Iterator[str]:
         sense = float(np.sign(axis @ vector)) or forward
         yield f"turned by {degrees(sense * forward * angle)}° about {_direction(forward * axis)}"
     if np.linalg.norm(frame.translation) > tolerance:
-        yield f"moved by ({', '.join(f'{x + 0.0:.6g}' for x in np.round(frame.translation, 9))}) m"
+        yield f"moved by {_vector(frame.translation)} m"
+
+
+def _vector(vector: Array) -> str:
+    return f"({', '.join(f'{x + 0.0:.6g}' for x in np.round(vector, 9))})"
 
 
 def _direction(axis: Array) -> str:

@@ -46,6 +46,12 @@ def test_a_robot_and_itself(run):
     assert "nothing had to be changed but link frames" in done.out
 
 
+def test_another_gravity_is_told(run, tmp_path):
+    urdf.save_mjcf(replace(ur5e_like(), gravity=np.array([0, 0, -9.8])), tmp_path / "light.xml")
+    done = run("arm.urdf", tmp_path / "light.xml", "--samples", 10)
+    assert "B's gravity is (0, 0, -9.8) m/s² in A's world; torques of both are under A's" in " ".join(done.out.split())
+
+
 @pytest.mark.usefixtures("unpictured")
 def test_an_mjcf_file_with_a_turned_base_displaced_axes_and_other_masses(run, tmp_path):
     done = run("arm.urdf", "arm.xml", "--samples", 20, "--json", tmp_path / "d.json", "--html", tmp_path / "d.html")

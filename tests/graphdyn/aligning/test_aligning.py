@@ -135,11 +135,14 @@ def coupled(arm):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (branched, r"branches at link 'wrist_1_link', before joint 'wrist_3_joint'; choose the chain to one tip"),
-        (shortened, r"has 5 \(shoulder_pan_joint, .*\); choose the chain to one tip, or lock joints"),
+        (
+            branched,
+            r"branches at link 'wrist_1_link', before joint 'wrist_3_joint'; choose the chain to one tip \(--tip\)",
+        ),
+        (shortened, r"has 5 \(shoulder_pan_joint, .*\); choose the chain to one tip \(--tip\)"),
         (sliding_last, r"joint 'wrist_3_joint' slides, and joint 'wrist_3_joint' in its place turns"),
-        (coupled, r"has couplings or loops; lock the joints that others drive, or choose a chain"),
-        (lambda _: chain_of(13), r"has 13 joints; 12 can be aligned: choose a shorter chain"),
+        (coupled, r"has couplings or loops; choose the chain to one tip \(--tip\)"),
+        (lambda _: chain_of(13), r"has 13 joints; 12 can be aligned: choose a shorter chain \(--tip\)"),
         (lambda _: "ur5", r"the model is 'ur5'.*give a RobotModel"),
     ],
 )
