@@ -60,6 +60,7 @@ EXHIBITS = (
         "diff",
         "Two descriptions of one robot laid over each other, and every difference in N m.",
         ("diff", "ur5", "ur5_joint_limited", "--samples", "100"),
+        exit_code=1,
     ),
     Exhibit("inspect", "A file with faults, each with line and remedy.", ("inspect", "doubtful.urdf"), exit_code=1),
     Exhibit(
