@@ -89,7 +89,7 @@ def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_F
     best, *others = sorted(found, key=lambda laid: laid.order)
     maps = [best.map]
     for each in others:
-        if each.cost <= best.cost + tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
+        if abs(each.cost - best.cost) <= tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
             maps.append(each.map)
     return Alignment(first, second, best.map, best.model, tuple(maps[1:]))
 

@@ -82,6 +82,8 @@ class FrameDifference:
 class SettingDifference:
     """Another armature, damping, friction or limit of a joint; None where a robot states no limit.
 
+    A limit of velocity or effort that one robot does not state is told, and does not count: MJCF has none of velocity.
+
     joint: its name in A
     name: "armature", "damping", "friction", or that of a limit: "lower", "upper", "velocity", "effort"
     first, second: of A, and of B for A's joint positions
@@ -96,6 +98,11 @@ class SettingDifference:
     def shows_in_torque(self) -> bool:
         """Whether it changes what an actuator must give."""
         return self.name in TORQUE_SETTINGS
+
+    @property
+    def counts(self) -> bool:
+        """Whether the robots disagree in it; False where one of them does not say."""
+        return self.name not in ("velocity", "effort") or None not in (self.first, self.second)
 
 
 def joint_differences(first: RobotModel, model: RobotModel, tolerance: float) -> tuple[JointDifference, ...]:

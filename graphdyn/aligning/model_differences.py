@@ -117,7 +117,7 @@ def differences(
         verdict = "different robots"
     elif any(each.counts for each in torques) or any(each.shows_in_torque for each in settings):
         verdict = "same kinematics only"
-    elif links or frames or settings:
+    elif links or frames or any(each.counts for each in settings):
         verdict = "equal in all joint torques"
     else:
         verdict = "same model"

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from graphdyn.aligning.axes import matrix, placement_of, turned_about, twist_about
+from graphdyn.aligning.axes import matrix, moved_by, placement_of, turned_about, twist_about
 from graphdyn.aligning.fields import joint_differences, link_differences
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
@@ -45,8 +45,8 @@ def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkIner
 
     def laid(from_base: float, to_tool: float) -> LaidRobot:
         places, zeros = walk.places.copy(), walk.zeros.copy()
-        places[0] = turned_about(about[0], first.points[0], -from_base) @ places[0]
-        places[-1] = turned_about(about[-1], first.points[-1], to_tool) @ places[-1]
+        places[0] = _motion(walk, 0, -from_base) @ places[0]
+        places[-1] = _motion(walk, -1, to_tool) @ places[-1]
         zeros[0] += from_base
         zeros[-1] += to_tool
         base, tool = np.linalg.inv(ends[0]) @ places[[0, -1]] @ ends[1]
@@ -61,22 +61,27 @@ def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkIner
         return LaidRobot(joint_map, model, walk.cost, order)
 
     tool = np.linalg.inv(ends[0, 1]) @ walk.places[-1] @ ends[1, 1]
-    to_tool = [0.0]
-    if not first.slides[-1]:
-        to_tool += [-_twist(about[-1], tool, ends[0, 1]), *_zeros_of_limits(-1, walk, robots)]
-        fits = inertias.fits(len(about) - 1, walk.places[-1], about[-1], first.points[-1], 0.0)
-        to_tool += [angle for angle, _ in fits]
+    fits = inertias.fits(len(about) - 1, walk.places[-1], about[-1], first.points[-1], 0.0)
+    of_inertia = [shift if first.slides[-1] else angle for angle, shift in fits]
+    to_tool = [0.0, -_along(walk, -1, tool, ends[0, 1]), *_zeros_of_limits(-1, walk, robots), *of_inertia]
     base = np.linalg.inv(ends[0, 0]) @ walk.places[0] @ ends[1, 0]
-    from_base = [0.0]
-    if not first.slides[0]:
-        from_base += [_twist(about[0], base, ends[0, 0]), *_zeros_of_limits(0, walk, robots)]
-    chosen = min(dict.fromkeys(to_tool), key=lambda angle: laid(0.0, angle).order)
-    return min((laid(angle, chosen) for angle in dict.fromkeys(from_base)), key=lambda each: each.order)
+    from_base = [0.0, _along(walk, 0, base, ends[0, 0]), *_zeros_of_limits(0, walk, robots)]
+    chosen = min(dict.fromkeys(to_tool), key=lambda position: laid(0.0, position).order)
+    return min((laid(position, chosen) for position in dict.fromkeys(from_base)), key=lambda each: each.order)
 
 
-def _twist(about: Array, frame: Array, inside: Array) -> float:
-    """The angle by which a frame (4, 4), seen in `inside`, is turned about an axis of the world."""
-    return twist_about(inside[:3, :3].T @ about, frame[:3, :3])
+def _motion(walk: Walk, joint: int, position: float) -> Array:
+    """What a joint of A does to the links outside of it, as a homogeneous matrix (4, 4) in the world."""
+    direction = walk.signs[joint] * walk.first.directions[joint]
+    if walk.first.slides[joint]:
+        return moved_by(position * direction)
+    return turned_about(direction, walk.first.points[joint], position)
+
+
+def _along(walk: Walk, joint: int, frame: Array, inside: Array) -> float:
+    """The angle or length by which a frame (4, 4), seen in `inside`, is turned about a joint axis or moved along it."""
+    direction = inside[:3, :3].T @ (walk.signs[joint] * walk.first.directions[joint])
+    return float(direction @ frame[:3, 3]) if walk.first.slides[joint] else twist_about(direction, frame[:3, :3])
 
 
 def _zeros_of_limits(joint: int, walk: Walk, robots: tuple[RobotModel, RobotModel]) -> list[float]:

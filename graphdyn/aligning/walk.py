@@ -81,7 +81,7 @@ class Walk:
             self._lay(joint)
             if not self.first.slides[joint] or (joint == 0 and not self.held):
                 turning = joint
-            if self.first.slides[joint]:
+            if self.first.slides[joint] and not self._slide_by_inertia(joint):
                 self._free.add(self._directions[joint], joint)
         if not self.first.slides[-1]:
             self._settle_by_inertia(n - 1, 0.0)
@@ -170,6 +170,19 @@ class Walk:
                     if self._owner(joint) < 0:
                         self._free.hold(about)
                     return True
+        return False
+
+    def _slide_by_inertia(self, joint: int) -> bool:
+        """Slide the links outside a joint to where the inertia of its link agrees; False where it does not."""
+        if self.inertias is None:
+            return False
+        here, about = self.places[joint + 1], self._directions[joint]
+        for _, shift in self.inertias.fits(joint, here, about, self.first.points[joint], 0.0):
+            motion = moved_by(shift * about)
+            if self.inertias.agree(joint, motion @ here):
+                self._move(joint, motion)
+                self.zeros[joint] += shift
+                return True
         return False
 
     def _lay(self, joint: int) -> None:

@@ -28,7 +28,8 @@ class DiffOptions(ReportOptions):
         tuple[str, str],
         typer.Argument(
             metavar="A B",
-            help="Names (`graphdyn robots`), URDF, .xacro or MJCF files, or JSON files of `graphdyn export`.",
+            help="Names (`graphdyn robots`), URDF, .xacro or MJCF files, DH tables (.toml), or JSON files of "
+            "`graphdyn export`.",
             autocompletion=robot_names,
         ),
     ]
@@ -63,9 +64,9 @@ def run(options: DiffOptions) -> None:
     """Say whether two files describe one robot, and what differs.
 
     B is laid over A first: senses and zeros of the joints, base, link frames. What had to be done is told. Then what is
-    left is compared: lengths, angles and axes, each link's mass, center and tensor in A's frames, torques of gravity,
-    inertia and velocity over random states with the worst of them, armature, damping, friction and limits. Both robots
-    are under A's gravity.
+    left is compared: lengths, angles and axes, each link's mass, center and tensor in A's frames, frames of the same
+    name, torques of gravity, inertia and velocity over random states with the worst of them, armature, damping,
+    friction and limits. Both robots are under A's gravity.
 
     Exit code 0: the same model; 1: something differs; 2: bad input.
     """

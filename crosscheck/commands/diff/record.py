@@ -9,7 +9,14 @@ import urdf
 from crosscheck.commands.diff.robots import ComparedRobots
 from crosscheck.commands.diff.words import changes_in_words
 from crosscheck.report.records.record import CommandRecord, Count, Number, Numbers, Record, attribute, written
-from graphdyn.aligning import JointDifference, JointMap, LinkDifference, ModelDifferences, TorqueDifference
+from graphdyn.aligning import (
+    JointDifference,
+    JointMap,
+    LinkDifference,
+    ModelDifferences,
+    SettingDifference,
+    TorqueDifference,
+)
 
 
 class JointMapRecord(Record, of=JointMap, only=("signs", "zeros")):
@@ -60,6 +67,15 @@ class TorqueDifferenceRecord(Record, of=TorqueDifference):
     relative: Number = attribute()
 
 
+class SettingDifferenceRecord(Record, of=SettingDifference):
+    """Another armature, damping, friction or limit of a joint.
+
+    counts: false for a limit of velocity or effort that one robot does not state
+    """
+
+    counts: bool = attribute()
+
+
 class UpdateRecord(Record, of=urdf.Update):
     """The URDF file that was written.
 
@@ -72,7 +88,7 @@ class UpdateRecord(Record, of=urdf.Update):
 class DiffRecord(
     CommandRecord,
     of=ModelDifferences,
-    only=("verdict", "tolerance", "n_states", "frames", "base_parameters", "settings"),
+    only=("verdict", "tolerance", "n_states", "frames", "base_parameters"),
     format="graphdyn diff 1",
 ):
     """What differs between robots A and B, after B is laid over A.
@@ -99,6 +115,7 @@ class DiffRecord(
     joints: Sequence[JointDifferenceRecord] = attribute()
     links: Sequence[LinkDifferenceRecord] = attribute()
     torques: Sequence[TorqueDifferenceRecord] = attribute()
+    settings: Sequence[SettingDifferenceRecord] = attribute()
     inertials_written: UpdateRecord | None
 
 

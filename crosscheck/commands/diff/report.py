@@ -66,8 +66,8 @@ def reason(found: ModelDifferences) -> str:
         return f"the {worst.term} term of joint '{worst.joint}' differs by up to {abs(worst.difference):.4g} " + (
             _units(found)
         )
-    if found.settings:
-        joints = dict.fromkeys(each.joint for each in found.settings)
+    joints = dict.fromkeys(each.joint for each in found.settings if each.counts)
+    if joints:
         return f"armature, damping, friction or limits of {counted(len(joints), 'joint')} differ"
     if found.frames:
         names = ", ".join(f"'{each.name}'" for each in found.frames)
@@ -140,7 +140,9 @@ def _frames(found: ModelDifferences) -> Table:
 def _settings(found: ModelDifferences) -> Table:
     rows = tuple(Row((one.joint, one.name, one.first, one.second)) for one in found.settings)
     columns = (Column("joint", "name"), Column("setting"), Column("A", **NUMBER), Column("B", **NUMBER))
-    return Table(columns, rows, title="Drives and limits, for A's positions", failures_first=False)
+    unstated = not all(each.counts for each in found.settings)
+    caption = "limits of velocity and effort that one robot does not state do not count" if unstated else ""
+    return Table(columns, rows, caption=caption, title="Drives and limits, for A's positions", failures_first=False)
 
 
 def _base(found: ModelDifferences) -> Table:

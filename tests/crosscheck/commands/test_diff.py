@@ -52,6 +52,14 @@ def test_another_gravity_is_told(run, tmp_path):
     assert "B's gravity is (0, 0, -9.8) m/s² in A's world; torques of both are under A's" in " ".join(done.out.split())
 
 
+def test_a_limit_that_a_format_cannot_state_does_not_count(run, tmp_path):
+    urdf.save_mjcf(ur5e_like(), tmp_path / "same.xml")
+    done = run("arm.urdf", tmp_path / "same.xml", "--samples", 10)
+    assert "velocity" in done.out
+    assert "that one robot does not state do not count" in done.out
+    assert done.code == AGREED
+
+
 @pytest.mark.usefixtures("unpictured")
 def test_an_mjcf_file_with_a_turned_base_displaced_axes_and_other_masses(run, tmp_path):
     done = run("arm.urdf", "arm.xml", "--samples", 20, "--json", tmp_path / "d.json", "--html", tmp_path / "d.html")

@@ -60,9 +60,9 @@ def test_a_sliding_joint_is_aligned():
 
 
 def sliding_arm():
-    """Turns about z, slides along z and x, turns about x and y."""
+    """Turns about z, slides along z and x, turns about x, slides along y."""
     x, y, z = np.eye(3)
-    axes = [("revolute", z), ("prismatic", z), ("prismatic", x), ("revolute", x), ("revolute", y)]
+    axes = [("revolute", z), ("prismatic", z), ("prismatic", x), ("revolute", x), ("prismatic", y)]
     place = Placement(np.eye(3), [0.2, 0.1, 0.3])
     joints = [Joint(f"j{k}", kind, k, place, axis, JointLimits(-1, 1)) for k, (kind, axis) in enumerate(axes)]
     bodies = [graphdyn.Body(f"b{k}", 1 + k, [0.02, 0.03, 0.05], np.diag([2, 3, 4]) * 1e-2) for k in range(len(axes))]
