@@ -216,7 +216,7 @@ def holding_alone(search: Search, found: Sequence[Explanation]) -> list[Explanat
 def explained(function: str, search: Search, holding: Sequence[Explanation], evidence: str) -> list[Diagnosis]:
     """The smallest of the explanations that fit equally well, and the others."""
     least = min(explanation.left for explanation in holding)
-    good = [x for x in holding if x.left <= max(EQUIVALENT_FACTOR * least, ROUNDING_ERROR)]
+    good = [x for x in holding if x.left <= max(EQUIVALENT_FACTOR * least, ROUNDING_ERROR, search.noise)]
     good = _distinct(sorted(good, key=preference))
     first, others = good[0], good[1:]
     alike = [x for x in others if x.size == first.size]
