@@ -21,6 +21,7 @@ from graphdyn.model import rotation_about
 from urdf.document.mjcf.merging import Merged, Place
 from urdf.document.mjcf.native import Native
 from urdf.document.numbers import NO_LIMIT, add_numbers, add_placement, inertial_element, text
+from urdf.errors import InvalidMJCF, shortened
 
 WORLD = "world"
 
@@ -134,6 +135,11 @@ class Tree:
             bounds = {"lower": lower, "upper": upper, **bounds}
         add_numbers(joint, "limit", bounds)
         dof = model.jnt_dofadr[j]
+        if model.dof_armature[dof] < 0:
+            file, line = place
+            problem = f"armature is {model.dof_armature[dof]:g}"
+            element = f"joint '{shortened(name)}'"
+            raise InvalidMJCF(problem, "give the inertia of the rotor, or 0", path=file, line=line, element=element)
         damping, friction = float(model.dof_damping[dof]), float(model.dof_frictionloss[dof])
         if damping or friction:
             add_numbers(joint, "dynamics", {"damping": damping, "friction": friction})

@@ -21,6 +21,13 @@ MAX_COPIES = 2000
 FLEXIBLE = ("composite", "flexcomp", "flex")
 """Elements that make bodies deform."""
 
+_TEXTS = ("name", "file", "class", "childclass")
+
+_READ_NUMBERS = ("body", "frame", "inertial", "joint", "site", "option")
+"""Elements whose numbers become the robot's; MuJoCo passes infinite ones on."""
+
+_INFINITE = {"inf", "infinity"}
+
 Place = tuple[Path, int | None]
 
 
@@ -113,8 +120,11 @@ def _take(whole: Merged, root: etree._Element, file: Path) -> None:
         if tag in FLEXIBLE:
             raise UnsupportedJoint("its bodies deform", "leave it out; bodies here are rigid", **place)  # type: ignore[arg-type]
         for name, value in ((str(key), str(value)) for key, value in element.attrib.items()):
-            if name not in ("name", "file", "class") and "nan" in value.lower().split():
+            words = set() if name in _TEXTS else {word.lstrip("+-") for word in value.lower().split()}
+            if "nan" in words:
                 raise InvalidMJCF(f"attribute '{name}' is not a number", "give a finite number", **place)  # type: ignore[arg-type]
+            if tag in _READ_NUMBERS and words & _INFINITE:
+                raise InvalidMJCF(f"attribute '{name}' is infinite", "give a finite number", **place)  # type: ignore[arg-type]
         if tag == "replicate" and _copies(element) > MAX_COPIES:
             raise TooLarge(f"makes more than {MAX_COPIES} copies", "give a smaller robot", **place)  # type: ignore[arg-type]
 

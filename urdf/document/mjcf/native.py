@@ -134,7 +134,9 @@ def _refused(whole: Merged, error: Exception) -> InvalidMJCF:
     problem = re.sub(r"^(?:XML )?Error:\s*|,?\s*line \d+$", "", said)
     number = int(line[1]) if line is not None and whole.as_written else None
     remedy = "correct it; MuJoCo reads the file, and its documentation lists elements and attributes"
-    return InvalidMJCF(f"MuJoCo refuses the file: {shortened(problem)}", remedy, path=whole.path, line=number)
+    sentence, _, element = problem.partition(" Element ")
+    quoted = f"{shortened(sentence)} (element {shortened(element)})" if element else shortened(sentence)
+    return InvalidMJCF(f"MuJoCo refuses the file: {quoted}", remedy, path=whole.path, line=number)
 
 
 def _no_joint(whole: Merged, joint: Any, is_free: bool) -> UnsupportedJoint:

@@ -26,6 +26,9 @@ def notes(native: Native, whole: Merged, use_geoms: bool) -> Iterator[Unread]:
             yield note("body", name, f"has no <inertial>; that of its geoms is not computed: {remedy}")
     for j in range(model.njnt):
         name, dof = model.joint(j).name, model.jnt_dofadr[j]
+        lower, upper = map(float, model.jnt_range[j])
+        if lower > upper:
+            yield note("joint", name, f"has the range {lower:g} to {upper:g}, which MuJoCo takes for no limit")
         stiffness = float(model.jnt_stiffness[j])
         curved = [array[at] for array, at in _polynomials(model, j, dof) if array[at].any()]
         if stiffness or curved:
