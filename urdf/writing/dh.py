@@ -239,7 +239,8 @@ def save_dh(
     Every number has all its digits, angles in rad. Arguments and errors as in dh_table. The file appears complete or
     not at all.
     """
-    write_whole(Path(path), dh_document(dh_table(model, convention, tool=tool)).encode())
+    document = dh_document(dh_table(model, convention, tool=tool))
+    write_whole(Path(path), document.encode())
 
 
 def dh_document(table: DHTable) -> str:

@@ -277,6 +277,7 @@ class TestPictures:
         """A dot at the mean rank, a bar over its interval, of each method in its row; the leader in blue."""
         rank = Intervals(np.array([1.2, 2.5, 2.75]), np.array([1.0, 2.25, 2.5]), np.array([1.5, 2.75, 3.0]))
         told = {"alike": ((1, 2),), "leaders": ("a",), "differ": True, "distance": 0.75}
+        told["apart"] = lambda first, other: first == 0 < other
         ranking = SimpleNamespace(methods=("a", "b", "c"), rank=rank, **told)
         axes = drawn(ranking_report, "study_ranks", ranking, "torque error")
         bars = [segment for segment in upright_or_level(axes) if np.ptp(segment[:, 0]) not in (0, 3)]

@@ -304,6 +304,13 @@ class TestFiles:
         assert finding.remedy == "check its path and permissions"
 
 
+TABLE_CODES = (
+    *("malformed-toml", "missing-key", "unknown-key", "invalid-value", "half-a-limit", "exchanged-limits"),
+    *("invalid-inertia", "duplicate-name"),
+)
+"""Of tables of Denavit-Hartenberg parameters, which are read whole or not at all."""
+
+
 def test_every_code_has_a_case():
     """Read from the sources: what can be found is found here or in the tests of hostile files."""
     package = Path(urdf.__file__).parent
@@ -335,6 +342,8 @@ def test_every_code_has_a_case():
         "xacro-complaint",
         "xacro-expanded",
         "xacro-not-installed",
+        "invalid-dh",
+        *TABLE_CODES,
         "invalid-mjcf",
         "mujoco-not-installed",
         "xml-limits",
