@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 from crosscheck.commands.export.record import ExportRecord
 from crosscheck.report.records.record import has_form
-from graphdyn import Body, Frame, InvalidInput, InvalidModel, Joint, Placement, RobotModel
+from graphdyn import Body, Frame, InvalidInput, InvalidModel, Joint, JointLimits, Placement, RobotModel
 
 
 def exported_robot(source: str) -> RobotModel:
-    """The model of a file in the format `graphdyn export 1`, which has neither limits nor drives.
+    """The model of a file in the format `graphdyn export 1`.
 
     Raises InvalidInput, naming the file, for one that is not in this format, InvalidModel for what no robot has, and
     OSError.
@@ -35,13 +36,25 @@ def exported_robot(source: str) -> RobotModel:
 def _model(data: dict[str, Any]) -> RobotModel:
     parts = data["bodies"]
     return RobotModel(
-        str(data["robot"]),
-        tuple(Body(one["name"], one["mass"], one["center_of_mass"], one["inertia"]) for one in parts),
-        tuple(Joint(one["joint"], one["kind"], one["parent"], _placement(one), one["axis"]) for one in parts),
+        _text(data["robot"]),
+        tuple(Body(_text(one["name"]), one["mass"], one["center_of_mass"], one["inertia"]) for one in parts),
+        tuple(_joint(one) for one in parts),
         gravity=data["gravity"],
         base=Placement(data["base_rotation"], data["base_translation"]),
-        frames=tuple(Frame(one["name"], one["body"], _placement(one)) for one in data["frames"]),
+        frames=tuple(Frame(_text(one["name"]), one["body"], _placement(one)) for one in data["frames"]),
     )
+
+
+def _joint(one: dict[str, Any]) -> Joint:
+    limits = JointLimits(**{field.name: one[field.name] for field in fields(JointLimits)})
+    drive = {name: one[name] for name in ("damping", "friction", "armature")}
+    return Joint(_text(one["joint"]), one["kind"], one["parent"], _placement(one), one["axis"], limits, **drive)
+
+
+def _text(name: object) -> str:
+    if not isinstance(name, str):
+        raise TypeError(f"{name!r} is no name")
+    return name
 
 
 def _placement(one: dict[str, Any]) -> Placement:

@@ -65,6 +65,9 @@ class ExportedBodyRecord(Record, of=JointedBody, only=("number",)):
         at q = 0 the link frame coincides with the joint frame (3, 3)
     translation: t (3,) [m]
     axis: unit axis, in joint axes, which is the same in link axes (3,)
+    lower, upper: limits of q, null where there is none [rad or m]
+    velocity, effort: limits, null where there is none [rad/s or m/s, N m or N]
+    damping: N m s/rad or N s/m; friction: N m or N; armature: kg m² or kg. They are in no function of the model
     """
 
     name: str = attribute("body.name")
@@ -77,6 +80,13 @@ class ExportedBodyRecord(Record, of=JointedBody, only=("number",)):
     mass: Annotated[float, Keywords(minimum=0)] = attribute("body.mass")
     center_of_mass = attribute("body.center_of_mass")
     inertia = attribute("body.inertia")
+    lower = attribute("joint.limits.lower")
+    upper = attribute("joint.limits.upper")
+    velocity = attribute("joint.limits.velocity")
+    effort = attribute("joint.limits.effort")
+    damping = attribute("joint.damping")
+    friction = attribute("joint.friction")
+    armature = attribute("joint.armature")
 
 
 class ExportedFrameRecord(Record, of=Frame, only=("name", "body")):
