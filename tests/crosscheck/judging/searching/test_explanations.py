@@ -203,7 +203,7 @@ def test_codes_are_the_same_up_to_rounding(own):
 
 def test_what_tells_explanations_apart(own, ur5):
     """Another mass anywhere; a center of mass aside that only another gravity feels, unless gravity is the fault."""
-    search = SimpleNamespace(model=ur5, own=own, bound=BOUND)
+    search = SimpleNamespace(model=ur5, own=own, bound=BOUND, noise=0.0)
 
     def apart(first, *others):
         named = [explanation(fault(str(k)), code=code) for k, code in enumerate((first, *others))]
@@ -248,7 +248,7 @@ def test_explanations_that_say_more_than_another_are_left_out():
 
 def test_the_smallest_of_those_that_fit_as_well_and_the_others(own, ur5):
     """Half as much again as the least is as good, and what is below rounding; one number more is told, two are not."""
-    search = SimpleNamespace(model=ur5, own=own, bound=BOUND)
+    search = SimpleNamespace(model=ur5, own=own, bound=BOUND, noise=0.0)
     deviation = SimpleNamespace(function="f")
     heavier = own.but(masses=2 * own.numbers.masses)
 
