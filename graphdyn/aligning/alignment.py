@@ -85,11 +85,11 @@ def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_F
             laid.append(traded(walk, robots, inertias))
             if not laid[-1].order[0]:
                 break  # no other walk can leave less
-        found.append(min(laid, key=lambda each: each.order))
-    best, *others = sorted(found, key=lambda laid: laid.order)
+        found.append((min(laid, key=lambda each: each.order), laid[0]))
+    best, by_axes = min(found, key=lambda pair: pair[0].order)
     maps = [best.map]
-    for each in others:
-        if abs(each.cost - best.cost) <= tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
+    for each in sorted((alone for _, alone in found), key=lambda laid: laid.order):
+        if abs(each.cost - by_axes.cost) <= tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
             maps.append(each.map)
     return Alignment(first, second, best.map, best.model, tuple(maps[1:]))
 

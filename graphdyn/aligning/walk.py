@@ -7,6 +7,7 @@ outside of it are moved along. One displaced axis therefore shows up once, at it
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -84,7 +85,7 @@ class Walk:
             if self.first.slides[joint] and not self._slide_by_inertia(joint):
                 self._free.add(self._directions[joint], joint)
         if not self.first.slides[-1]:
-            self._settle_by_inertia(n - 1, 0.0)
+            self._settle_by_inertia(n - 1, (0.0, 0.0), None)
 
     @property
     def cost(self) -> float:
@@ -114,7 +115,7 @@ class Walk:
         angles = [self._turn_by_axis(joint, outer, place) for place in self._choices(joint)]
         if self.snapped:
             angles = [None if angle is None else _snapped(angle) for angle in angles]
-        if self._settle_by_inertia(joint, angles[0] or 0.0):
+        if self._settle_by_inertia(joint, [angle or 0.0 for angle in angles], outer):
             return True
         here, found = self.places[joint + 1], []
         for place, angle in zip(self._choices(joint), angles, strict=True):
@@ -155,22 +156,31 @@ class Walk:
         gap = across(self._directions[joint], self.first.points[joint] - point)
         return angle + float(np.linalg.norm(gap)) / self.first.reach
 
-    def _settle_by_inertia(self, joint: int, by_axis: float) -> bool:
-        """Take the first place in which the link agrees: turned by the next axis, or by its own inertia, with a shift
-        along its axis; moved by the misfit of its joint, or not moved. False where it agrees in none."""
+    def _settle_by_inertia(self, joint: int, by_axis: Sequence[float], outer: int | None) -> bool:
+        """Take a place in which the link agrees: turned by the next axis, or by its own inertia, with a shift along its
+        axis; moved by the misfit of its joint, or not moved. False where it agrees in none.
+
+        by_axis: the angles of the next axis, for each choice; outer: that axis, which decides between several places,
+            as those of a sphere
+        """
         if self.inertias is None:
             return False
-        here = self.places[joint + 1].copy()
-        for place in self._choices(joint):
+        here, chosen = self.places[joint + 1].copy(), None
+        for place, first in zip(self._choices(joint), by_axis, strict=False):
             about, origin = carried(place, self.second.directions[joint], self.second.points[joint])
-            for angle, shift in self.inertias.fits(joint, place, about, origin, by_axis):
+            for angle, shift in self.inertias.fits(joint, place, about, origin, first):
                 motion = moved_by(shift * about) @ turned_about(about, origin, angle) @ place
                 if self.inertias.agree(joint, motion):
-                    self._turn(joint, angle, motion @ np.linalg.inv(here))
-                    if self._owner(joint) < 0:
-                        self._free.hold(about)
-                    return True
-        return False
+                    misfit = 0.0 if outer is None else self._misfit(outer, motion)
+                    if chosen is None or misfit < chosen[0] - MISFIT_ROUNDING:
+                        chosen = misfit, angle, motion, about
+        if chosen is None:
+            return False
+        _, angle, motion, about = chosen
+        self._turn(joint, angle, motion @ np.linalg.inv(here))
+        if self._owner(joint) < 0:
+            self._free.hold(about)
+        return True
 
     def _slide_by_inertia(self, joint: int) -> bool:
         """Slide the links outside a joint to where the inertia of its link agrees; False where it does not."""
