@@ -9,7 +9,7 @@ import numpy as np
 
 from graphdyn.display import short_repr
 from graphdyn.layout import Array
-from graphdyn.model import cross, rotation_about
+from graphdyn.model import cross, rotation_about, rotation_vector
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import Placement
 
@@ -110,18 +110,14 @@ def across(direction: Array, vector: Array) -> Array:
 
 def rotation_angle(rotation: Array) -> float:
     """The angle of a rotation matrix, from 0 to π [rad], exact for small ones."""
-    return float(np.arctan2(np.linalg.norm(_vector(rotation)) / 2, (np.trace(rotation) - 1) / 2))
+    return float(np.linalg.norm(rotation_vector(rotation)))
 
 
 def twist_about(direction: Array, rotation: Array) -> float:
     """The angle about a unit vector of the rotation about it that is nearest to a rotation matrix [rad]."""
     along = float(direction @ rotation @ direction)
-    return float(np.arctan2(direction @ _vector(rotation), np.trace(rotation) - along))
-
-
-def _vector(rotation: Array) -> Array:
-    """The vector (3,) of R - Rᵀ: twice the axis times the sine."""
-    return np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
+    sines = np.array([rotation[b, a] - rotation[a, b] for a, b in ((1, 2), (2, 0), (0, 1))])  # 2 axis sine, of R - Rᵀ
+    return float(np.arctan2(direction @ sines, np.trace(rotation) - along))
 
 
 def _homogeneous(rotation: Array, translation: Array) -> Array:

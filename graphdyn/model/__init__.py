@@ -14,7 +14,7 @@ from graphdyn.model.inertia import (
 from graphdyn.model.loops import CLOSED_TOLERANCE, LOOP_RANK_TOLERANCE, loop_spaces
 from graphdyn.model.parts import unit_of
 from graphdyn.model.robot_model import STANDARD_GRAVITY, check_model
-from graphdyn.model.spatial import apply, cos_beta, cross, rotation_about, skew, solve
+from graphdyn.model.spatial import apply, cos_beta, cross, rotation_about, rotation_vector, skew, solve
 
 __all__ = [
     "CLOSED_TOLERANCE",
@@ -38,6 +38,7 @@ __all__ = [
     "pseudo_inertia_from_parameters",
     "refuse_infinitesimal",
     "rotation_about",
+    "rotation_vector",
     "skew",
     "solve",
     "unit_of",

@@ -23,7 +23,7 @@ from graphdyn.model.chord import Chord
 from graphdyn.model.coupling import DegreesOfFreedom
 from graphdyn.model.graph import Graph
 from graphdyn.model.parts import Joint
-from graphdyn.model.spatial import apply, cross
+from graphdyn.model.spatial import apply, cross, rotation_vector
 
 CLOSED_TOLERANCE = 1e-8
 """Largest gap of a closed loop [rad, m in the unit of its loop (Loops.row_units)], and largest relative velocity or
@@ -305,31 +305,6 @@ def _gap(end: Ends, links: Links) -> Array:
         turn = rotation_vector(on_i @ np.swapaxes(on_j, -1, -2))
     angular = np.einsum("...ka,...a->...k", end.directions[..., end.n_linear :, :], turn)
     return np.concatenate([linear, angular], axis=-1)
-
-
-def rotation_vector(rotation: Array) -> Array:
-    """The shortest turn (…, 3) [rad] of rotations (…, 3, 3): axis times angle, by their quaternions.
-
-    Shuster, "A survey of attitude representations", Journal of the Astronautical Sciences 41(4), 1993.
-    """
-    r = rotation
-    trace = np.trace(r, axis1=-2, axis2=-1)[..., None]
-    diagonal = np.diagonal(r, axis1=-2, axis2=-1)
-    # 4 q qᵀ: column k is 4 q_k q; the largest diagonal entry is at least 1
-    outer = np.empty((*r.shape[:-2], 4, 4))
-    outer[..., 0, 0] = 1 + trace[..., 0]
-    for k in range(3):
-        a, b = (k + 1) % 3, (k + 2) % 3
-        outer[..., 0, k + 1] = outer[..., k + 1, 0] = r[..., b, a] - r[..., a, b]
-        outer[..., a + 1, b + 1] = outer[..., b + 1, a + 1] = r[..., a, b] + r[..., b, a]
-        outer[..., k + 1, k + 1] = 1 + 2 * diagonal[..., k] - trace[..., 0]
-    best = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)[..., None, None]
-    quaternion = np.take_along_axis(outer, best, axis=-1)[..., 0]
-    quaternion = quaternion * np.where(quaternion[..., :1] < 0, -1.0, 1.0)
-    sine = np.linalg.norm(quaternion[..., 1:], axis=-1, keepdims=True)
-    angle = 2 * np.arctan2(sine, quaternion[..., :1])
-    vector: Array = quaternion[..., 1:] / np.where(sine > 0, sine, 1.0) * angle
-    return vector
 
 
 def _second_derivative(end: Ends, links: Links) -> Array:

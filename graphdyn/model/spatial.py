@@ -70,6 +70,31 @@ def rotation_about(axis: ArrayLike, angle: ArrayLike) -> Array:
     return turned(angle, skew(p), np.outer(p, p))
 
 
+def rotation_vector(rotation: Array) -> Array:
+    """The shortest turn (…, 3) [rad] of rotations (…, 3, 3): axis times angle, by their quaternions.
+
+    Shuster, "A survey of attitude representations", Journal of the Astronautical Sciences 41(4), 1993.
+    """
+    r = rotation
+    trace = np.trace(r, axis1=-2, axis2=-1)[..., None]
+    diagonal = np.diagonal(r, axis1=-2, axis2=-1)
+    # 4 q qᵀ: column k is 4 q_k q; the largest diagonal entry is at least 1
+    outer = np.empty((*r.shape[:-2], 4, 4))
+    outer[..., 0, 0] = 1 + trace[..., 0]
+    for k in range(3):
+        a, b = (k + 1) % 3, (k + 2) % 3
+        outer[..., 0, k + 1] = outer[..., k + 1, 0] = r[..., b, a] - r[..., a, b]
+        outer[..., a + 1, b + 1] = outer[..., b + 1, a + 1] = r[..., a, b] + r[..., b, a]
+        outer[..., k + 1, k + 1] = 1 + 2 * diagonal[..., k] - trace[..., 0]
+    best = np.argmax(np.diagonal(outer, axis1=-2, axis2=-1), axis=-1)[..., None, None]
+    quaternion = np.take_along_axis(outer, best, axis=-1)[..., 0]
+    quaternion = quaternion * np.where(quaternion[..., :1] < 0, -1.0, 1.0)
+    sine = np.linalg.norm(quaternion[..., 1:], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(sine, quaternion[..., :1])
+    vector: Array = quaternion[..., 1:] / np.where(sine > 0, sine, 1.0) * angle
+    return vector
+
+
 def turned(angle: ArrayLike, across: Array, along: Array) -> Array:
     """rotation_about of a known axis p. angle (…); across, along: p̃ and p pᵀ (3, 3) → (…, 3, 3)."""
     angle = np.asarray(angle)[..., None, None]

@@ -9,6 +9,7 @@ import numpy as np
 from graphdyn import Placement
 from graphdyn.aligning import Alignment, JointMap, ModelDifferences
 from graphdyn.layout import Array
+from graphdyn.model import rotation_vector
 
 AXIS_WORD_TOLERANCE = 1e-6
 """Entry of a unit vector below which it counts as zero: the axis is then called x, y or z."""
@@ -64,14 +65,11 @@ def _reversed(joint_map: JointMap, names: tuple[str, ...]) -> Iterator[str]:
 
 def _moved(frame: Placement, tolerance: float) -> Iterator[str]:
     """How a frame is turned and moved."""
-    vector = np.array([frame.rotation[k, j] - frame.rotation[j, k] for k, j in ((2, 1), (0, 2), (1, 0))]) / 2
-    angle = float(np.arctan2(np.linalg.norm(vector), (np.trace(frame.rotation) - 1) / 2))
+    vector = rotation_vector(frame.rotation)
+    angle = float(np.linalg.norm(vector))
     if angle > tolerance:
-        values, vectors = np.linalg.eigh((frame.rotation + frame.rotation.T) / 2)
-        axis = vectors[:, int(values.argmax())]
-        forward = 1.0 if axis[int(np.abs(axis).argmax())] > 0 else -1.0
-        sense = float(np.sign(axis @ vector)) or forward
-        yield f"turned by {degrees(sense * forward * angle)}° about {_direction(forward * axis)}"
+        forward = 1.0 if vector[int(np.abs(vector).argmax())] > 0 else -1.0
+        yield f"turned by {degrees(forward * angle)}° about {_direction(forward * vector / angle)}"
     if np.linalg.norm(frame.translation) > tolerance:
         yield f"moved by {_vector(frame.translation)} m"
 

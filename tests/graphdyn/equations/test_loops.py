@@ -29,8 +29,8 @@ from graphdyn.equations.loops.analysis import _without
 from graphdyn.model import random_states
 from graphdyn.model.assembly import assembled, moving_apart
 from graphdyn.model.chord import CHORD_ROWS
-from graphdyn.model.loops import Loops, loop_spaces, rotation_vector
-from graphdyn.model.spatial import rotation_about
+from graphdyn.model.loops import Loops, loop_spaces
+from graphdyn.model.spatial import rotation_about, rotation_vector
 from graphdyn.verbs import VERBS
 
 ROUNDING = 1e-13
