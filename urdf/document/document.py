@@ -71,6 +71,20 @@ class BeyondURDF:
     computed: tuple[str, ...] | None = None
 
 
+@dataclass(frozen=True)
+class Expansion:
+    """The URDF that a file of another format says.
+
+    text: in UTF-8; places: per element, in the order of the text, file and line where it is written; None where unknown
+    gravity: of the file (3,) [m/s²]
+    """
+
+    text: bytes
+    places: tuple[tuple[Path, int] | None, ...]
+    gravity: tuple[float, float, float]
+    beyond: BeyondURDF
+
+
 def parsed(
     path: Path,
     content: bytes,

@@ -9,8 +9,6 @@ from os.path import isfile
 from pathlib import Path
 from typing import IO
 
-from lxml import etree
-
 from graphdyn.display import short_repr
 from graphdyn.model import STANDARD_GRAVITY
 from urdf.document.catalog import locate
@@ -20,8 +18,8 @@ from urdf.document.document import (
     MAX_URDF_BYTES,
     STREAM,
     TEXT,
-    BeyondURDF,
     Document,
+    Expansion,
     check_size,
     parsed,
     root_of,
@@ -79,25 +77,17 @@ def open_document(given: Given, xacro: Xacro | None = None, use_geoms: bool = Fa
         remedy = "leave them out, or give the .xacro file"
         raise InvalidXacro(problem, remedy, path=path)
     if path.suffix.lower() == DH_SUFFIX:
-        return _of_dh(path, content)
+        return _of_expansion(path, expand_dh(path, content))
     if MJCF_TAG in content:
         root = root_of(path, content, encoding)
         if is_mjcf(root):
-            return _of_mjcf(path, content, root, use_geoms)
+            return _of_expansion(path, expand_mjcf(path, content, root, use_geoms))
     return replace(parsed(path, content, encoding), gravity=gravity)
 
 
-def _of_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) -> Document:
-    expansion = expand_mjcf(path, content, root, use_geoms)
+def _of_expansion(path: Path, expansion: Expansion) -> Document:
     expanded = parsed(path, expansion.text, UTF8, expansion.places)
-    beyond = BeyondURDF(expansion.armature, expansion.unread, expansion.between, expansion.computed)
-    return replace(expanded, gravity=expansion.gravity, beyond=beyond)
-
-
-def _of_dh(path: Path, content: bytes) -> Document:
-    expansion = expand_dh(path, content)
-    expanded = parsed(path, expansion.text, UTF8, expansion.places)
-    return replace(expanded, gravity=expansion.gravity, beyond=BeyondURDF(expansion.armature))
+    return replace(expanded, gravity=expansion.gravity, beyond=expansion.beyond)
 
 
 def is_expanded(path: Path) -> bool:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,24 +11,11 @@ from lxml import etree
 from graphdyn import Body, Placement
 from urdf.document.dh.reading import read_table
 from urdf.document.dh.table import DHRow
+from urdf.document.document import BeyondURDF, Expansion
 from urdf.document.numbers import NO_LIMIT, add_numbers, add_placement, inertial_element
 
 
-@dataclass(frozen=True)
-class DHExpansion:
-    """The URDF of a table.
-
-    text: in UTF-8; places: per element, in the order of the text, file and line where it is written; None where unknown
-    gravity: (3,) [m/s²]; armature: by joint, where it is not zero [kg m² or kg]
-    """
-
-    text: bytes
-    places: tuple[tuple[Path, int] | None, ...]
-    gravity: tuple[float, float, float]
-    armature: Mapping[str, float]
-
-
-def expand_dh(path: Path, content: bytes) -> DHExpansion:
+def expand_dh(path: Path, content: bytes) -> Expansion:
     """The URDF of a table in TOML. Raises InvalidDH."""
     table, lines = read_table(path, content)
     robot = etree.Element("robot", name=table.name)
@@ -49,11 +35,11 @@ def expand_dh(path: Path, content: bytes) -> DHExpansion:
     etree.SubElement(fixed, "parent", link=last.link.name)
     etree.SubElement(fixed, "child", link=table.tool_name)
     x, y, z = map(float, table.gravity)
-    return DHExpansion(
+    return Expansion(
         etree.tostring(robot, encoding="UTF-8"),
         tuple((path, places[one]) if one in places else None for one in robot.iter(etree.Element)),
         (x, y, z),
-        {row.name: row.armature for row in table.rows if row.armature},
+        BeyondURDF({row.name: row.armature for row in table.rows if row.armature}),
     )
 
 

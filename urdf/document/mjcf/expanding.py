@@ -10,7 +10,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn.layout import Array
-from urdf.document.connections.loops import Unread
+from urdf.document.document import BeyondURDF, Expansion
 from urdf.document.mjcf.bodies import Tree
 from urdf.document.mjcf.constraints import constraint_elements, held_and_coupled
 from urdf.document.mjcf.merging import Place, merged
@@ -18,33 +18,12 @@ from urdf.document.mjcf.native import compiled
 from urdf.document.mjcf.notes import notes
 
 
-@dataclass(frozen=True)
-class MJCFExpansion:
-    """The URDF of an MJCF file.
-
-    text: in UTF-8; places: per element, in the order of the text, file and line where it is written; None where unknown
-    gravity: of the file (3,) [m/s²]
-    armature: by joint, where it is not zero [kg m² or kg]
-    unread: what is not part of the model
-    between: links without mass between several joints of one body
-    computed: bodies whose inertia is computed from geoms
-    """
-
-    text: bytes
-    places: tuple[tuple[Path, int] | None, ...]
-    gravity: tuple[float, float, float]
-    armature: Mapping[str, float]
-    unread: tuple[Unread, ...]
-    between: frozenset[str]
-    computed: tuple[str, ...]
-
-
 def is_mjcf(root: etree._Element) -> bool:
     """Whether this is the root element of an MJCF file."""
     return root.tag == "mujoco"
 
 
-def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) -> MJCFExpansion:
+def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) -> Expansion:
     """The URDF of an MJCF file; root: its root element, which is modified.
 
     use_geoms: bodies without <inertial> get that of their geoms
@@ -61,14 +40,12 @@ def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: boo
     for element, place in constraint_elements(native, whole, tree):
         tree.add(robot, element, place)
     elements = robot.iter(etree.Element)
-    return MJCFExpansion(
+    unread = tuple(notes(native, whole, use_geoms))
+    return Expansion(
         etree.tostring(robot, encoding="UTF-8"),
         tuple(_known(tree.places.get(element)) for element in elements),
         tree.gravity,
-        tree.armature,
-        tuple(notes(native, whole, use_geoms)),
-        frozenset(tree.between),
-        native.from_geoms,
+        BeyondURDF(tree.armature, unread, frozenset(tree.between), native.from_geoms),
     )
 
 

@@ -190,7 +190,7 @@ def _read_back(wanted: Mapping[str, tuple[Body, Joint]], path: Path, content: by
         asked, drive = wanted[joint.name]
         scale = np.abs(asked.parameters).max()
         wrong = np.abs(body.parameters - asked.parameters).max() > READ_BACK_TOLERANCE * scale
-        numbers = (joint.damping, joint.friction, expansion.armature.get(joint.name, 0.0))
+        numbers = (joint.damping, joint.friction, expansion.beyond.armature.get(joint.name, 0.0))
         if wrong or not np.allclose(numbers, (drive.damping, drive.friction, drive.armature), rtol=1e-12, atol=0):
             problem = "MuJoCo reads other numbers from the new file than were written"
             raise CannotUpdate(
