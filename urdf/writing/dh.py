@@ -19,7 +19,7 @@ from graphdyn import Frame, JointLimits, Placement, RobotModel
 from graphdyn.layout import Array
 from graphdyn.model import check_model
 from urdf.document.dh.expanding import placed
-from urdf.document.dh.table import CONVENTIONS, Convention, DHLink, DHRow, DHTable, X, Y
+from urdf.document.dh.table import CONVENTIONS, Convention, DHLink, DHRow, DHTable, X, Y, along_normal
 from urdf.document.files import write_whole
 from urdf.document.numbers import rpy_from_rotation
 from urdf.errors import CannotSave, listed
@@ -170,8 +170,7 @@ def _in_plane(start: Placement, other: Array, z: Array, same: float) -> tuple[_J
     alpha = math.atan2(-float(c), float(along))
     alpha, beta = (0.0 if abs(angle) <= PARALLEL_ROUNDING else angle for angle in (alpha, beta))
     step = _JointStep(start, *_along(start, x, origin), (a, alpha, beta))
-    after = DHRow("", "", 0.0, 0.0, a, alpha, beta, DHLink("", None)).along_x
-    return step, Placement(turned, origin) @ after
+    return step, Placement(turned, origin) @ along_normal(a, alpha, beta)
 
 
 def _along(start: Placement, x: Array, origin: Array) -> tuple[float, float]:

@@ -20,12 +20,12 @@ def with_inertials_of(
     Raises typer.BadParameter where the other robot is no URDF file, the errors of urdf.update, and OSError.
     """
     taker = robots[0] if giver == "B" else robots[1]
-    if giver == "B":
-        model = found.alignment.model
-    else:
-        model = align(robots[1].model, robots[0].model, tolerance=found.tolerance).model
     if Path(taker.source).suffix.lower() in (".json", ".toml", ".xml"):
         raise typer.BadParameter(
             f"--use-inertials-of {giver}: {taker.source} is no URDF file; write MJCF with `graphdyn export --patch`"
         )
+    if giver == "B":
+        model = found.alignment.model
+    else:
+        model = align(robots[1].model, robots[0].model, tolerance=found.tolerance).model
     return urdf.update(taker.source, out, model.inertial_parameters, inconsistent=True, reading=taker.reading)

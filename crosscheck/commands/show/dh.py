@@ -14,14 +14,13 @@ from crosscheck.report.report import Column, Facts, Note, Notes, Row, Section, T
 from graphdyn import Placement
 from urdf import DHRow, DHTable
 
+OF_HAYATI = " Rot_y(β)"
+
 DH_PRODUCTS = {
-    "standard": "Rot_z(θ) Tra_z(d) Tra_x(a) Rot_x(α)",
-    "modified": "Rot_x(α) Tra_x(a) Rot_z(θ) Tra_z(d)",
+    "standard": f"Rot_z(θ) Tra_z(d) Tra_x(a) Rot_x(α){OF_HAYATI}",
+    "modified": f"Rot_x(α) Tra_x(a){OF_HAYATI} Rot_z(θ) Tra_z(d)",
 }
-HAYATI_PRODUCTS = {
-    "standard": "Rot_z(θ) Tra_z(d) Tra_x(a) Rot_x(α) Rot_y(β)",
-    "modified": "Rot_x(α) Tra_x(a) Rot_y(β) Rot_z(θ) Tra_z(d)",
-}
+"""The transform of a row; Rot_y(β) only where some axes are nearly parallel."""
 
 
 class ShownDHRowRecord(Record, of=DHRow, only=("name", "kind", "theta", "d", "a", "alpha", "beta")):
@@ -70,7 +69,8 @@ def dh_record(table: DHTable) -> dict[str, Any]:
 
 def dh_section(table: DHTable) -> Section:
     hayati = any(row.beta for row in table.rows)
-    factors = (HAYATI_PRODUCTS if hayati else DH_PRODUCTS)[table.convention]
+    product = DH_PRODUCTS[table.convention]
+    product = product if hayati else product.replace(OF_HAYATI, "")
     number: dict[str, Any] = {"kind": "number", "form": ".7g"}
     columns = (
         Column("no.", "number"),
@@ -85,7 +85,7 @@ def dh_section(table: DHTable) -> Section:
         Row((number, row.name, *map(_shown, _numbers(row, hayati)))) for number, row in enumerate(table.rows, start=1)
     ]
     slides = any(row.kind == "prismatic" for row in table.rows)
-    caption = f"{factors}; joints add their position to θ{', slides to d' if slides else ''}"
+    caption = f"{product}; joints add their position to θ{', slides to d' if slides else ''}"
     places = ((f"base, in '{table.base_name}'", table.base), (f"tool '{table.tool_name}'", table.tool))
     return Section(
         "dh",
@@ -99,8 +99,8 @@ def dh_section(table: DHTable) -> Section:
 
 
 def _numbers(row: DHRow, hayati: bool) -> list[float]:
-    degrees = [float(np.rad2deg(x)) for x in (row.theta, row.alpha, row.beta)]
-    return [degrees[0], row.d, row.a, degrees[1], *degrees[2 : 2 + hayati]]
+    theta, alpha, beta = (float(np.rad2deg(x)) for x in (row.theta, row.alpha, row.beta))
+    return [theta, row.d, row.a, alpha, *([beta] if hayati else [])]
 
 
 DH_SHOWN_ZERO = 1e-9

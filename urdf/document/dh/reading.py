@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -12,6 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from graphdyn import Body, GraphDynError, JointLimits, Placement
+from graphdyn.arguments import closest
 from graphdyn.layout import Array
 from graphdyn.model import STANDARD_GRAVITY, parallel_axis
 from urdf.document.dh.table import CONVENTIONS, DHLink, DHRow, DHTable
@@ -76,8 +76,8 @@ class _Settings:
 
     def refuse_others(self) -> None:
         for key in self._left:
-            near = difflib.get_close_matches(key, self._known, 1)
-            remedy = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(self._known)}"
+            near = closest(key, self._known)
+            remedy = f"did you mean '{near}'?" if near else f"it has {', '.join(self._known)}"
             raise self.error(f"'{shortened(key)}' is no key here", remedy, "unknown-key")
 
 

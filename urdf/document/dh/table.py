@@ -72,7 +72,12 @@ class DHRow:
     @property
     def along_x(self) -> Placement:
         """Tra_x(a) Rot_x(α) Rot_y(β)."""
-        return Placement(rotation_about(X, self.alpha) @ rotation_about(Y, self.beta), self.a * X)
+        return along_normal(self.a, self.alpha, self.beta)
+
+
+def along_normal(a: float, alpha: float, beta: float) -> Placement:
+    """Tra_x(a) Rot_x(α) Rot_y(β)."""
+    return Placement(rotation_about(X, alpha) @ rotation_about(Y, beta), a * X)
 
 
 @dataclass(frozen=True, eq=False)
