@@ -10,7 +10,7 @@ from xml.parsers import expat
 
 from lxml import etree
 
-from urdf.document.opening import is_expanded
+from urdf.document.opening import DH_SUFFIX, is_expanded
 from urdf.errors import CannotUpdate
 
 _TAG = re.compile(rb"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""")
@@ -25,6 +25,9 @@ def refuse_expanded(path: Path) -> None:
         raise CannotUpdate(
             "a .xacro file has no <inertial> of its own to edit", "expand it and give the URDF", path=path
         )
+    if path.suffix.lower() == DH_SUFFIX:
+        remedy = "urdf.save_dh (graphdyn export --to dh) writes a new table"
+        raise CannotUpdate("the file is a table of Denavit-Hartenberg parameters, not URDF", remedy, path=path)
     if is_expanded(path):
         remedy = "urdf.patch_mjcf (graphdyn export --to mjcf --patch) writes new inertials into it"
         raise CannotUpdate("the file is MJCF, not URDF", remedy, path=path)

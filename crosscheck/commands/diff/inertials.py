@@ -20,7 +20,7 @@ def with_inertials_of(
     Raises typer.BadParameter where the other robot is no URDF file, the errors of urdf.update, and OSError.
     """
     taker = robots[0] if giver == "B" else robots[1]
-    if Path(taker.source).suffix.lower() in (".json", ".toml", ".xml"):
+    if Path(taker.source).suffix.lower() in (".json", ".xml"):
         raise typer.BadParameter(
             f"--use-inertials-of {giver}: {taker.source} is no URDF file; write MJCF with `graphdyn export --patch`"
         )

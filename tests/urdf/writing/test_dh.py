@@ -75,3 +75,14 @@ def test_what_a_table_cannot_hold():
         urdf.dh_table(urdf.load("ur5"), tool="wrist")
     with pytest.raises(ValueError, match="there is no convention 'classic'; use standard or modified"):
         urdf.dh_table(urdf.load("ur5"), "classic")
+
+
+def test_a_table_is_not_edited_in_place(tmp_path):
+    model, path = urdf.load("ur5"), tmp_path / "ur5.toml"
+    urdf.save_dh(model, path)
+    for change in (
+        lambda: urdf.update(path, tmp_path / "new.urdf", model.inertial_parameters),
+        lambda: urdf.repair(path, tmp_path / "new.urdf", ["limits-crossed"]),
+    ):
+        with pytest.raises(urdf.CannotUpdate, match="is a table of Denavit-Hartenberg parameters, not URDF; "):
+            change()
