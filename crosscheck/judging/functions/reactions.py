@@ -20,7 +20,7 @@ from crosscheck.judging.faults.recursion import (
 )
 from crosscheck.judging.functions.motions import flat, places, stacked
 from crosscheck.judging.slips.link_axes import LinkAxes
-from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations, turning
+from crosscheck.judging.slips.operations import NOT_TURNED, WRONG_WAY, Operations, turn_product
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Placement
 from graphdyn.layout import Array
@@ -108,12 +108,12 @@ def _multipliers(
         force = do.result("the force λ_1, λ_2, λ_3 in world axes", j, turned(R, f), {
             NOT_TURNED: lambda: f + 0 * R[0], WRONG_WAY: lambda: turned_back(R, f),
             "turned with the inside link": lambda: turned(before, f),
-        }, product=turning(turned, R, f))  # fmt: skip
+        }, product=turn_product(turned, R, f))  # fmt: skip
         moment = do.result("the moment of λ_4, λ_5 in axes that the joint does not turn", j, turned(own, n), {
             "taken in link axes, not turned": lambda: n + 0 * own[0], WRONG_WAY: lambda: turned_back(own, n),
             "taken about the center of mass": lambda: turned(own, n - crossed(x.centers[j], f)),
             "turned into axes of the inside link": lambda: turned(x.rotations[j], turned(own, n)),
-        }, product=turning(turned, own, n))  # fmt: skip
+        }, product=turn_product(turned, own, n))  # fmt: skip
         about = [(axis * moment).sum(axis=0) for axis in (first, second)]
         names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")
         pair = do.result("the pair λ_4, λ_5", j, np.stack(np.broadcast_arrays(*about)), {

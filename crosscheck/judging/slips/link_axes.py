@@ -45,7 +45,7 @@ from crosscheck.judging.slips.body_wrenches import (
     BodyWrench,
     add_body,
 )
-from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations, Product, turning
+from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations, Product, turn_product
 from graphdyn.layout import Array
 
 Parts = tuple[list[Array], list[Array]]
@@ -100,7 +100,7 @@ class LinkAxes:
             spin = do.result(SPIN, j, 0.0 * p if slides else p * v[j])
             kept = do.result("ω of the inside link in that of the link", j, carried, {
                 NOT_TURNED: lambda: 1.0 * w, WRONG_WAY: lambda: turned(turn, w),
-            }, product=turning(turned_back, turn, w))  # fmt: skip
+            }, product=turn_product(turned_back, turn, w))  # fmt: skip
             omega.append(kept + spin)
             own_spin = 0.0 * p if slides else p * v[j]
             cross = do.result(CROSS, j, crossed(carried, own_spin), {
@@ -150,7 +150,7 @@ class LinkAxes:
                 NOT_TURNED: lambda: 1.0 * moved,
                 WRONG_WAY: lambda: turned(turn, moved),
             }
-            product = turning(turned_back, turn, moved)
+            product = turn_product(turned_back, turn, moved)
             moved_in = do.result(WHOLE_ACCELERATION, j, turned_back(turn, moved), {**whole, **in_part}, product=product)
             linear.append(moved_in + sliding + driven)
             gravity.append(do.outward("gravity", j, turn, gravity[inside]))
@@ -183,7 +183,7 @@ def _inward(code: DynamicsCode, x: Numbers, do: Operations, frames: Parts, wrenc
         outer_force = do.inward("f of the outer link", j, turn, f)
         passed = do.result(PASSED_FORCE, j, outer_force, {
             NOT_TURNED: lambda: f + 0 * outer_force, WRONG_WAY: lambda: turned_back(turn, f),
-        }, product=turning(turned, turn, f))  # fmt: skip
+        }, product=turn_product(turned, turn, f))  # fmt: skip
         own = forces[i]
         others = {
             "taken with f not turned": lambda: crossed(r, f),
@@ -207,7 +207,7 @@ def _inward(code: DynamicsCode, x: Numbers, do: Operations, frames: Parts, wrenc
             "turned the wrong way, r × f not": lambda: np.stack(np.broadcast_arrays(
                 turned_back(turn, f), turned_back(turn, n) + crossed(r, outer_force)
             )),
-        }, product=turning(partial(_passed_on, r), turn, np.stack(np.broadcast_arrays(f, n))))  # fmt: skip
+        }, product=turn_product(partial(_passed_on, r), turn, np.stack(np.broadcast_arrays(f, n))))  # fmt: skip
         forces[i], moments[i] = own + both[0], moments[i] + both[1]
     return np.stack(np.broadcast_arrays(*reversed(tau)))
 

@@ -125,12 +125,12 @@ class Operations:
     def outward(self, operation: str, joint: int, turn: Array, x: Array) -> Array:
         """A vector x of the inside link turned into the link."""
         others = {NOT_TURNED: lambda: 1.0 * x, WRONG_WAY: lambda: turned(turn, x)}
-        return self.result(operation, joint, turned_back(turn, x), others, product=turning(turned_back, turn, x))
+        return self.result(operation, joint, turned_back(turn, x), others, product=turn_product(turned_back, turn, x))
 
     def inward(self, operation: str, joint: int, turn: Array, x: Array) -> Array:
         """A vector x of the link turned into the inside link."""
         others = {NOT_TURNED: lambda: 1.0 * x, WRONG_WAY: lambda: turned_back(turn, x)}
-        return self.result(operation, joint, turned(turn, x), others, product=turning(turned, turn, x))
+        return self.result(operation, joint, turned(turn, x), others, product=turn_product(turned, turn, x))
 
     def slips(self) -> Iterator[Slip]:
         """All slips of the operations that were done: at every joint, and at each of them."""
@@ -143,7 +143,7 @@ class Operations:
             yield from (Slip(operation, way, joint, self._of[operation]) for way in ways)
 
 
-def turning(way: Callable[[Array, Array], Array], turn: Array, x: Array) -> Product:
+def turn_product(way: Callable[[Array, Array], Array], turn: Array, x: Array) -> Product:
     """A vector turned by a rotation, as a product."""
     return way, {"the rotation": turn, "the vector": x}
 
