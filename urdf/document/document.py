@@ -72,7 +72,7 @@ class BeyondURDF:
 
 
 @dataclass(frozen=True)
-class Expansion:
+class ExpandedURDF:
     """The URDF that a file of another format says.
 
     text: in UTF-8; places: per element, in the order of the text, file and line where it is written; None where unknown

@@ -19,7 +19,7 @@ from urdf.document.document import (
     STREAM,
     TEXT,
     Document,
-    Expansion,
+    ExpandedURDF,
     check_size,
     parsed,
     root_of,
@@ -85,7 +85,7 @@ def open_document(given: Given, xacro: Xacro | None = None, use_geoms: bool = Fa
     return replace(parsed(path, content, encoding), gravity=gravity)
 
 
-def _of_expansion(path: Path, expansion: Expansion) -> Document:
+def _of_expansion(path: Path, expansion: ExpandedURDF) -> Document:
     expanded = parsed(path, expansion.text, UTF8, expansion.places)
     return replace(expanded, gravity=expansion.gravity, beyond=expansion.beyond)
 

@@ -11,11 +11,11 @@ from lxml import etree
 from graphdyn import Body, Placement
 from urdf.document.dh.reading import read_table
 from urdf.document.dh.table import DHRow
-from urdf.document.document import BeyondURDF, Expansion
+from urdf.document.document import BeyondURDF, ExpandedURDF
 from urdf.document.numbers import NO_LIMIT, add_numbers, add_placement, inertial_element
 
 
-def expand_dh(path: Path, content: bytes) -> Expansion:
+def expand_dh(path: Path, content: bytes) -> ExpandedURDF:
     """The URDF of a table in TOML. Raises InvalidDH."""
     table, lines = read_table(path, content)
     robot = etree.Element("robot", name=table.name)
@@ -35,7 +35,7 @@ def expand_dh(path: Path, content: bytes) -> Expansion:
     etree.SubElement(fixed, "parent", link=last.link.name)
     etree.SubElement(fixed, "child", link=table.tool_name)
     x, y, z = map(float, table.gravity)
-    return Expansion(
+    return ExpandedURDF(
         etree.tostring(robot, encoding="UTF-8"),
         tuple((path, places[one]) if one in places else None for one in robot.iter(etree.Element)),
         (x, y, z),

@@ -10,7 +10,7 @@ import numpy as np
 from lxml import etree
 
 from graphdyn.layout import Array
-from urdf.document.document import BeyondURDF, Expansion
+from urdf.document.document import BeyondURDF, ExpandedURDF
 from urdf.document.mjcf.bodies import Tree
 from urdf.document.mjcf.constraints import constraint_elements, held_and_coupled
 from urdf.document.mjcf.merging import Place, merged
@@ -23,7 +23,7 @@ def is_mjcf(root: etree._Element) -> bool:
     return root.tag == "mujoco"
 
 
-def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) -> Expansion:
+def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: bool) -> ExpandedURDF:
     """The URDF of an MJCF file; root: its root element, which is modified.
 
     use_geoms: bodies without <inertial> get that of their geoms
@@ -41,7 +41,7 @@ def expand_mjcf(path: Path, content: bytes, root: etree._Element, use_geoms: boo
         tree.add(robot, element, place)
     elements = robot.iter(etree.Element)
     unread = tuple(notes(native, whole, use_geoms))
-    return Expansion(
+    return ExpandedURDF(
         etree.tostring(robot, encoding="UTF-8"),
         tuple(_known(tree.places.get(element)) for element in elements),
         tree.gravity,
