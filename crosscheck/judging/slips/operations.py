@@ -9,7 +9,6 @@ from functools import partial
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crosscheck.judging.faults.fault import factor_said
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, turned, turned_back
@@ -105,8 +104,7 @@ class Operations:
                 wrong = others[way]() if isinstance(way, str) else way * right
                 if found is None:
                     found = np.array(np.broadcast_to(right, (*right.shape[:-2], *self._shape)), dtype=self._type)
-                k: NDArray[np.intp] = np.array(which)
-                found[..., k, :] = np.broadcast_to(wrong, found.shape)[..., k, :]
+                found[..., which, :] = wrong if wrong.shape[-2] == 1 else wrong[..., which, :]
         return right if found is None else found
 
     def _undifferentiated(self, right: Array, product: Product | None) -> dict[str, Callable[[], Array]]:

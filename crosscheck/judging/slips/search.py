@@ -34,8 +34,8 @@ TORQUE_FORMULATIONS: tuple[Formulation, ...] = (
 MAX_CHRISTOFFEL_JOINTS = 12
 """Number of joints up to which Christoffel symbols are tried: their number grows with the third power."""
 
-N_TRIED_ROWS = 2
-"""Number of answers with which all slips are tried."""
+N_TRIED_NUMBERS = 6
+"""Number of torques, at least, with which all slips are tried."""
 
 SLIP_SIZE = 2
 """How many numbers a slip counts as: a fault that is as simple and gives the same numbers is named first."""
@@ -90,11 +90,11 @@ def torques_with(formulation: Formulation, slips: Sequence[Slip], code: Dynamics
 
 
 def _most_general(rows: Observation) -> NDArray[np.bool_]:
-    """The first of the rows with the most numbers that are not zero."""
+    """The rows with the most numbers that are not zero, as few as have enough torques."""
     q, v, a = (x[rows.of] for x in rows.state)
     size = (q != 0).sum(axis=1) + (v != 0).sum(axis=1) + (a != 0).sum(axis=1)
     chosen = np.zeros(len(size), dtype=bool)
-    chosen[np.argsort(-size, kind="stable")[:N_TRIED_ROWS]] = True
+    chosen[np.argsort(-size, kind="stable")[: -(-N_TRIED_NUMBERS // q.shape[1])]] = True
     return chosen
 
 
