@@ -6,16 +6,18 @@ judge (--fresh), alone the second or the third set of these (--second, --third).
 seconds, what is said. "named": what is claimed is the planted fault, and nothing else; "candidates": the fault is
 among those that fit as well; "equal": other words that were found to give the same numbers; "found": wrong at special
 states, the message does not say which; "unknown": no claim; "missed": no deviation found; "WRONG": another claim. A
-third of the cases is kept aside, and only counted (--aside shows them).
+third of the cases is kept aside, and only counted (--aside shows them). --robot NAME plants all of them in one arm, as
+far as they are for it and show there.
 """
 
 import argparse
 import time
 import warnings
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
-from other_functions.fault import path_of
+from other_functions.fault import TEN_ARMS, path_of
 from other_functions.planted import FAULTS, FRESH_FAULTS, SECOND_FAULTS, SPECIAL_FAULTS, THIRD_FAULTS, verdict
 
 from crosscheck.judging.judge import judge
@@ -38,9 +40,13 @@ def main():
     parser.add_argument(
         "--third", action="store_true", help="the third set of these, torques of whole formulations first"
     )
+    parser.add_argument("--robot", choices=TEN_ARMS, help="the arm of all cases; else they take ten arms in turn")
     options = parser.parse_args()
     known = next((faults for name, faults in SETS.items() if getattr(options, name)), FAULTS)
     cases = [fault for fault in known if options.only in str(fault)][:: options.share]
+    if options.robot:
+        cases = [x for x in cases if options.robot in x.robots and x.planted_on(options.robot)]
+        cases = [replace(x, robots=(options.robot,)) for x in cases]
     totals = {False: Counter(), True: Counter()}
     seconds = []
     for fault in cases:

@@ -205,15 +205,24 @@ def with_ten_numbers(code: DynamicsCode, k: int, ten: Array) -> DynamicsCode:
 
 
 def of_body(model: RobotModel, k: int, places: tuple[int, ...]) -> CodeFault:
-    """Some of the ten numbers of one body: as differences, so that it adds to other faults."""
+    """Some of the ten numbers of one body: as differences, so that it adds to other faults.
+
+    That of a center is fitted times the mass: forces are linear in it, however light the body is.
+    """
     name, own, which = model.body_names[k], ten_numbers(DynamicsCode.of(model), k), list(places)
+    is_center = np.isin(which, range(10)[CENTER])
+
+    def differences(mass: complex, x: Array) -> Array:
+        whole = mass + x[0] if 0 in which else mass
+        return np.where(is_center, x / whole, x) if whole else x
 
     def change(code: DynamicsCode, x: Array) -> DynamicsCode:
         ten = ten_numbers(code, k).astype(x.dtype)
-        ten[which] = ten[which] + x
+        ten[which] = ten[which] + differences(ten[0], x)
         return with_ten_numbers(code, k, ten)
 
-    def say(x: Array) -> Iterator[FaultDescription]:
+    def say(fitted: Array) -> Iterator[FaultDescription]:
+        x = differences(own[0], fitted)
         moved = [i for i, difference in zip(which, x, strict=True) if difference != 0]
         numbers = tuple(
             FittedNumber(

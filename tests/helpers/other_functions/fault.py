@@ -58,14 +58,19 @@ class Fault:
         """Robot, model, frame and the wrong function, on the first arm in turn on which the fault shows."""
         start = self.number % len(self.robots)
         for robot in (*self.robots[start:], *self.robots[:start]):
-            model = model_of(robot)
-            frame = self.frame or FRAMES[robot]
-            arm = PlainArm.of(model, frame)
-            right = right_code(self.function, arm)
-            wrong = self.plant(arm, right, right_code)
-            if self.shows(right, wrong, model):
-                return robot, model, frame, self.plant(arm, right, right_code)
+            if found := self.planted_on(robot):
+                return found
         raise AssertionError(f"{self} shows on no arm")
+
+    def planted_on(self, robot):
+        """Robot, model, frame and the wrong function on an arm, or None where the fault does not show."""
+        model = model_of(robot)
+        frame = self.frame or FRAMES[robot]
+        arm = PlainArm.of(model, frame)
+        right = right_code(self.function, arm)
+        if self.shows(right, self.plant(arm, right, right_code), model):
+            return robot, model, frame, self.plant(arm, right, right_code)
+        return None
 
     def shows(self, right, wrong, model):
         if self.function == "base_regressor":
