@@ -177,9 +177,7 @@ def _work(theirs: Connection) -> None:
             for logger in map(logging.getLogger, LOGGERS):
                 logger.setLevel(logging.INFO if heard else logging.NOTSET)
             function = new or function
-            answer = function(task)
-            with telling.alone:
-                theirs.send(answer)
+            telling.answer(function(task))
 
 
 @dataclass(frozen=True)
@@ -190,16 +188,40 @@ class Told:
 
 
 class Telling(logging.Handler):
-    """What begins, through the pipe of the answers. alone: held while something is sent"""
+    """What begins, through the pipe of the answers: the newest message at once, or TOLD_INTERVAL after the last."""
 
     def __init__(self, pipe: Connection) -> None:
         super().__init__(logging.INFO)
-        self._pipe, self._last, self.alone = pipe, 0.0, threading.Lock()
+        self._pipe, self._alone, self._last = pipe, threading.Lock(), 0.0
+        self._waiting: threading.Timer | None = None
+        self._message = ""
 
     def emit(self, record: logging.LogRecord) -> None:
-        now = time.monotonic()
-        if record.levelno != logging.INFO or now - self._last < TOLD_INTERVAL:
+        if record.levelno != logging.INFO:
             return
-        with self.alone, suppress(OSError):
-            self._last = now
-            self._pipe.send(Told(record.getMessage()))
+        with self._alone:
+            self._message = record.getMessage()
+            if (left := self._last + TOLD_INTERVAL - time.monotonic()) <= 0:
+                self._tell()
+            elif self._waiting is None:
+                self._waiting = threading.Timer(left, self._tell_late)
+                self._waiting.daemon = True
+                self._waiting.start()
+
+    def answer(self, answer: object) -> None:
+        """Send an answer; what has begun before is not told any more."""
+        with self._alone:
+            self._message = ""
+            self._pipe.send(answer)
+
+    def _tell_late(self) -> None:
+        with self._alone:
+            self._waiting = None
+            if self._message:
+                self._tell()
+
+    def _tell(self) -> None:
+        self._last = time.monotonic()
+        with suppress(OSError):
+            self._pipe.send(Told(self._message))
+        self._message = ""

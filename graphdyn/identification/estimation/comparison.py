@@ -68,7 +68,8 @@ def plausibility(
     q, _ = torque_model.model.random_state(np.random.default_rng(seed), poses)
     parts = []
     for k in range(0, poses, POSES_PER_CHUNK):
-        log.info("mass matrix in pose %d of %d", k + 1, poses)
+        if poses > POSES_PER_CHUNK:
+            log.info("mass matrix in pose %d of %d", k + 1, poses)
         parts.append(mass_matrices(torque_model, q[k : k + POSES_PER_CHUNK], x))
     smallest = np.concatenate([np.linalg.eigvalsh(part)[..., 0] for part in parts])
     bodies = np.array([torque_model.inertial_parameters(row).reshape(-1, BODY_PARAMETERS) for row in x])

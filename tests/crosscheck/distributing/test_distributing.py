@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 from crosscheck.commands import app
 from crosscheck.commands.program.exits import AGREED
 from crosscheck.distributing import DaskWorkers, LocalProcesses, Lost, NoWorkers, dask_workers
+from crosscheck.distributing.processes import Telling, Told
 from crosscheck.distributing.workers import versions
 
 
@@ -39,6 +40,18 @@ class TestProcesses:
         with caplog.at_level("INFO", "crosscheck"):
             assert list(LocalProcesses(1).each(telling, [7])) == [(0, 7)]
         assert caplog.messages == ["task 7 begins"]
+
+    def test_what_soon_follows_is_logged_later(self):
+        """Not left out: it may be what takes long."""
+        here, there = multiprocessing.Pipe()
+        handler = Telling(there)
+        for message in ("a", "b", "c"):
+            handler.emit(logging.makeLogRecord({"levelno": logging.INFO, "msg": message}))
+        told = []
+        while Told("c") not in told:
+            assert here.poll(60)
+            told.append(here.recv())
+        assert told[0] == Told("a")
 
     def test_kept_between_two_works(self):
         """One that has died in the meantime is replaced; none is left at the end."""
