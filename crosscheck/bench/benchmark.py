@@ -174,8 +174,8 @@ def benchmark(
             done(title, 1)
         (Path(folder) / "model.pickle").write_bytes(pickle.dumps(model))
         fresh = []
-        for _ in range(effort.processes):
-            done("first calls", 0)
+        for k in range(effort.processes):
+            done(f"first calls, process {k + 1} of {effort.processes}", 0)
             fresh.append(in_fresh_process("first_calls", Path(folder)))
         done("first calls", 1)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,6 +24,8 @@ from crosscheck.bench.machine.timing import (
 )
 from crosscheck.bench.states import States
 from graphdyn.layout import Array
+
+log = logging.getLogger(__name__)
 
 UNLIMITED_SAMPLES = sys.maxsize
 """Largest number of samples of a contender without a limit of its own."""
@@ -188,6 +191,7 @@ def measure(
     """
     counts = []
     for contender in work.contenders:
+        log.info("samples for %s", contender.name)
         with linear_algebra_threads(contender.threads):
             most = min(samples, contender.most)
             least = min(contender.least, most)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -12,6 +13,8 @@ import numpy as np
 
 from crosscheck.bench.machine.clocks import STEPS_PER_RUN, Clock, clock_step, elapsed
 from crosscheck.bench.machine.disturbance import Disturbance
+
+log = logging.getLogger(__name__)
 
 FIRST_RUN_SAMPLES = 16
 """Number of samples of the first run, from which the number for a given duration is estimated."""
@@ -113,7 +116,8 @@ def in_turns(
             run.call()
             least = max(shortest, STEPS_PER_RUN * clock_step()) if run.clock == "processor" else shortest
             in_a_row.append(max(1, round(least / elapsed(run.call).of_one(run.clock))))
-    for _ in range(repeats):
+    for k in range(repeats):
+        log.info("turn %d of %d", k + 1, repeats)
         for row, run, calls in zip(rows, runs, in_a_row, strict=True):
             with linear_algebra_threads(run.threads):
                 taken = elapsed(run.call, calls)

@@ -28,6 +28,7 @@ Rucker and Wensing, "Smooth parameterization of rigid-body inertia", IEEE Roboti
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,6 +40,8 @@ from graphdyn.identification.consistent.coordinates import SYMMETRIC_BASIS, Prio
 from graphdyn.identification.consistent.fit import MIN_MARGIN_SHARE, PRIOR_MARGIN, ConsistentFit
 from graphdyn.identification.consistent.polishing import FURTHER_COLUMN_WEIGHT, Cost, polished, suboptimality
 from graphdyn.layout import BODY_PARAMETERS, Array
+
+log = logging.getLogger(__name__)
 
 _STRETCHES = (0, 1, 2)
 _PLACES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # of s₁₂, s₂₃, s₁₃, t₁, t₂, t₃
@@ -234,7 +237,10 @@ def log_cholesky_fit(
     c = coordinates
     bounded = np.concatenate([np.zeros(c.width, dtype=bool), nonnegative])
     random = np.random.default_rng(seed).normal(scale=START_DEVIATION, size=(starts - 1, c.width))
-    tried = [_from(c, theta, bounded, strength, margin) for theta in (np.zeros(c.width), *random)]
+    tried = []
+    for k, theta in enumerate((np.zeros(c.width), *random), start=1):
+        log.info("log-Cholesky from start %d of %d", k, starts)
+        tried.append(_from(c, theta, bounded, strength, margin))
     # the cost is not convex in θ: the cheapest of all starts counts
     tried.sort(key=lambda start: start.cost)
     best = tried[0]
