@@ -99,7 +99,10 @@ def _multipliers(
     numbers: list[Array] = []
     for j, (f, n, slides) in enumerate(zip(*parts, code.prismatic, strict=True)):
         p, R, before = x.axes[j], m.rotations[j + 1], m.rotations[code.inside[j]]
-        first, second = _normals(p)
+        first, second = do.result("the pair of normals t_1, t_2", j, np.stack(_normals(p)), {
+            "exchanged": lambda: np.stack(_normals(p)[::-1]),
+            "taken with t_1 = p × z, or p × x where p is near z": lambda: np.stack(_normals(p, order=(2, 0))),
+        })  # fmt: skip
         if slides:
             pairs = ((first, f), (second, f), (first, n), (second, n), (p, n))
             numbers += [(axis * vector).sum(axis=0) for axis, vector in pairs]
@@ -114,15 +117,9 @@ def _multipliers(
             "taken about the center of mass": lambda: turned(own, n - crossed(x.centers[j], f)),
             "turned into axes of the inside link": lambda: turned(x.rotations[j], turned(own, n)),
         }, product=turn_product(turned, own, n))  # fmt: skip
-        about = [(axis * moment).sum(axis=0) for axis in (first, second)]
         names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")
-        pair = do.result("the pair λ_4, λ_5", j, np.stack(np.broadcast_arrays(*about)), {
-            "exchanged": lambda: np.stack(np.broadcast_arrays(*about[::-1])),
-            "taken with t_1 = p × z, or p × x where p is near z": lambda: np.stack(np.broadcast_arrays(
-                *((axis * moment).sum(axis=0) for axis in _normals(p, order=(2, 0)))
-            )),
-        })  # fmt: skip
-        numbers += [*force, *(do.result(name, j, number) for name, number in zip(names, pair, strict=True))]
+        about = [(axis * moment).sum(axis=0) for axis in (first, second)]
+        numbers += [*force, *(do.result(name, j, number) for name, number in zip(names, about, strict=True))]
     return stacked(numbers)
 
 

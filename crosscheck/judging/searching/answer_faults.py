@@ -293,7 +293,8 @@ def _first(
     first = states.rows(few)  # once: it keeps what graphdyn answers there
 
     def left(fault: AnswerFault, chosen: Chosen, some: JudgedStates, given: Array) -> float:
-        return float(relative_errors(known, given, fault.answers(some, chosen), some, chosen).max())
+        errors = relative_errors(known, given, fault.answers(some, chosen), some, chosen)
+        return float(errors.max() if fault.undefined is None else errors[~fault.undefined(some)].max(initial=0.0))
 
     for chosen in known.readings(declared):
         for fault in tried(chosen):

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+from numpy.typing import NDArray
+
 from crosscheck.judging.faults.fault import FaultDescription
 from crosscheck.judging.states import JudgedStates
 from crosscheck.quantities.measures import Chosen
@@ -16,12 +19,16 @@ Answering = Callable[[JudgedStates, Chosen], Array]
 
 @dataclass(frozen=True, eq=False)
 class AnswerFault:
-    """One fault: its kind, message and remedy, and the answers of a function that has it."""
+    """One fault: its kind, message and remedy, and the answers of a function that has it.
+
+    undefined: states at which such a function may answer anything (N,)
+    """
 
     kind: str
     message: str
     remedy: str
     answers: Answering
+    undefined: Callable[[JudgedStates], NDArray[np.bool_]] | None = None
 
 
 FIRST_TRIAL_STATES = 5

@@ -52,6 +52,9 @@ ANGLES = {"roll, pitch and yaw": "xyz", "yaw, pitch and roll": "ZYX", "the Euler
 """Angles of an attitude, in the notation of scipy: about fixed axes in small letters, about those that turn in capital
 ones."""
 
+MAX_LOCK = 1e5
+"""Condition number of the axes of the angles beyond which their rates are rounding: gimbal lock."""
+
 
 def _rates_of_angles(known: Quantity) -> Iterator[AnswerFault]:
     """Rates of angles in place of an angular velocity, the analytic Jacobian."""
@@ -60,10 +63,12 @@ def _rates_of_angles(known: Quantity) -> Iterator[AnswerFault]:
             "frame", f"the angular part is of the rates of {what}, not of the angular velocity",
             "the geometric Jacobian is asked for: ω, not the rates of angles",
             lambda s, c, sequence=sequence: _with_rates(known, sequence, s, c),  # type: ignore[misc]
+            lambda s, sequence=sequence: np.linalg.cond(_axes_of_angles(s, sequence)) > MAX_LOCK,  # type: ignore[misc]
         )  # fmt: skip
 
 
-def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Chosen) -> Array:
+def _axes_of_angles(states: JudgedStates, sequence: str) -> Array:
+    """The axes about which the angles turn the frame, as columns, in world axes (N, 3, 3)."""
     from scipy.spatial.transform import Rotation  # imported where first used
 
     R = FUNCTIONS["frame_placement"].of_graphdyn(states, {})[:, :3, :3]
@@ -76,10 +81,15 @@ def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Ch
     for k in (2, 1, 0) if fixed else (0, 1, 2):  # the axis of each angle, after the turns that come later or before
         axes[k] = np.einsum("nij,nj->ni", turn, axes[k])
         turn = turn @ Rotation.from_rotvec(angles[:, k, None] * AXES[sequence[k].lower()]).as_matrix()
+    return np.stack(axes, axis=-1)
+
+
+def _with_rates(known: Quantity, sequence: str, states: JudgedStates, chosen: Chosen) -> Array:
     answer = known.of_graphdyn(states, chosen)
     angular = known.of_graphdyn(states, {**chosen, "reference": "local_world_aligned", "order": "linear first"})
     angular = np.moveaxis(angular, known.six, -1)[..., 3:]
-    solved = np.linalg.pinv(np.stack(axes, axis=-1)) @ np.moveaxis(angular.reshape(len(R), -1, 3), -1, -2)
+    vectors = np.moveaxis(angular.reshape(len(angular), -1, 3), -1, -2)
+    solved = np.linalg.pinv(_axes_of_angles(states, sequence)) @ vectors
     rates = np.moveaxis(solved, -1, -2).reshape(angular.shape)
     linear = np.moveaxis(linear_first(answer, chosen, known.six), known.six, -1)[..., :3]
     found = np.moveaxis(np.concatenate([linear, rates], axis=-1), -1, known.six)

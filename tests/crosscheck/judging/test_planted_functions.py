@@ -1,5 +1,7 @@
 """Faults in functions of every kind, in plain codes written apart: found, and never told as another one."""
 
+from dataclasses import replace
+
 import pytest
 from long_check import few
 from other_functions.fault import path_of
@@ -25,6 +27,27 @@ def test_a_fault_is_named(fault):
     robot, _, _, function = fault.planted()
     judgment = judge(path_of(robot), samples=10, **{fault.function: function})
     assert verdict(fault, judgment) in ("named", "candidates"), judgment.diagnoses
+
+
+@pytest.mark.parametrize(
+    ("name", "robot"),
+    few(
+        [
+            ("forward_dynamics: tool on the flange", "ur5"),
+            ("multipliers: t_1 and t_2 exchanged", "panda"),
+            ("frame_jacobian: rates of roll, pitch, yaw", "kinova"),
+        ],
+        ("gravity_torque: tool", "ur5"),
+    ),
+)
+def test_a_fault_is_named_on_hard_arms(name, robot):
+    """A load of a light link on the axis of its joint, sliding joints, special states at gimbal lock."""
+    (fault,) = named([name], FAULTS)
+    planted = fault.planted_on(robot)
+    assert planted is not None
+    options = {**dict(fault.options), **({"frame": planted[2]} if "frame" in fault.function else {})}
+    judgment = judge(path_of(robot), samples=10, **{fault.function: planted[3]}, **options)
+    assert verdict(replace(fault, robots=(robot,)), judgment) in ("named", "candidates"), judgment.diagnoses
 
 
 @pytest.mark.parametrize("fault", few(named(ALONE, SPECIAL_FAULTS), *named(ALONE[:1], SPECIAL_FAULTS)), ids=str)
