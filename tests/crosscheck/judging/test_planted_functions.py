@@ -15,6 +15,12 @@ from crosscheck.judging.judge import judge
 
 SELECTED = ("gravity_torque: sign", "potential_energy: sign", "static_torque: loads in world axes")
 ALONE = ("kinetic_energy: nan at rest", "power: nan at rest")
+HARD = (
+    ("gravity_torque: tool", "ur5"),
+    ("forward_dynamics: tool on the flange", "ur5"),
+    ("multipliers: t_1 and t_2 exchanged", "panda"),
+    ("frame_jacobian: rates of roll, pitch, yaw", "kinova"),
+)
 WAYS = ("world axes", "spatial", "about the world's origin", "zero elsewhere", "on the inside body")
 
 
@@ -31,14 +37,7 @@ def test_a_fault_is_named(fault):
 
 @pytest.mark.parametrize(
     ("name", "robot"),
-    few(
-        [
-            ("forward_dynamics: tool on the flange", "ur5"),
-            ("multipliers: t_1 and t_2 exchanged", "panda"),
-            ("frame_jacobian: rates of roll, pitch, yaw", "kinova"),
-        ],
-        ("gravity_torque: tool", "ur5"),
-    ),
+    few(HARD, HARD[0]),
 )
 def test_a_fault_is_named_on_hard_arms(name, robot):
     """A load of a light link on the axis of its joint, sliding joints, special states at gimbal lock."""
