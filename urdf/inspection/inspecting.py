@@ -26,6 +26,7 @@ from urdf.inspection.rules.mesh_rules import mesh_findings
 from urdf.inspection.rules.model_rules import model_findings
 from urdf.inspection.rules.plausibility_rules import plausibility_findings
 from urdf.inspection.rules.reader_rules import reader_findings
+from urdf.inspection.rules.rounding_rules import rounding_findings
 from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
 from urdf.reading.checks import faults
@@ -138,6 +139,7 @@ def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure, 
         return
     yield from model_findings(model, structure)
     yield from plausibility_findings(model, structure)
+    yield from rounding_findings(model, structure)
 
 
 def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:
