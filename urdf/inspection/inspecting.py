@@ -19,6 +19,7 @@ from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
 from urdf.errors import URDFError
 from urdf.inspection.findings import Finding, Inspection, of_file, refusal, report
+from urdf.inspection.rules.density_rules import density_findings
 from urdf.inspection.rules.document_rules import document_findings, name_findings, unread_findings
 from urdf.inspection.rules.joint_rules import joint_findings
 from urdf.inspection.rules.link_rules import link_findings
@@ -105,7 +106,7 @@ def _findings(document: Document, meshes: Meshes, reading: Reading) -> Iterator[
     refusals = [refusal(error) for error in islice(_refusals(source, beside, reading), MAX_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
-    for rules in (unread_findings, name_findings, link_findings, joint_findings):
+    for rules in (unread_findings, name_findings, link_findings, density_findings, joint_findings):
         found += _limited(rules(structure))
     sound = not any(finding.severity == "error" for finding in found)
     drawn = [*_limited(mesh_findings(structure, meshes == "detail"))] if sound and meshes != "off" else []
