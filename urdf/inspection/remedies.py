@@ -113,6 +113,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "missing-inertial": "write an <inertial>",
         "name-spacing": "write blanks, or none",
         "number-spacing": "separate numbers by blanks, and put none after a single number",
+        "other-density": "compare both with the data sheets: CAD fills solids with the density of their material",
         "other-encoding": "save it in UTF-8",
         "placeholder-inertials": "give the real ones: the numbers computed from these mean nothing",
         "processing-instruction": "remove them",
