@@ -140,6 +140,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "axis-missing": "write <axis>",
         "axis-not-normalized": "write it with more digits",
         "byte-order-mark": NOTHING,
+        "center-outside-mesh": "no action needed, if parts of the link are not drawn",
         "continuous-joint": "compare angles modulo 2π",
         "crlf": NOTHING,
         "default-namespace": "remove xmlns=… from <robot>",

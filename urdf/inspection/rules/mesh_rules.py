@@ -16,12 +16,12 @@ from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.rules.tensor_forms import MAX_DISTANCE, SAME_SIZE, distance, meant
 from urdf.inspection.structure import LinkInertial, Structure
 
-MAX_OUTSIDE_SHARE = 0.05
-"""Distance of a center of mass from the box around the mesh, as a part of its longest side, beyond which they do not
-fit; motors and cables that are not drawn shift it less."""
+MAX_OUTSIDE_SHARE, DOUBTFULLY_OUTSIDE = 0.05, 0.25
+"""Distance of a center of mass from the box around the mesh, as a part of its longest side, from which it is noted, and
+from which it is doubtful; motors, feet and hands that are not drawn shift it less."""
 
-MIN_MESH_DENSITY, MAX_MESH_DENSITY = 100.0, 20_000.0
-"""Plausible mass over volume [kg/m³]: a hollow link of plastic, solid tungsten."""
+MIN_MESH_DENSITY, MAX_MESH_DENSITY = 50.0, 20_000.0
+"""Plausible mass over volume [kg/m³]: foam, solid tungsten; printed shanks and open frames have 65 and more."""
 
 MAX_CENTER_SHARE, MAX_UNIFORM_DENSITY = 0.05, 9000.0
 """An inertial is that of its mesh if the centers of mass are apart by less than this part of the diagonal of the box
@@ -107,6 +107,7 @@ def _place(each: Compared) -> Iterator[Finding]:
             each.inertial.element,
             f"the center of mass lies {outside:.3g} m outside the box around the {each.link.geometry} mesh, whose "
             f"longest side is {size:.3g} m",
+            "warning" if outside > DOUBTFULLY_OUTSIDE * size else "note",
         )
 
 
