@@ -53,11 +53,12 @@ class FolderLink:
 
 def compared(inspections: Sequence[Inspection]) -> list[Inspection]:
     """The inspections of several files, with what shows when they are laid beside one another; in their order."""
-    parts = [list(_parts(k, each)) for k, each in enumerate(inspections)]
     names = [Path(each.robot).name for each in inspections]
     further: list[list[Finding]] = [[] for _ in inspections]
-    for finding, file in chain(_densities(parts, names), _copies(parts, names)):
-        further[file].append(finding)
+    with np.errstate(all="ignore"):  # numbers may be as large as the largest double
+        parts = [list(_parts(k, each)) for k, each in enumerate(inspections)]
+        for finding, file in chain(_densities(parts, names), _copies(parts, names)):
+            further[file].append(finding)
     return [
         report(each.robot, each.path, [*each.findings, *found]) if found else each
         for each, found in zip(inspections, further, strict=True)

@@ -87,3 +87,9 @@ def test_files_that_cannot_be_compared(tmp_path):
     reports = [urdf.inspect(gone), urdf.inspect(CLEAN), urdf.inspect("<robot/>"), urdf.inspect(tmp_path / "none.urdf")]
     gone.unlink()
     assert compared(reports) == reports
+
+
+def test_the_largest_numbers(told):
+    """Nothing is said of them, and no warning of NumPy either."""
+    large = changed(UPPER, UPPER.replace("0.1", "1.1e307"))
+    assert told("other-density", large, large.replace('"2.5"', '"19.625"')) == [[], []]
