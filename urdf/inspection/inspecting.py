@@ -19,6 +19,7 @@ from urdf.document.source import Source, reduced
 from urdf.document.tree import carriers, tree_faults
 from urdf.errors import URDFError
 from urdf.inspection.findings import Finding, Inspection, of_file, refusal, report
+from urdf.inspection.rules.density_rules import density_findings
 from urdf.inspection.rules.document_rules import document_findings, name_findings, unread_findings
 from urdf.inspection.rules.joint_rules import joint_findings
 from urdf.inspection.rules.link_rules import link_findings
@@ -26,6 +27,7 @@ from urdf.inspection.rules.mesh_rules import mesh_findings
 from urdf.inspection.rules.model_rules import model_findings
 from urdf.inspection.rules.plausibility_rules import plausibility_findings
 from urdf.inspection.rules.reader_rules import reader_findings
+from urdf.inspection.rules.rounding_rules import rounding_findings
 from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
 from urdf.reading.checks import faults
@@ -104,7 +106,7 @@ def _findings(document: Document, meshes: Meshes, reading: Reading) -> Iterator[
     refusals = [refusal(error) for error in islice(_refusals(source, beside, reading), MAX_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
-    for rules in (unread_findings, name_findings, link_findings, joint_findings):
+    for rules in (unread_findings, name_findings, link_findings, density_findings, joint_findings):
         found += _limited(rules(structure))
     sound = not any(finding.severity == "error" for finding in found)
     drawn = [*_limited(mesh_findings(structure, meshes == "detail"))] if sound and meshes != "off" else []
@@ -138,6 +140,7 @@ def _of_the_model(source: Source, beside: CompanionFiles, structure: Structure, 
         return
     yield from model_findings(model, structure)
     yield from plausibility_findings(model, structure)
+    yield from rounding_findings(model, structure)
 
 
 def _limited(findings: Iterator[Finding]) -> Iterator[Finding]:

@@ -98,6 +98,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "independent-contradiction": "mark as independent as many joints as there are degrees of freedom, "
         "so that they determine all others",
         "infinitesimal-mobility": "correct the lengths, or lock these joints (lock=, --lock)",
+        "inertial-density": "give the mass in kg, and the tensor in kg m² about the center of mass",
         "inertia-unlike-mesh": "compare them link by link: urdf.inspect(…, meshes='detail'), "
         "graphdyn inspect --meshes detail",
         "limits-missing": "write it",
@@ -107,9 +108,12 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "mass-matrix-singular": "give all moving links mass and inertia",
         "mesh-density": "give the mass in kg and the mesh in meters, with its scale; "
         "a part of the link may not be drawn",
+        "miswritten-inertia": "compare it with CAD; SolidWorks, for one, writes products of inertia with the opposite "
+        "sign unless told otherwise",
         "missing-inertial": "write an <inertial>",
         "name-spacing": "write blanks, or none",
         "number-spacing": "separate numbers by blanks, and put none after a single number",
+        "other-density": "compare both with the data sheets: CAD fills solids with the density of their material",
         "other-encoding": "save it in UTF-8",
         "placeholder-inertials": "give the real ones: the numbers computed from these mean nothing",
         "processing-instruction": "remove them",
@@ -136,6 +140,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "axis-missing": "write <axis>",
         "axis-not-normalized": "write it with more digits",
         "byte-order-mark": NOTHING,
+        "center-outside-mesh": "no action needed, if parts of the link are not drawn",
         "continuous-joint": "compare angles modulo 2π",
         "crlf": NOTHING,
         "default-namespace": "remove xmlns=… from <robot>",
@@ -148,6 +153,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "heavy-link": NOTHING,
         "inertia-of-mesh": "correct the inertial where the factor is large, or load with "
         "repair=[urdf.InertialsFromMeshes(…)] (--repair inertials-from-meshes=…)",
+        "inertial-density": "give the real ones, if forces matter",
         "inertial-origin-missing": "write <origin>, if that is not meant",
         "inertial-rotated": NOTHING,
         "isotropic-inertia": "give the measured tensor, if forces matter",

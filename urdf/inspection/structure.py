@@ -11,7 +11,7 @@ from lxml import etree
 
 from graphdyn.layout import Array
 from urdf.document.elements import name_of
-from urdf.document.numbers import values
+from urdf.document.numbers import rotation_from_rpy, values
 from urdf.document.source import Source
 from urdf.document.tree import carriers, joint_into, joints_by, root_links
 from urdf.document.vocabulary import NUMBERS
@@ -21,6 +21,7 @@ from urdf.document.vocabulary import NUMBERS
 class LinkInertial:
     """mass [kg], center of mass (3,) [m] in the link frame, tensor (3, 3) [kg m²] in the axes of the inertial frame.
 
+    rotation: from these axes to those of the link          (3, 3)
     moments: principal moments, ascending                   (3,)  [kg m²]
     """
 
@@ -29,7 +30,13 @@ class LinkInertial:
     mass: float
     center: Array
     tensor: Array
+    rotation: Array
     moments: Array
+
+    @property
+    def link_tensor(self) -> Array:
+        """The tensor in link axes (3, 3) [kg m²]."""
+        return np.asarray(self.rotation @ self.tensor @ self.rotation.T)
 
     @property
     def size(self) -> float:
@@ -55,8 +62,10 @@ def inertials(source: Source) -> Iterator[LinkInertial]:
         except np.linalg.LinAlgError:  # overflow
             moments = np.full(3, np.inf)
         if np.isfinite(moments).all():
-            center = np.array(values(element.find("origin"), "xyz", 3) or (0.0, 0.0, 0.0))
-            yield LinkInertial(name_of(link), element, mass[0], center, tensor, moments)
+            origin = element.find("origin")
+            center = np.array(values(origin, "xyz", 3) or (0.0, 0.0, 0.0))
+            rotation = rotation_from_rpy(*(values(origin, "rpy", 3) or (0.0, 0.0, 0.0)))
+            yield LinkInertial(name_of(link), element, mass[0], center, tensor, rotation, moments)
 
 
 @dataclass(frozen=True)

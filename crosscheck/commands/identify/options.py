@@ -144,12 +144,19 @@ class TorqueOptions(CodeOptions):
         ),
     ] = None
     payload_on: Annotated[str | None, typer.Option(metavar="LINK", help="Link that carries the payload.")] = None
+    angles_as_written: Annotated[
+        bool,
+        typer.Option("--angles-as-written", help="Keep parameters that only rounded angles show (1.5708 for π/2)."),
+    ] = False
 
     def candidates(self, methods: Sequence[str | Estimator]) -> list[CandidateModel]:
         """One torque model for every --terms, or those of --models. Raises InvalidInput and typer.BadParameter.
 
         methods: of the models that do not say
         """
+        return [replace(each, exact_angles=not self.angles_as_written) for each in self._candidates(methods)]
+
+    def _candidates(self, methods: Sequence[str | Estimator]) -> list[CandidateModel]:
         from crosscheck.identifying import CandidateModel
 
         load, known_load = payload_of(self.payload, self.payload_on)
@@ -415,7 +422,7 @@ class IdentifyOptions(
             of_logs = (
                 *("validate", "split", "split_rows", "folds", "mapping", "rate", "drop", "known_torque"),
                 *("known_bodies", "payload", "payload_on", "models", "controller", "control_rate", "torque_hold"),
-                *("currents", "free_gravity"),
+                *("currents", "free_gravity", "angles_as_written"),
             )
             refuse(self, of_logs, "needs a LOG; without one the robot is simulated")
         if self.free_gravity and self.gravity is not None:

@@ -75,6 +75,6 @@ CONDITION_OPTIONS = ("torque_noise", "noise_time", "position_noise", "friction",
 OF_RECORDINGS = (
     *("validate", "split", "split_rows", "folds", "mapping", "drop", "derive_velocity", "torque_hold"),
     *("known_torque", "scaled_torque", "known_bodies", "payload", "payload_on", "models", "controller"),
-    *("control_rate", "choose", "urdf_file", "jobs", "scheduler", "seconds", "poses"),
+    *("control_rate", "choose", "urdf_file", "jobs", "scheduler", "seconds", "poses", "angles_as_written"),
 )
 """Options that a rehearsal has no use for."""

@@ -52,13 +52,15 @@ def run(context: typer.Context, options: InspectOptions) -> None:
     """Find what is odd or wrong in URDF files.
 
     Every fault and oddity with its line, what other readers make of it, and what to do; and whether the file is good
-    for dynamics. Several files are inspected in parallel. Exit code 0: all are good for dynamics; 1: some file is
+    for dynamics. Several files are inspected in parallel, and compared: masses in the ratio of two
+    materials, inertials copied from one robot to another. Exit code 0: all are good for dynamics; 1: some file is
     refused or good for kinematics only; 2: a file or folder cannot be found or read.
     """
     from crosscheck.commands.inspect.checks import inspect_checks
     from crosscheck.commands.inspect.many_files import inspect_files
     from crosscheck.commands.inspect.report import inspect_report
     from urdf import inspect
+    from urdf.inspection import compared
 
     accepted = options.accepted("inspect")
     robots, failures = [], []
@@ -73,6 +75,7 @@ def run(context: typer.Context, options: InspectOptions) -> None:
     examine = partial(inspect, meshes=options.meshes, reading=options.reading)
     with progress("inspect", len(robots) if err.is_terminal else None) as advance:
         reports = inspect_files(robots, advance, examine)
+    reports = compared(reports)
     checks = inspect_checks(reports, failures, options.fail_on)
     report = inspect_report(reports, failures)
     raise typer.Exit(deliver_findings("inspect", checks, report, options, accepted))

@@ -26,7 +26,7 @@ class CandidateModel:
     terms: unknown parts of the torque; known: known parts, which are subtracted
     methods: names (METHODS) or estimators
     cad_of: as in IdentifiedModel
-    expected, noise: as in TorqueModel
+    expected, noise, exact_angles: as in TorqueModel
     choose_drives: whether the recording is to choose terms of the drives, in addition to `terms`
         (crosscheck.identifying.choosing); until it has, they are viscous and Coulomb friction and offsets
     """
@@ -39,6 +39,7 @@ class CandidateModel:
     expected: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     noise: ArrayLike | None = None
     choose_drives: bool = False
+    exact_angles: bool = True
 
     @property
     def estimators(self) -> list[Estimator]:
@@ -51,7 +52,7 @@ class CandidateModel:
         if self.cad_of is not None:  # of the drives; the links are known
             symbols = {column.symbol for column in TorqueModel(robot, self.terms).columns}
             expected = {symbol: value for symbol, value in expected.items() if symbol in symbols}
-        return TorqueModel(robot, (*self.terms, *drives), self.known, expected, self.noise)
+        return TorqueModel(robot, (*self.terms, *drives), self.known, expected, self.noise, self.exact_angles)
 
 
 def with_links_of_cad(models: Sequence[CandidateModel]) -> list[CandidateModel]:

@@ -144,6 +144,14 @@ class TestCommand:
         assert re.search(r"│ rotor-inertia +│ +3 │", done.stdout)
         assert re.search(r"c_refused.* missing-mass", done.stdout)
 
+    def test_files_are_compared(self, tmp_path):
+        """The same robot of water and of steel."""
+        steel = (MASS, '<mass value="19.625"/>', 'ixx="0.11"', 'ixx="0.8635"', 'iyy="0.13"', 'iyy="1.0205"')
+        for name, text in (("water", CLEAN), ("steel", changed(*steel, 'izz="0.17"', 'izz="1.3345"'))):
+            (tmp_path / f"{name}.urdf").write_text(text, encoding="utf-8")
+        assert "other-density" in run(tmp_path).stdout
+        assert "other-density" not in run(tmp_path / "steel.urdf").stdout
+
     def test_files_and_names_together(self, folder):
         done = run(folder / "a_dynamics.urdf", "kr500")
         assert done.exit_code == 0

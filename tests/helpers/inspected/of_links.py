@@ -61,6 +61,12 @@ LINKS = {
         "1.5 kg with an inertia tensor of zero: a point mass. Pinocchio and yourdfpy load it as it stands",
         "give the tensor",
     ),
+    "inertial-density": Case(
+        (MASS, '<mass value="2500"/>'),
+        "warning", "<inertial> of link 'upper'", 4,
+        "a body of 2500 kg with this tensor has 4.23e+08 kg/m³ or more in some place, osmium has 22590",
+        "give the mass in kg, and the tensor in kg m² about the center of mass",
+    ),
     "tiny-mass": Case(
         ('"2.5"', '"1e-6"'),
         "warning", "<mass> of link 'upper'", 6,

@@ -101,5 +101,5 @@ def mesh_file(name: str) -> str:
     return f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
 
 
-MESH_CODES = ("center-outside-mesh", "mesh-density", "inertia-unlike-mesh", "inertia-of-mesh")
+MESH_CODES = ("center-outside-mesh", "mesh-density", "miswritten-inertia", "inertia-unlike-mesh", "inertia-of-mesh")
 """Codes of findings about inertials beside the meshes of their links."""

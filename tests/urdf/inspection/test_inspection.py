@@ -335,6 +335,7 @@ def test_every_code_has_a_case():
         "joint-order",
         "mass-matrix-not-examined",
         "more-findings",
+        "other-density",
         "no-such-file",
         "placeholder-inertials",
         "too-large",

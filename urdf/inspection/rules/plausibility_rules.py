@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
 import numpy as np
 from lxml import etree
 
 from graphdyn import RobotModel, gravity_torque, mass_matrix
-from graphdyn.layout import Array
 from urdf.document.elements import name_of
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding, about
+from urdf.inspection.rules.twin_rules import other_sides, twin_findings
 from urdf.inspection.structure import LinkInertial, Structure
 
 N_POSES, SEED = 50, 0
@@ -34,9 +33,6 @@ HEAVY, DOUBTFULLY_HEAVY = 3.0, 10.0
 MIN_ALONE = 4
 """Number of moving links with mass from which one that outweighs all others is worth a note."""
 
-TWIN_TOLERANCE = 1e-3
-"""Relative difference of masses and moments up to which a left and a right link are alike."""
-
 
 def plausibility_findings(model: RobotModel, structure: Structure) -> Iterator[Finding]:
     """Findings about a robot that loads, joint by joint and link by link."""
@@ -46,7 +42,7 @@ def plausibility_findings(model: RobotModel, structure: Structure) -> Iterator[F
     yield from _heavy(model, links)
     moving = [each for each in structure.inertials if structure.moving(each.link) and each.mass > 0]
     yield from _equal(structure, moving)
-    yield from _twins(moving)
+    yield from twin_findings(moving)
 
 
 def _motors(model: RobotModel, structure: Structure) -> Iterator[Finding]:
@@ -114,43 +110,10 @@ def _equal(structure: Structure, moving: list[LinkInertial]) -> Iterator[Finding
     for group in alike.values():
         files = {meshes[each.link] for each in group if each.link in meshes}
         first, *others = (each.link for each in group)
-        is_pair = len(others) == 1 and (others[0] in _mirrored(first) or first in _mirrored(others[0]))
+        is_pair = len(others) == 1 and (others[0] in other_sides(first) or first in other_sides(others[0]))
         if len(files) > 1 and not is_pair:
             yield about(
                 "equal-inertials",
                 group[0].element,
                 f"the inertial of {listed(shortened(name) for name in others)}, too, with other meshes",
             )
-
-
-_SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("l", "r"), ("L", "R"))
-
-
-def _mirrored(name: str) -> Iterator[str]:
-    """Names of the link on the other side: of one called left, or l between the ends and marks of words."""
-    for left, right in _SIDES:
-        pattern = left if len(left) > 1 else rf"(?<![A-Za-z]){left}(?![A-Za-z])"
-        if re.search(pattern, name):
-            yield re.sub(pattern, right, name)
-
-
-def _twins(moving: list[LinkInertial]) -> Iterator[Finding]:
-    """Left links whose mass or moments are not those of the right one."""
-    by_name = {each.link: each for each in moving}
-    for left in moving:
-        right = next((by_name[name] for name in _mirrored(left.link) if name in by_name), None)
-        if right is None:
-            continue
-        masses, moments = (left.mass, right.mass), (left.moments, right.moments)
-        if _apart(*(np.array([mass]) for mass in masses)):
-            what = f"{masses[0]:.4g} kg, where '{shortened(right.link)}' has {masses[1]:.4g} kg"
-        elif _apart(*moments):
-            told = [", ".join(f"{moment:.3g}" for moment in each) for each in moments]
-            what = f"principal moments {told[0]} kg m², where '{shortened(right.link)}' has {told[1]}"
-        else:
-            continue
-        yield about("unlike-twin", left.element, what)
-
-
-def _apart(one: Array, other: Array) -> bool:
-    return bool(np.abs(one - other).max() > TWIN_TOLERANCE * np.abs([one, other]).max())

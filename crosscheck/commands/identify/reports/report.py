@@ -122,7 +122,7 @@ def _gravity(found: Identified) -> tuple[tuple[str, str], ...]:
 
 def _nearly_undetermined(comparison: MethodComparison) -> tuple[tuple[str, str], ...]:
     names = ", ".join(comparison.nearly_undetermined)
-    why = "only the rounding of angles in the robot's file shows them; they are regrouped with others"
+    why = "only the rounding of angles in the robot's file shows them; --angles-as-written keeps them"
     return (("nearly undetermined", f"{names}: {why}"),) if names else ()
 
 

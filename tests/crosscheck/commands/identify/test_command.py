@@ -156,6 +156,13 @@ class TestFiles:
         self.check_page(page, recording)
         assert CHROMIUM is None or too_wide({"page.html": page}, tmp_path) == []
 
+    @pytest.mark.parametrize("given", [{}, {"terms": ["viscous", "none"]}])
+    def test_what_only_rounded_angles_show_is_kept_if_asked_for(self, given):
+        for kept in (True, False):
+            options = IdentifyOptions(robot="r", logs=["x.csv"], angles_as_written=kept, **given)
+            models = [model.of(urdf.load("kr500")) for model in options.candidates(["wls"])]
+            assert {model.exact_angles for model in models} == {not kept}
+
     @pytest.mark.usefixtures("unexamined")
     def test_terms_that_choose_themselves(self, program, two_files, tmp_path):
         """The report and the file say how; the terms are a file for --models."""

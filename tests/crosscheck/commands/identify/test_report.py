@@ -60,7 +60,7 @@ def test_what_only_rounded_angles_show_is_named(found):
     named = dataclasses.replace(found.comparison, nearly_undetermined=("arm m", "arm I_xx"))
     sections = identify_report(dataclasses.replace(found, comparison=named), None).sections
     facts = [fact for part in sections for block in part.blocks if isinstance(block, Facts) for fact in block.items]
-    why = "only the rounding of angles in the robot's file shows them; they are regrouped with others"
+    why = "only the rounding of angles in the robot's file shows them; --angles-as-written keeps them"
     assert ("nearly undetermined", f"arm m, arm I_xx: {why}") in facts
 
 
