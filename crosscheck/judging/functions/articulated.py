@@ -42,13 +42,17 @@ def articulated_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operati
         velocities.append(velocity)
         carried.append(_crossed(velocity, S * v[j]))
         inertias.append(inertia)
-        biases.append(do.result("the bias force v ×* I v", j, -_of_transposed(_cross_matrix(velocity), momentum), {
+        biases.append(do.result("the bias force v ×* I v", j, _bias(velocity, inertia), {
             "taken with ×, that of motions": lambda: _crossed(velocity, momentum),
+            "taken without S q̇ of the joint in v": lambda: _bias(velocity - S * v[j], inertia),
         }))  # fmt: skip
+    links = list(inertias)
     given: list[tuple[Array, Array, Array]] = []
     for j in reversed(range(len(code.inside))):
         S, inertia, bias, c = axes[j], inertias[j], biases[j], carried[j]
-        U = _of(inertia, S)
+        U = do.result("U = Iᴬ S", j, _of(inertia, S), {
+            "taken with the inertia of the link alone": lambda: _of(links[j], S),
+        })  # fmt: skip
         d = (S * U).sum(axis=0)
         u = tau[j] - do.result("Sᵀ p in u", j, (S * bias).sum(axis=0))
         given.append((U, d, u))
@@ -116,6 +120,11 @@ def _cross_matrix(motion: Array) -> Array:
 
 def _crossed(motion: Array, other: Array) -> Array:
     return _of(_cross_matrix(motion), other)
+
+
+def _bias(motion: Array, inertia: Array) -> Array:
+    """v ×* I v."""
+    return -_of_transposed(_cross_matrix(motion), _of(inertia, motion))
 
 
 def _of(matrix: Array, vector: Array) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 from crosscheck.judging.faults.recursion import DynamicsCode, Numbers, State, crossed, times, turned, turned_back
 from crosscheck.judging.functions.motions import Motions, flat, motions, places, stacked
 from crosscheck.judging.slips.operations import NOT_TURNED, ONCE, WRONG_WAY, Operations
+from crosscheck.judging.slips.turning import WITH_THE_INSIDE
 from crosscheck.quantities.measures import Chosen
 from graphdyn import Frame, Placement
 from graphdyn.layout import Array
@@ -117,9 +118,14 @@ class FrameFormulations:
                 columns.append((dz, nothing))
                 jacobian.append((z + nothing, nothing))
                 continue
-            turning = do.result("the term ż × (p − o)", j, crossed(dz, p - o) + nothing)
+            turning = do.result("the term ż × (p − o)", j, crossed(dz, p - o) + nothing, {
+                "taken as ż × p": lambda: crossed(dz, p) + nothing,
+            })  # fmt: skip
             moving = do.result("the term z × (ṗ − ȯ)", j, crossed(z, twist[0] - m.velocities[j + 1]) + nothing, {
                 "taken as z × ṗ": lambda: crossed(z, twist[0]) + nothing,
+                "taken with ȯ of the inside link": lambda: (
+                    crossed(z, twist[0] - m.velocities[code.inside[j]]) + nothing
+                ),
             })  # fmt: skip
             columns.append((turning + moving, dz))
             jacobian.append((crossed(z, p - o) + nothing, z + nothing))
@@ -139,6 +145,7 @@ class FrameFormulations:
         g = turned(m.rotations[0], x.gravity)
         linear = do.result("the acceleration", ONCE, linear, {
             "taken with gravity added": lambda: linear + g, "taken with gravity subtracted": lambda: linear - g,
+            "taken with gravity subtracted, not turned into axes of the frame": lambda: linear - turned(R, g),
         })  # fmt: skip
         if self.chosen["acceleration"] == "spatial":
             right = motions(code, x, state, Operations([], state[0].shape[-1]), self.base)
@@ -159,6 +166,7 @@ class FrameFormulations:
         link, t = m.rotations[b], own.translation[:, None, None]
         offset = do.result("the offset of the frame from its link's origin", ONCE, turned(link, t), {
             NOT_TURNED: lambda: t + 0 * link[0], WRONG_WAY: lambda: turned_back(link, t),
+            WITH_THE_INSIDE: lambda: turned(m.rotations[m.inside[b - 1]], t),
             "that of the link's center of mass": lambda: turned(link, x.centers[b - 1]),
         })  # fmt: skip
         rf = own.rotation[:, :, None, None]

@@ -109,7 +109,10 @@ def motions(code: DynamicsCode, x: Numbers, state: State, do: Operations, base: 
         moved = do.result("the velocity of the inside link in that of the link origin", j, m.velocities[inside])
         cross = do.result("the term ω × q̇ p in ω̇", j, x.cross[j] * crossed(w, spin))
         tangential = do.result("the term ω̇ × r in the acceleration of the link origin", j, crossed(dw, r))
-        around = do.result("the term ω × (ω × r) in the acceleration of the link origin", j, crossed(w, crossed(w, r)))
+        inward = crossed(w, crossed(w, r))
+        around = do.result("the term ω × (ω × r) in the acceleration of the link origin", j, inward, {
+            "taken as ω × v of the inside link": lambda: crossed(w, m.velocities[inside]) + 0 * r,
+        })  # fmt: skip
         sliding = do.result("the term 2 ω × ṡ of sliding joints", j, 2 * crossed(w, slide))
         m.omegas.append(kept + spin)
         m.alphas.append(kept_up + cross + (0.0 * z if slides else z * a[j]))

@@ -24,6 +24,7 @@ def projected(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> A
     m = motions(code, x, state, do, Placement())
     torque: list[Array] = [np.zeros((1, 1))] * len(code.inside)
     zero = np.zeros((3, 1, 1))
+    after = [next((k for k, i in enumerate(code.inside) if i == j + 1), j) for j in range(len(code.inside))]
     for b, inside in enumerate(code.inside):
         R = m.rotations[b + 1]
         own: tuple[list[Array], list[Array]] = [], []
@@ -46,6 +47,7 @@ def projected(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> A
                 "taken with the origin of the joint's inside link": lambda: crossed(
                     place - m.origins[code.inside[j]], pair[0]
                 ),
+                "taken with the origin of the next joint": lambda: crossed(place - m.origins[after[j] + 1], pair[0]),
             })  # fmt: skip
             part = (z * (pair[0] if code.prismatic[j] else pair[1] + lever)).sum(axis=0)
             torque[j] = torque[j] + (do.result("the part of its own body in a torque", j, part) if j == b else part)

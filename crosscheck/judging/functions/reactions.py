@@ -116,6 +116,7 @@ def _multipliers(
             "taken in link axes, not turned": lambda: n + 0 * own[0], WRONG_WAY: lambda: turned_back(own, n),
             "taken about the center of mass": lambda: turned(own, n - crossed(x.centers[j], f)),
             "turned into axes of the inside link": lambda: turned(x.rotations[j], turned(own, n)),
+            "taken with the position of the joint before": lambda: turned(turned_about(p, state[0][j - 1]), n),
         }, product=turn_product(turned, own, n))  # fmt: skip
         names = ("λ_4, the moment about t_1,", "λ_5, the moment about t_2,")
         about = [(axis * moment).sum(axis=0) for axis in (first, second)]

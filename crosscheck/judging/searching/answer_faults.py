@@ -83,6 +83,31 @@ def _matrices(known: Quantity) -> Iterator[AnswerFault]:
                 "triangle", f"the {name} triangle of the mass matrix alone is inverted", "invert the whole matrix",
                 lambda s, c, part=part: np.linalg.inv(part(s.mass)).astype(float),  # type: ignore[misc]
             )  # fmt: skip
+        yield AnswerFault(
+            "transposed", "the inverse of the factor of Cholesky is multiplied in the other order: L⁻¹ L⁻ᵀ",
+            "M = L Lᵀ has the inverse L⁻ᵀ L⁻¹", lambda s, c: _other_order(s.mass),
+        )  # fmt: skip
+        yield AnswerFault(
+            "gravity", "gravity acts in every column: the accelerations at rest are in it", "take gravity away",
+            lambda s, c: np.asarray(known.of_graphdyn(s, c) - np.linalg.solve(s.mass, _weights(s)[..., None]), float),
+        )  # fmt: skip
+    if known.name in ("da_dq", "da_dv"):
+        yield AnswerFault(
+            "argument", "M⁻¹ is that at q = 0", "take it at the same q",
+            lambda s, c: np.asarray(np.linalg.solve(s.but(q=0 * s.q).mass, s.mass @ known.of_graphdyn(s, c)), float),
+        )  # fmt: skip
+
+
+def _other_order(mass: Array) -> Array:
+    """L⁻¹ L⁻ᵀ of M = L Lᵀ."""
+    factor: Array = np.linalg.inv(np.linalg.cholesky(mass))
+    product: Array = factor @ factor.swapaxes(-1, -2)
+    return product
+
+
+def _weights(states: JudgedStates) -> Array:
+    """Torques of gravity (N, n)."""
+    return FUNCTIONS["gravity_torque"].of_graphdyn(states, {})
 
 
 def _of_other_joints(known: Quantity) -> Iterator[AnswerFault]:

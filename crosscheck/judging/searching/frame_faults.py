@@ -23,6 +23,10 @@ def other_frames(known: Quantity, states: JudgedStates) -> Iterator[AnswerFault]
             lambda s, c: np.asarray(np.linalg.inv(known.of_graphdyn(s, c)), dtype=float),
         )  # fmt: skip
         yield AnswerFault(
+            "frame", "the placement is inverted, but its translation is not turned: -p, not -Rᵀ p", "invert it",
+            lambda s, c: _rotation_transposed(known.of_graphdyn(s, c)) * _SIGNS_OF_INVERSE,
+        )  # fmt: skip
+        yield AnswerFault(
             "frame", "the last row is (0, 0, 0, 0), not (0, 0, 0, 1)", "a placement ends with (0, 0, 0, 1)",
             lambda s, c: np.concatenate([(x := known.of_graphdyn(s, c))[:, :3], 0 * x[:, 3:]], axis=1),
         )  # fmt: skip
@@ -105,6 +109,10 @@ def _reordered(placed: Array, shift: int) -> Array:
     quaternions = quaternions * np.where(quaternions[:, 3:] < 0, -1.0, 1.0)
     found[:, :3, :3] = Rotation.from_quat(np.roll(quaternions, shift, axis=1)).as_matrix()
     return found
+
+
+_SIGNS_OF_INVERSE = np.array([[1, 1, 1, -1], [1, 1, 1, -1], [1, 1, 1, -1], [1, 1, 1, 1]])
+"""Of the numbers of a placement: the translation is reversed."""
 
 
 def _rotation_transposed(placed: Array) -> Array:

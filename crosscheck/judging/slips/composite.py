@@ -4,6 +4,8 @@ Walker and Orin, "Efficient dynamic computer simulation of robotic mechanisms", 
 Algorithms", 2008, table 6.2.
 """
 
+# ruff: noqa: B023 - the functions are called before the next joint
+
 from __future__ import annotations
 
 import numpy as np
@@ -37,11 +39,15 @@ def composite_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operation
         frames.append(joint_placement(code, x, q, j))
         inertias.append((m, m * c, x.tensors[j] + m * _about(c, c)))
     tau = list(torque_recursion(code, x, (q, v, 0 * a)))
+    bodies = list(inertias)
     for j in reversed(range(n)):
         i, p, slides = code.inside[j] - 1, x.axes[j], code.prismatic[j]
         whole = inertias[j]
         if i >= 0:
-            added = _moved(j, whole, *frames[j], do)
+            passed = do.result("the composite inertia that is passed on", j, _stacked(whole), {
+                "that of its first link alone": lambda: _stacked(bodies[j]),
+            })  # fmt: skip
+            added = _moved(j, (passed[0], passed[1:4], passed[4:].reshape(3, 3, *passed.shape[1:])), *frames[j], do)
             inertias[i] = tuple(own + more for own, more in zip(inertias[i], added, strict=True))  # type: ignore[assignment]
         moment = do.result(
             "the moment of the composite inertia", j, crossed(whole[1], p) if slides else turned(whole[2], p)
@@ -51,6 +57,8 @@ def composite_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operation
         while True:
             along = (x.axes[k] * (force if code.prismatic[k] else moment)).sum(axis=0)
             entry = do.result("the diagonal of the mass matrix" if k == j else "M_jk off the diagonal", j, along)
+            if k not in (j, code.inside[j] - 1):
+                entry = do.result("M_jk of joints with others between them", j, entry)
             tau[k] = tau[k] + entry * a[j]
             if k != j:
                 tau[j] = tau[j] + entry * a[k]
@@ -62,6 +70,14 @@ def composite_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operation
             moment = do.inward("the moment, passed on to the inside links,", k, turn, moment) + lever
             k = inside
     return np.stack(np.broadcast_arrays(*tau))
+
+
+def _stacked(inertia: Inertia) -> Array:
+    """As one array (13, …)."""
+    mass, first, tensor = inertia
+    parts = [part.reshape(-1, *part.shape[-2:]) for part in (mass[None], first, tensor)]
+    shape = np.broadcast_shapes(*(part.shape[1:] for part in parts))
+    return np.concatenate([np.broadcast_to(part, (len(part), *shape)) for part in parts])
 
 
 def _about(x: Array, y: Array) -> Array:

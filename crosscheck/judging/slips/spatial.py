@@ -33,6 +33,7 @@ TRANSFORMS = "every use of the transform X"
 WAYS_OF_TRANSFORMS = (
     *("used with the opposite r", "used with a transposed rotation", "used without its rotation", "used without r"),
     *("used as (-r× E), not (-E r×)", "used with its blocks exchanged", "used inverted"),
+    "used as (-Eᵀ r×), not (-E r×)",
 )
 """What a wrong matrix X does to velocities, accelerations and forces at once."""
 
@@ -50,6 +51,8 @@ def _moved(name: str, j: int, turn: Array, r: Array, m: Spatial, do: Operations)
             turned_back(turn, w),
             turned_back(turn, u) - crossed(r, turned_back(turn, w)),
         ),
+        "used as (-Eᵀ r×), not (-E r×)": lambda: (
+            turned_back(turn, w), turned_back(turn, u) - turned(turn, crossed(r, w))),
         "used with its blocks exchanged": lambda: (turned_back(turn, w - crossed(r, u)), turned_back(turn, u)),
         "used as that of forces": lambda: (turned_back(turn, w - crossed(r, u)), turned_back(turn, u)),
         "used inverted": lambda: (turned(turn, w), turned(turn, u) + crossed(r, turned(turn, w))),
@@ -73,6 +76,7 @@ def _passed(j: int, turn: Array, r: Array, wrench: Spatial, do: Operations) -> S
         "used without its rotation": lambda: (n + crossed(r, f), f),
         "used without r": lambda: (turned(turn, n), back),
         "used as (-r× E), not (-E r×)": lambda: (turned(turn, n + crossed(r, f)), back),
+        "used as (-Eᵀ r×), not (-E r×)": lambda: (turned(turn, n) + crossed(r, turned_back(turn, f)), back),
         "used as that of motions": lambda: (turned(turn, n), back + crossed(r, turned(turn, n))),
         "used with its blocks exchanged": lambda: (turned(turn, n), back + crossed(r, turned(turn, n))),
         "used inverted": lambda: (turned_back(turn, n - crossed(r, f)), turned_back(turn, f)),
@@ -118,6 +122,12 @@ def _inertia(x: Numbers, j: int, m: Spatial, do: Operations, name: str) -> Spati
     return plain + steiner + upper, do.result(f"m in the lower right of {name}", j, mass * u) + lower
 
 
+def _bias(motion: Spatial, momentum: Spatial) -> Spatial:
+    """v ×* h, as moment and force."""
+    (w, u), (n, f) = motion, momentum
+    return crossed(w, n) + crossed(u, f), crossed(w, f)
+
+
 def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Array:
     """Newton-Euler with spatial vectors, gravity as an acceleration of the base."""
     q, v, a = state
@@ -126,6 +136,7 @@ def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Arr
     accelerations: list[Spatial] = [(zero, -x.gravity)]
     wrenches: list[Spatial] = []
     frames: list[tuple[Array, Array]] = []
+    apart = Operations([], 1)  # for the parts of what else a code may compute
     for j, (inside, slides) in enumerate(zip(code.inside, code.prismatic, strict=True)):
         p = x.axes[j]
         turn, r = joint_placement(code, x, q, j)
@@ -133,6 +144,7 @@ def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Arr
         speed = do.result("S q̇ in the velocity", j, p * v[j])
         push = do.result("S q̈ in the acceleration", j, p * a[j])
         w, u = _moved("velocities", j, turn, r, velocities[inside], do)
+        before = w, u
         w, u = (w, u + speed) if slides else (w + speed, u)
         velocities.append((w, u))
         s = p * v[j]
@@ -149,9 +161,11 @@ def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Arr
         still = (dw, du - push) if slides else (dw - push, du)
         ways = {"taken without S q̈": lambda: still}
         accelerations.append(_both(do, "the acceleration that is carried on", j, (dw, du), ways))
-        n, f = _both(do, "I a", j, _inertia(x, j, (dw, du), do, "the spatial inertia"), {})
+        n, f = _both(do, "I a", j, _inertia(x, j, (dw, du), do, "the spatial inertia"), {
+            "taken without S q̈ of the joint": lambda: _inertia(x, j, still, apart, ""),
+        })  # fmt: skip
         h_n, h_f = _inertia(x, j, (w, u), do, "the spatial inertia")
-        right = crossed(w, h_n) + crossed(u, h_f), crossed(w, h_f)
+        right = _bias((w, u), (h_n, h_f))
         ways = {
             "taken with ×, that of motions": lambda: (crossed(w, h_n), crossed(w, h_f) + crossed(u, h_n)),
             "taken with ×* in one half, with × of motions in the other": lambda: (
@@ -162,6 +176,9 @@ def spatial(code: DynamicsCode, x: Numbers, state: State, do: Operations) -> Arr
             "taken without ω × n in its moment": lambda: (crossed(u, h_f) + 0 * right[0], crossed(w, h_f)),
             "taken without its force": lambda: (right[0], 0 * right[1]),
             "taken without its moment": lambda: (0 * right[0], right[1]),
+            "taken without S q̇ of the joint in v": lambda: _bias(before, _inertia(x, j, before, apart, "")),
+            "taken without S q̇ of the joint in I v": lambda: _bias((w, u), _inertia(x, j, before, apart, "")),
+            "taken without S q̇ of the joint in v ×*": lambda: _bias(before, (h_n, h_f)),
             "taken with -v × f in its moment": lambda: (crossed(w, h_n) - crossed(u, h_f), crossed(w, h_f)),
         }
         b_n, b_f = _both(do, "the bias wrench v ×* I v", j, right, ways)

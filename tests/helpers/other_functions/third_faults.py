@@ -171,8 +171,8 @@ TORQUES = (
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, v ×* S q̇", "across(V[j + 1]) @ S[j] * v[j]", "-across(V[j + 1]).T @ S[j] * v[j]", "(v × S q̇|velocity product|\\bc\\b|v ×).*(force|×\\*|dual|transposed|motion|linear|left out)"),
     formulation("inverse_dynamics", "spatial_torques", "spatial vectors, v × I v", "- across(V[j + 1]).T @ inertia", "+ across(V[j + 1]) @ inertia", "(v ×\\* I v|bias force|I v|v ×).*(motion|v × I v|dual|transposed|in place|not)"),
     helper("inverse_dynamics", "spatial_torques", "rigid_inertia", "spatial vectors, off-diagonal blocks of the inertia exchanged", "m * c], [-m * c", "-m * c], [m * c", f"(center|m c|first moment|\\bc\\b|\\bh\\b).*({OPPOSITE}|transposed|exchanged|other side)"),
-    helper("inverse_dynamics", "spatial_torques", "joint_transforms", "spatial vectors, R in place of Rᵀ in the lower block", "-R.T @ hat(r)", "-R @ hat(r)", f"(ω × r|ω̇ × r|r ×|\\br\\b|\\bX\\b|lever|translation).*({AXES}|wrong way|transposed|Rᵀ)"),
-    formulation("inverse_dynamics", "spatial_torques", "spatial vectors, inertial force without acceleration of the joint", "inertia @ A[j + 1] - across", "inertia @ (A[j + 1] - S[j] * a[j]) - across", f"(S q̈|p q̈|\\ba\\b|q̈|acceleration|ω̇).*({OWN}|{OUT}|{INSIDE})"),
+    helper("inverse_dynamics", "spatial_torques", "joint_transforms", "spatial vectors, R in place of Rᵀ in the lower block", "-R.T @ hat(r)", "-R @ hat(r)", f"(ω × r|ω̇ × r|r ×|\\br\\b|\\bX\\b|lever|translation).*({AXES}|wrong way|transposed|Rᵀ|Eᵀ r×)"),
+    formulation("inverse_dynamics", "spatial_torques", "spatial vectors, inertial force without acceleration of the joint", "inertia @ A[j + 1] - across", "inertia @ (A[j + 1] - S[j] * a[j]) - across", f"(S q̈|p q̈|\\ba\\b|q̈|acceleration|ω̇).*({OWN}|{OUT}|{INSIDE})|I a .*without S q̈"),
     formulation("inverse_dynamics", "lagrange_torques", "Lagrange, gradient of vᵀ M v without ½", "- 0.5 * np.einsum", "- np.einsum", f"(gradient|∂M|kinetic energy|∂T).*{TWICE}"),
     formulation("inverse_dynamics", "lagrange_torques", "Lagrange, weights at the link origins", "slope = gradient(lambda x: potential_energy(arm, x), q)", "slope = gradient(lambda x: potential_energy(arm.but(centers=0 * arm.centers), x), q)", "(gravity|weight|m g).*(center|link origin|c ×|m c)|(center|link origin|c ×|m c).*(gravity|weight|m g)"),
     formulation("inverse_dynamics", "torques_by_products", "Lagrange, every pair of velocities counted once", "2 * symbol", "symbol", f"(products?|pairs?|v_j v_k|q̇_j q̇_k|Coriolis).*{HALVED}|{HALVED}.*products?"),
@@ -182,7 +182,7 @@ TORQUES = (
     helper("forward_dynamics", "composite_accelerations", "composite_mass_matrix", "composite bodies, only the next link counted", "    for j in range(arm.n - 1, -1, -1):\n        i =", "    for j in range(arm.n):\n        i =", f"(composite|outer|outside|bod|inertia).*({OUT}|{OWN}|next|one|not|order)"),
     articulated("U and d of the own link alone", "U[j] = IA[j] @ S[j]", "U[j] = rigid_inertia(arm, j) @ S[j]", f"(U|\\bd\\b|S I|I S|articulated|I\\^A|Iᴬ).*({OWN}|rigid|outer|link|{OUT})"),
     articulated("handed to the joint before, not to the link inside", "i = arm.inside[j] - 1", "i = j - 1", f"{FINGER}|branch|{INSIDE}|sibling", robots=SLIDING),
-    articulated("v ×* I v without the rate of the joint", "-across(V[j + 1]).T @ IA[j] @ V[j + 1]", "-across(V[j + 1] - S[j] * v[j]).T @ IA[j] @ (V[j + 1] - S[j] * v[j])", f"(v ×\\* I v|bias force|\\bω\\b|\\bv\\b|gyroscopic).*({INSIDE}|{OWN}|{OUT})"),
+    articulated("v ×* I v without the rate of the joint", "-across(V[j + 1]).T @ IA[j] @ V[j + 1]", "-across(V[j + 1] - S[j] * v[j]).T @ IA[j] @ (V[j + 1] - S[j] * v[j])", f"(v ×\\* I v|bias force|\\bω\\b|\\bv\\b|gyroscopic).*({INSIDE}|{OWN}|{OUT}|without S q̇)"),
     text("bias_torque", "-ω² r in place of ω × (ω × r)", "newton_euler", "cross(w[i], cross(w[i], r[j]))", "-(w[i] @ w[i]) * r[j]", f"{CENTRIPETAL}|ω²|ω · r"),
 )  # fmt: skip
 
@@ -198,7 +198,7 @@ STATICS = (
 )  # fmt: skip
 
 MATRICES = (
-    formulation("mass_matrix", "composite_mass_matrix", "composite bodies, columns end at the link inside", "while arm.inside[k] > 0:", "if arm.inside[k] > 0:", f"band|tridiagonal|neighbor|(entr|column|row|beyond|far|passed on|handed on|inside).*({OUT}|{OWN}|not)"),
+    formulation("mass_matrix", "composite_mass_matrix", "composite bodies, columns end at the link inside", "while arm.inside[k] > 0:", "if arm.inside[k] > 0:", f"band|tridiagonal|neighbor|(entr|column|row|beyond|far|passed on|handed on|inside|between).*({OUT}|{OWN}|not)"),
     formulation("mass_matrix", "composite_mass_matrix", "composite bodies, r × f left out between the joints", "force = X[k].T @ force", "force = np.kron(np.eye(2), X[k][:3, :3].T) @ force", f"(r × f|lever|moment of|\\br\\b).*{OUT}"),
     answers("mass_matrix_inverse", "factors of Cholesky in the other order", cholesky_exchanged, "Cholesky|L⁻¹|factor.*order|order.*factor|triangular"),
     plant("mass_matrix_inverse", "columns by unit torques, with gravity", unit_torques, "gravity|weight"),

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+import scipy
 from planting import mixed_tree, with_joint
 from scipy.spatial.transform import Rotation
 
@@ -25,6 +26,7 @@ STEP, DIFFERENCED = 1e-6, 1e-5
 JUDGED = (
     "inverse_dynamics", "forward_dynamics", "mass_matrix", "kinetic_energy", "potential_energy", "gravity_torque",
     "coriolis_matrix", "frame_placement", "frame_jacobian", "frame_velocity", "joint_torque_regressor", "momentum",
+    "mass_matrix_inverse", "da_dv",
 )  # fmt: skip
 
 
@@ -51,6 +53,8 @@ class ByHand:
         if self.name.startswith("frame"):
             options = {} if self.name == "frame_placement" else {"reference": self.chosen["reference"]}
             arguments.append(self.frame)
+        if self.name.startswith("da_"):
+            return getattr(graphdyn.forward_dynamics_derivatives(self.model, *arguments), self.name)
         found = getattr(graphdyn, verb.get(self.name, self.name))(self.model, *arguments, **options)
         if self.name == "frame_placement":
             placed = np.zeros((len(self.states.q), 4, 4))
@@ -207,6 +211,29 @@ class ByHand:
                 self.model = with_joint(self.model, number + 1, placement=turned)
         return self.answer()
 
+    def of_other_mass_matrix(self):
+        """The derivatives of M⁻¹ (τ − h), with M⁻¹ of another pose."""
+        at_zero = [graphdyn.mass_matrix(self.model, 0 * q) for q in self.given["q"]]
+        return np.linalg.inv(at_zero) @ graphdyn.mass_matrix(self.model, self.given["q"]) @ self.answer()
+
+    def with_gravity(self):
+        q = self.given["q"]
+        return self.answer() + graphdyn.forward_dynamics(self.model, q, 0 * q, 0 * q).a[..., None]
+
+    def of_triangle(self, which):
+        triangle = {"lower": np.tril, "upper": np.triu}[which]
+        return np.linalg.inv(triangle(graphdyn.mass_matrix(self.model, self.given["q"])))
+
+    def of_factors(self):
+        factors = [
+            scipy.linalg.inv(scipy.linalg.cholesky(M)) for M in graphdyn.mass_matrix(self.model, self.given["q"])
+        ]
+        return np.array([factor.T @ factor for factor in factors])
+
+    def partly_inverted(self):
+        right = self.answer()
+        return np.array([np.block([[x[:3, :3].T, -x[:3, 3:]], [x[3:]]]) for x in right])
+
     def column_by_column(self):
         found = self.answer()
         return np.array([one.T.ravel().reshape(one.shape) for one in found])
@@ -231,6 +258,11 @@ CHANGES = {
     "each column is that of the joint after it": lambda self: self.answer()[
         ..., [*range(1, self.states.q.shape[1]), 0]
     ],
+    "the (lower|upper) triangle of the mass matrix alone is inverted": ByHand.of_triangle,
+    "M⁻¹ is that at q = 0": ByHand.of_other_mass_matrix,
+    "gravity acts in every column.*": ByHand.with_gravity,
+    "the inverse of the factor of Cholesky .*": ByHand.of_factors,
+    "the placement is inverted, but .*": ByHand.partly_inverted,
     "the matrix is transposed": lambda self: self.answer().swapaxes(1, 2),
     "only the diagonal of the matrix is filled in": lambda self: self.answer() * np.eye(self.answer().shape[-1]),
     "only the lower triangle of the matrix is filled in": lambda self: np.tril(self.answer()),
