@@ -148,6 +148,9 @@ def _of_tensors() -> Iterator[LinkMistake]:
                     "sign",
                 )
                 yield other(f"{what} are left out", partial(change_of, partial(_scaled_entries, places, 0.0)))
+            for factor, scaled in ((0.5, "halved"), (2.0, "doubled")) if size == 3 else ():
+                entries = partial(change_of, partial(_scaled_entries, ((0, 1), (0, 2), (1, 2)), factor))
+                yield other(f"the products of inertia of {{who}} {axes} are {scaled}", entries)
         for i, j in itertools.combinations(range(6), 2):
             order = list(range(6))
             order[i], order[j] = j, i

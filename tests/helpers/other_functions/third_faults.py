@@ -223,7 +223,7 @@ MASSES = (
     plant("center_of_mass", "mean of pairs, body after body", mean_of_pairs, "masses|mass of (all|every|<|.?body)|weights?\\b|\\bmean|average|equal"),
     plant("center_of_mass_jacobian", "every joint moves the link inside of it, too", with_link_inside, f"(bod|link|path|moves).*({INSIDE}|moves|moved)"),
     plant("center_of_mass_velocity", "in axes of the first link", in_first_link, f"{AXES}|reference", equal="angle.*<joint 1>.*zero"),
-    plant("momentum", "shifted to the center of mass without the mass", shifted_without_mass, "(about|lever|shift|transport|c ×).*(mass|another point|other point|divided|factor|origin|velocity)|(mass|1 kg).*(lever|shift|about|c ×)"),
+    plant("momentum", "shifted to the center of mass without the mass", shifted_without_mass, "(about|lever|shift|transport|c ×).*(mass|another point|other point|divided|factor|origin|velocity)|(mass|1 kg).*(lever|shift|about|c ×)", equal="panda_link1' alone explain all numbers"),
     text("centroidal_map", "each column about its joint", "centroidal_map", "cross(c[j] - com, p)", "cross(c[j] - poses(arm, q)[1][k + 1], p)", "(about|lever|center of mass|com|point|c - ).*(joint|origin|link)|(joint|origin).*(about|lever)"),
     plant("kinetic_energy", "½ Σ M_jj v_j²", diagonal_energy, "diagonal|(products?|mixed|off).*(left out|missing)|squares"),
     numbers("kinetic_energy", "½ at the products of inertia, too", halved_products, f"(product|I_xy|I_xz|I_yz|off).*{HALVED}", robots=SKEWED),
