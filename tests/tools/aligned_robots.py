@@ -97,7 +97,8 @@ def plants(models, number, rng, listed) -> None:
         found = differences(model, disguised(other, rng, changes)[0], samples=10)
         told = told_of(model, found)
         where = (model.joint_names[j - 1] if kind in ("length", "axis") else link.name, kind)
-        result = "exactly" if told == {where} else "with others" if where in told else "others" if told else "nothing"
+        true = [where in each for each in told]
+        result = "nothing" if not told else "exactly" if all(true) else "with others" if any(true) else "others"
         counts[kind, result] += 1
         k += 1
         if listed and result != "exactly":
@@ -120,6 +121,9 @@ def plants(models, number, rng, listed) -> None:
 
 
 def told_of(model, found):
-    """Joint or link and kind of everything that is named."""
-    joints = {(each.joint, "length" if each.kind == "length" else "axis") for each in found.joints}
-    return joints | {(each.link, each.kind) for each in found.links}
+    """Of everything that is named the joints that it may be at, or the link, with its kind."""
+    joints = [
+        {(joint, "length" if each.kind == "length" else "axis") for joint in (each.joint, each.or_joint)}
+        for each in found.joints
+    ]
+    return [*joints, *({(each.link, each.kind)} for each in found.links)]

@@ -24,7 +24,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
-from graphdyn.aligning import VERDICTS, ModelDifferences
+from graphdyn.aligning import VERDICTS, JointDifference, ModelDifferences
 from graphdyn.errors import counted
 from graphdyn.model import unit_of
 
@@ -100,7 +100,7 @@ def _alignment(compared: ComparedRobots) -> tuple[Block, ...]:
 
 def _kinematics(found: ModelDifferences) -> tuple[Block, ...]:
     rows = [
-        Row((one.joint, one.kind, one.link, f"{one.value:.4g} m" if one.unit == "m" else f"{degrees(one.value)}°"))
+        Row((_at(one), one.kind, one.link, f"{one.value:.4g} m" if one.unit == "m" else f"{degrees(one.value)}°"))
         for one in found.joints
     ]
     pose = ", ".join(f"{x:.4g}" for x in found.flange.q)
@@ -109,6 +109,10 @@ def _kinematics(found: ModelDifferences) -> tuple[Block, ...]:
     )
     columns = (Column("joint", "name"), Column("differs in"), Column("link before it", "name"), Column("by", "number"))
     return facts, Table(columns, tuple(rows), title="Kinematics", failures_first=False)
+
+
+def _at(one: JointDifference) -> str:
+    return one.joint if one.or_joint is None else f"{one.joint}, or {one.or_joint}"
 
 
 def _links(found: ModelDifferences) -> tuple[Block, ...]:

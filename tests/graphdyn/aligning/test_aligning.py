@@ -53,6 +53,22 @@ def test_the_map_of_a_robot_onto_itself_changes_nothing_and_its_class_is_listed(
     assert flipped, "a wrist of three perpendicular axes can be written flipped"
 
 
+def test_a_length_before_or_after_a_link_without_inertia_is_at_either_joint(arm):
+    """A link without inertia may be moved along its axis: what follows it is as far away."""
+    bodies = [replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in arm.bodies]
+    light = replace(arm, bodies=tuple(bodies))
+    along = replace(arm.joints[4], placement=arm.joints[4].placement @ Placement(translation=[0, 0, 0.01]))
+
+    def found(robot):
+        moved = replace(robot, joints=(*robot.joints[:4], along, robot.joints[5]))
+        return differences(robot, moved, samples=STATES).joints
+
+    (one,) = found(light)
+    assert arm.joint_names[4] in (one.joint, one.or_joint)
+    assert one.value == pytest.approx(0.01)
+    assert [(each.joint, each.or_joint) for each in found(arm)] == [(arm.joint_names[4], None)]
+
+
 def test_a_sliding_joint_is_aligned():
     model = sliding_arm()
     again, *_ = disguised(model, np.random.default_rng(2), ("signs", "zeros", "base", "frames"))
