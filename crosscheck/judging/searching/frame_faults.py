@@ -112,7 +112,7 @@ def _reordered(placed: Array, shift: int) -> Array:
 
 
 _SIGNS_OF_INVERSE = np.array([[1, 1, 1, -1], [1, 1, 1, -1], [1, 1, 1, -1], [1, 1, 1, 1]])
-"""Of the numbers of a placement: the translation is reversed."""
+"""Signs of the numbers of a placement whose translation is reversed."""
 
 
 def _rotation_transposed(placed: Array) -> Array:

@@ -73,7 +73,7 @@ def composite_bodies(code: DynamicsCode, x: Numbers, state: State, do: Operation
 
 
 def _stacked(inertia: Inertia) -> Array:
-    """As one array (13, …)."""
+    """The inertia as one array (13, …)."""
     mass, first, tensor = inertia
     parts = [part.reshape(-1, *part.shape[-2:]) for part in (mass[None], first, tensor)]
     shape = np.broadcast_shapes(*(part.shape[1:] for part in parts))
