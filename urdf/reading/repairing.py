@@ -11,8 +11,8 @@ from urdf.document.elements import describe, line_said
 from urdf.document.numbers import MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair, shortened
+from urdf.reading.corrections import correct_inertials
 from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
-from urdf.reading.slots import exchange_slots
 
 AXIS_LENGTH_TOLERANCE = 1e-3
 """Difference from 1 below which the length of an axis is 1, written with few digits."""
@@ -39,7 +39,7 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     "axis": axes whose length differs from 1 by less than AXIS_LENGTH_TOLERANCE get unit length
     "geoms": bodies of an MJCF file without <inertial> have got that of their geoms (open_document, uses_geoms)
     "limits": lower and upper limits of position that are reversed are exchanged
-    "slots": tensors that no body has, and that one exchange of two entries, or one sign, makes possible, are corrected
+    "inertials": inertials that cannot be right, and that one change alone makes right, are corrected
     """
     if isinstance(wanted, Repair):
         raise InvalidRepair(f"repair is {_said(wanted)}", f"give a tuple: ({wanted!r},)", path=source.path)
@@ -134,7 +134,7 @@ REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {
     "angles": _angles,
     "axis": _axes,
     GEOMS: _geoms,
+    "inertials": correct_inertials,
     "limits": _limits,
-    "slots": exchange_slots,
 }
 """The repairs, by the names that urdf.load takes."""

@@ -14,17 +14,17 @@ from urdf.document.files import write_whole
 from urdf.document.opening import open_document
 from urdf.document.source import reduced
 from urdf.errors import InvalidRepair
+from urdf.reading.corrections import candidates
 from urdf.reading.repairing import REPAIRS, Repair
 from urdf.reading.repairing import repair as repair_elements
-from urdf.reading.slots import candidates
 from urdf.writing.in_place import editable, inertial_spans, refuse_expanded, with_attributes, with_inertials
 
 REPAIRED_CODES = {
     "axis-not-normalized": "axis",
-    "indefinite-inertia": "slots",
+    "indefinite-inertia": "inertials",
     "limits-crossed": "limits",
     "rpy-truncated": "angles",
-    "triangle-inequality": "slots",
+    "triangle-inequality": "inertials",
 }
 """The repair by the code of the findings that it mends: axes that are nearly of unit length, tensors for which exactly
 one correction is possible."""
@@ -66,7 +66,7 @@ def repair(
     elements = [element for element in document.robot.iter() if isinstance(element.tag, str)]
     before = [dict(element.attrib) for element in elements]
     robot = reduced(document)
-    ambiguous = tuple(candidates(robot)) if "slots" in wanted else ()
+    ambiguous = tuple(candidates(robot)) if "inertials" in wanted else ()
     changes = tuple(repair_elements(robot, wanted))
     if changes and destination is not None:
         attributes = {

@@ -31,7 +31,7 @@ class RepairOptions(JsonOptions):
         list[str] | None,
         typer.Option(
             metavar="NAME|CODE",
-            help="A repair: angles, axis, limits, slots, or the code of a finding that it mends; or "
+            help="A repair: angles, axis, inertials, limits, or the code of a finding that it mends; or "
             f"{FROM_MESHES}=DENSITY [kg/m³] or =MASSkg, then ,all or ,LINK,… for other links than those without "
             "<inertial>. Repeatable.",
         ),

@@ -102,7 +102,7 @@ def test_fused_links_take_repairs(arm):
 
 def test_an_unknown_repair(arm):
     with pytest.raises(
-        urdf.InvalidRepair, match=r"arm.urdf: no repair is called 'mass'; known: angles, axis, geoms, limits, slots"
+        urdf.InvalidRepair, match=r"arm.urdf: no repair is called 'mass'; known: angles, axis, geoms, inertials, limits"
     ):
         urdf.load(arm(), repair=("mass",))
 

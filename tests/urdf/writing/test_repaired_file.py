@@ -71,10 +71,10 @@ def test_nothing_is_written_where_nothing_is_repaired(arm, tmp_path):
 def test_refused(arm, tmp_path):
     out = tmp_path / "out.urdf"
     with pytest.raises(
-        urdf.InvalidRepair, match=r"no repair is named; known: angles, axis, geoms, limits, slots, axis-not-norm"
+        urdf.InvalidRepair, match=r"no repair is named; known: angles, axis, geoms, inertials, limits, axis-not-norm"
     ):
         urdf.repair(arm(), out, [])
-    with pytest.raises(urdf.InvalidRepair, match=r"no repair is called 'crossed'; known: angles, axis, geoms, limits"):
+    with pytest.raises(urdf.InvalidRepair, match=r"no repair is called 'crossed'; known: angles, axis, geoms, inert"):
         urdf.repair(arm(), out, ["crossed"])
     with pytest.raises(urdf.CannotUpdate, match=r"a \.xacro file has no <inertial> of its own to edit"):
         urdf.repair(arm().rename(tmp_path / "arm.xacro"), out, ["axis"])
