@@ -21,13 +21,29 @@ from urdf.writing.in_place import editable, inertial_spans, refuse_expanded, wit
 
 REPAIRED_CODES = {
     "axis-not-normalized": "axis",
-    "indefinite-inertia": "inertials",
     "limits-crossed": "limits",
     "rpy-truncated": "angles",
-    "triangle-inequality": "inertials",
+    **dict.fromkeys(
+        (
+            "center-outside-mesh",
+            "effort-below-gravity",
+            "effort-below-inertia",
+            "far-center-of-mass",
+            "gyration-radius",
+            "heaviest-link",
+            "heavy-link",
+            "inconsistent-body",
+            "indefinite-inertia",
+            "inertia-unlike-mesh",
+            "mesh-density",
+            "suspicious-masses",
+            "triangle-inequality",
+            "unlike-twin",
+        ),
+        "inertials",
+    ),
 }
-"""The repair by the code of the findings that it mends: axes that are nearly of unit length, tensors for which exactly
-one correction is possible."""
+"""The repair by the code of the findings that it mends; findings about inertials only where one correction is sure."""
 
 
 @dataclass(frozen=True)

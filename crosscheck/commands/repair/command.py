@@ -52,7 +52,8 @@ def run(options: RepairOptions) -> None:
     Exit code 0: repaired, or listed; 1: nothing of what is named is there; 2: bad input.
     """
     import urdf
-    from crosscheck.commands.repair.report import repair_report, repairs_of
+    from crosscheck.commands.program.repair_commands import repairs_of
+    from crosscheck.commands.repair.report import repair_report
 
     if options.listed == bool(options.take):
         raise typer.BadParameter("give --take NAME for each repair, or --list to see what could be repaired")

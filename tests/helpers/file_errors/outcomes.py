@@ -19,13 +19,17 @@ from urdf.inspection import NOTHING
 MAX_MOMENT_FACTOR, MAX_DENSITY_FACTOR = 2.0, 5.0
 """Up to which moments beside those of the mesh, and densities beside those of the other links, show nothing wrong."""
 
+LOOSELY = 1.5
+"""By this factor larger, they are those from which another error undone is clearly no explanation."""
+
 
 @dataclass(frozen=True)
 class FileErrorOutcome:
     """shows: the mass is wrong, or the tensor impossible, unlike that of the mesh, or of all twins
 
     named: inspect has a finding about the link, or repair a change or a candidate, that the published file does not
-        have; unique: one error undone, and no other, makes the link possible and like its mesh and its twins
+        have
+    unique: one error undone, and clearly no other, makes the link possible and like its mesh and its twins
     right: corrected to the numbers that were there; false: a number that was right, or is still wrong, is changed
     """
 
@@ -112,12 +116,14 @@ def is_unique(error: FileError) -> bool:
         return False
     found: list[Numbers] = []
     for new in map(numbers, undone(error.inertial)):
-        if plausible(error, new) and (not twins or is_like(new, twins)) and not any(is_same(new, one) for one in found):
+        fits = plausible(error, new, LOOSELY) and (not twins or is_like(new, twins))
+        if fits and not any(is_same(new, one) for one in found):
             found.append(new)
-    return len(found) == 1 and is_same(found[0], moving(error.path)[error.link])
+    truth = moving(error.path)[error.link]
+    return len(found) == 1 and is_same(found[0], truth) and plausible(error, truth)
 
 
-def plausible(error: FileError, own: Numbers) -> bool:
+def plausible(error: FileError, own: Numbers, loosely: float = 1.0) -> bool:
     """Possible, and like its shape."""
     shape = shapes(error.path).get(error.link)
     if shape is None or not is_possible(own[2]):
@@ -126,4 +132,6 @@ def plausible(error: FileError, own: Numbers) -> bool:
     masses = {link: each[0] for link, each in moving(error.path).items() if link != error.link}
     others = [mass / shapes(error.path)[link].volume for link, mass in masses.items() if link in shapes(error.path)]
     density = np.log(own[0] / shape.volume / (np.median(others) if others else 1000.0))
-    return bool(factors.max() <= np.log(MAX_MOMENT_FACTOR) and abs(density) <= np.log(MAX_DENSITY_FACTOR))
+    return bool(
+        factors.max() <= np.log(loosely * MAX_MOMENT_FACTOR) and abs(density) <= np.log(loosely * MAX_DENSITY_FACTOR)
+    )

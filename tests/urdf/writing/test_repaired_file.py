@@ -23,7 +23,7 @@ def test_three_repairs_and_not_one_other_byte(arm, tmp_path):
         out,
         (
             "line 19: <origin> of joint 'shoulder': rpy 0 0 1.5708 made 0 0 1.5707963267948966",
-            "line 22: <axis> of joint 'shoulder': length 1.0001 made 1",
+            "line 22: <axis> of joint 'shoulder': xyz 0 0 1.0001 made 0.0 0.0 1.0, of length 1",
             "line 24: <limit> of joint 'shoulder': lower 2 and upper -1 exchanged",
         ),
     )

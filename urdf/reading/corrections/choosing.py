@@ -135,7 +135,8 @@ class _Link:
         one = all(same(way.numbers, best.numbers) for way in close)
         simplest = min((way.change for way in close), key=lambda change: len(change.edits)) if one else best.change
         fits = best.strangeness <= FITTING or (now == inf and self._is_only_change(best))
-        sure = one and now >= WRONG and fits and not simplest.guessed
+        told_by = self.around.filled is not None or not self.given.is_placeholder
+        sure = one and now >= WRONG and fits and told_by and not simplest.guessed
         reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
         told = (simplest,) if one else tuple(way.change for way in close)
         return SuspectInertial(self.name, self.element, reason, told, simplest if sure else None)

@@ -36,6 +36,11 @@ class InertialNumbers:
         """Principal moments, ascending (3,) [kg m²]."""
         return np.linalg.eigvalsh(self.tensor).astype(float)
 
+    @property
+    def is_placeholder(self) -> bool:
+        """Whether all moments are the same, as of a guess, which tells nothing of the size of a link."""
+        return bool((self.tensor == self.tensor[0, 0] * np.eye(3)).all())
+
     def is_possible(self, least: float) -> bool:
         """Whether principal moments are at least this part of the largest, and none exceeds the sum of the others by
         more than few digits explain."""
