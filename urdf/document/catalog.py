@@ -53,8 +53,10 @@ def robots() -> tuple[RobotEntry, ...]:
 
 
 def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float, float]]:
-    """File and default gravity [m/s²]. A string that names a robot of the catalog is that robot, else a file, else a
-    robot of the catalog in other capitals, else one that the cache of robot_descriptions has.
+    """File and default gravity [m/s²] of a path or name.
+
+    A string that names a robot of the catalog is that robot, else a file, else a robot of the catalog in other
+    capitals, else one that the cache of robot_descriptions has.
 
     Raises RobotNotFound with close names.
     """
