@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import exp, log
 
 import numpy as np
-from scipy.linalg import eigh
 
 from graphdyn.layout import Array
 from urdf.geometry.mass_properties import Filled
@@ -74,14 +73,15 @@ def measures(inertial: InertialNumbers, around: LinkSurroundings) -> dict[str, f
     found["density"] = log(inertial.mass / solid.volume)
     found["offset"] = float(np.linalg.norm(inertial.center - solid.center) / (solid.high - solid.low).max())
     if possible:
-        ratios = np.log(_ratios(inertial.turned / inertial.mass, solid.tensor / solid.volume))
+        ratios = _logarithms(inertial.turned / inertial.mass, solid.tensor / solid.volume)
         found["scale"] = float(ratios.mean())
         found["form"] = float(np.linalg.norm(ratios - ratios.mean()))
     return found
 
 
-def _ratios(one: Array, other: Array) -> Array:
-    found: Array = np.maximum(eigh(one, other, eigvals_only=True), 1e-9)
+def _logarithms(one: Array, other: Array) -> Array:
+    """The logarithms of the eigenvalues of a tensor relative to another, both positive definite (3,)."""
+    found: Array = np.log(np.linalg.eigvals(np.linalg.solve(other, one)).real)
     return found
 
 
