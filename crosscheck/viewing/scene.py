@@ -88,6 +88,7 @@ def _robot(robot: ShownRobot, store: NumberStore) -> dict[str, Any]:
         "chords": [_chord(chord) for chord in model.chords],
         "independent": list(degrees_of_freedom.independent),
         "matrix": degrees_of_freedom.matrix.tolist(),
+        "lacking": lacking_mass(model),
         "offset": degrees_of_freedom.offset.tolist(),
         "shapes": [_shape(shape, store) for shape in robot.shapes],
         "collision": [_shape(shape, store) for shape in robot.collision],
@@ -108,6 +109,18 @@ def usual_loads(model: RobotModel) -> dict[str, float]:
         for slides in (True, False)
     }
     return {"force": max(efforts[True], default=0.0), "torque": max(efforts[False], default=0.0)}
+
+
+def lacking_mass(model: RobotModel) -> list[bool]:
+    """Per independent joint whether it moves a body without mass, which its torque misses."""
+    carries = np.zeros((len(model.joints), model.n_bodies + 1), dtype=bool)
+    for k, joint in reversed(list(enumerate(model.joints))):
+        carries[k, k + 1] = True
+        if joint.inside:
+            carries[joint.inside - 1] |= carries[k]
+    massless = np.array([False, *(body.mass == 0 for body in model.bodies)])
+    lacking: list[bool] = ((model.degrees_of_freedom.matrix != 0).T @ (carries @ massless)).astype(bool).tolist()
+    return lacking
 
 
 def _placement(placement: Placement) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from pathlib import Path, PurePosixPath
 
 from graphdyn.experiments import GRAVITY as KR500_GRAVITY
 from graphdyn.model import STANDARD_GRAVITY
+from urdf.document.described_robots import PACKAGE, SUFFIX, described_robot
 from urdf.errors import RobotNotFound, shortened
 
 DISTRIBUTION = "example-robot-data"
@@ -52,7 +53,10 @@ def robots() -> tuple[RobotEntry, ...]:
 
 
 def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float, float]]:
-    """File and default gravity [m/s²]. A string that names a robot of the catalog is that robot, else a file.
+    """File and default gravity [m/s²] of a path or name.
+
+    A string that names a robot of the catalog is that robot, else a file, else a robot of the catalog in other
+    capitals, else one that the cache of robot_descriptions has.
 
     Raises RobotNotFound with close names.
     """
@@ -68,12 +72,22 @@ def locate(path_or_name: str | PathLike[str]) -> tuple[Path, tuple[float, float,
     if not entries:
         raise RobotNotFound(f"'{shortened(str(path))}' is not a file", "give a file, or a robot's name as a string")
     by_small_letters = {name.lower(): name for name in entries}
+    if same := by_small_letters.get(str(path_or_name).lower()):
+        return entries[same].path, entries[same].gravity
+    described = described_robot(str(path_or_name))
+    if described is not None and described.path is not None:
+        return described.path, STANDARD_GRAVITY
     close = [by_small_letters[name] for name in difflib.get_close_matches(str(path_or_name).lower(), by_small_letters)]
     remedy = (
         f"close names: {', '.join(close)}; `graphdyn robots` lists all"
         if close
         else "`graphdyn robots` lists all names"
     )
+    if described is not None:
+        remedy += f". The package {PACKAGE} has it; run: python -m {PACKAGE} pull {described.name}"
+    elif str(path_or_name).lower().endswith(SUFFIX):
+        remedy += f". It may be one of the package {PACKAGE}; run: python -m pip install {PACKAGE} && "
+        remedy += f"python -m {PACKAGE} pull {str(path_or_name).lower()}"
     if not _files():
         remedy += f". Most robots come with the package {DISTRIBUTION}, which is not installed; run: "
         remedy += f"python -m pip install {DISTRIBUTION}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -120,7 +121,8 @@ class Inspection(Displayed):
 def report(robot: str, path: str | None, findings: list[Finding]) -> Inspection:
     """The report of these findings: by severity, then by line, those of the whole file first."""
     here = [replace(finding, file=None) if finding.file in (path, robot) else finding for finding in findings]
-    in_order = sorted(here, key=lambda each: (SEVERITIES.index(each.severity), each.file or "", each.line or 0))
+    named = [replace(each, remedy=each.remedy.replace("{robot}", shlex.quote(robot))) for each in here]
+    in_order = sorted(named, key=lambda each: (SEVERITIES.index(each.severity), each.file or "", each.line or 0))
     return Inspection(robot, path, tuple(in_order))
 
 

@@ -99,8 +99,8 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "so that they determine all others",
         "infinitesimal-mobility": "correct the lengths, or lock these joints (lock=, --lock)",
         "inertial-density": "give the mass in kg, and the tensor in kg m² about the center of mass",
-        "inertia-unlike-mesh": "compare them link by link: urdf.inspect(…, meshes='detail'), "
-        "graphdyn inspect --meshes detail",
+        "inertia-unlike-mesh": "compare them link by link: graphdyn inspect {robot} --meshes detail, "
+        "urdf.inspect(…, meshes='detail')",
         "limits-missing": "write it",
         "loop-cannot-close": "correct the loop, or the links on its way",
         "mass-matrix-ill-conditioned": "look for inertials that are far too small or too large",
@@ -152,7 +152,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "heaviest-link": "compare its mass with the data sheet",
         "heavy-link": NOTHING,
         "inertia-of-mesh": "correct the inertial where the factor is large, or load with "
-        "repair=[urdf.InertialsFromMeshes(…)] (--repair inertials-from-meshes=…)",
+        "repair=[urdf.InertialsFromMeshes(density=1000)] (--repair inertials-from-meshes=1000)",
         "inertial-density": "give the real ones, if forces matter",
         "inertial-origin-missing": "write <origin>, if that is not meant",
         "inertial-rotated": NOTHING,
@@ -189,4 +189,4 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "zero-mass": "no action needed: the body has mass from other links",
     },
 }
-"""Remedy of a finding by severity and code, of all that urdf.load does not refuse."""
+"""Remedy of a finding by severity and code, of all that urdf.load does not refuse. {robot}: as it was given."""

@@ -91,7 +91,9 @@ def _density(source: Source, total: float, found: dict[str, FilledLink], failed:
     if total <= kept:
         problem = f"total_mass is {total:g} kg, but the links that keep their <inertial> have {kept:g} kg"
         raise _error(
-            source, problem, "give the mass of the whole robot, or links='all' (--repair inertials-from-meshes=…,all)"
+            source,
+            problem,
+            f"give the mass of the whole robot, or links='all' (--repair inertials-from-meshes={total:g}kg,all)",
         )
     return (total - kept) / volume
 

@@ -34,8 +34,9 @@ class Reading:
     loops: loops that the file itself does not state: a sequence of urdf.Loop, or the path of a YAML file as the package
         example-parallel-robots has them. Default: the YAML file of that form that stands beside the URDF and has its
         name (arm.urdf, arm.yaml), if there is one; loops=() leaves it unread
-    repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes whose length
-        differs from 1 by less than 1e-3, "limits" exchanges lower and upper limits that are reversed,
+    repair: what to repair, each change reported by RepairWarning: "axis" gives unit length to axes,
+        "angles" all digits to multiples of π/2, "limits" exchanges lower and upper limits that are reversed,
+        "inertials" corrects those that one slip explains,
         InertialsFromMeshes(density=…) computes missing inertials from the shapes of their links
     gravity: (3,) in world axes [m/s²]; default: the catalog's for a name, (0, 0, -9.81) for a file
     xacro: arguments and packages for a .xacro file

@@ -8,14 +8,11 @@ from collections.abc import Callable, Iterable, Iterator
 from lxml import etree
 
 from urdf.document.elements import describe, line_said
-from urdf.document.numbers import MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
+from urdf.document.numbers import MIN_AXIS_LENGTH, MIN_UNLIMITED, UNIT_LENGTH_TOLERANCE, values
 from urdf.document.source import Source
 from urdf.errors import InvalidRepair, shortened
+from urdf.reading.corrections import correct_inertials
 from urdf.reading.mesh_inertials import InertialsFromMeshes, inertials_from_meshes
-from urdf.reading.slots import exchange_slots
-
-AXIS_LENGTH_TOLERANCE = 1e-3
-"""Difference from 1 below which the length of an axis is 1, written with few digits."""
 
 GEOMS = "geoms"
 """The repair that MuJoCo makes while it reads the file."""
@@ -36,10 +33,10 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
 
     InertialsFromMeshes: links get inertials that are computed from their shapes
     "angles": truncated multiples of π/2 in rpy get all digits
-    "axis": axes whose length differs from 1 by less than AXIS_LENGTH_TOLERANCE get unit length
+    "axis": axes get unit length
     "geoms": bodies of an MJCF file without <inertial> have got that of their geoms (open_document, uses_geoms)
     "limits": lower and upper limits of position that are reversed are exchanged
-    "slots": tensors that no body has, and that one exchange of two entries, or one sign, makes possible, are corrected
+    "inertials": inertials that cannot be right, and that one change alone makes right, are corrected
     """
     if isinstance(wanted, Repair):
         raise InvalidRepair(f"repair is {_said(wanted)}", f"give a tuple: ({wanted!r},)", path=source.path)
@@ -47,12 +44,10 @@ def repair(source: Source, wanted: Iterable[Repair]) -> list[str]:
     names = [one for one in wanted if not isinstance(one, InertialsFromMeshes)]
     unknown = [name for name in names if name not in REPAIRS]
     if FROM_MESHES in unknown:
-        remedy = (
-            f"give urdf.InertialsFromMeshes(density=…) or (total_mass=…); --repair {FROM_MESHES}=DENSITY or =MASSkg"
-        )
+        remedy = f"give urdf.InertialsFromMeshes(density=…) or (total_mass=…); --repair {FROM_MESHES}=1000 or =20kg"
         raise InvalidRepair(f"'{FROM_MESHES}' needs a density or a total mass", remedy, path=source.path)
     if unknown:
-        known = ", ".join((*REPAIRS, "urdf.InertialsFromMeshes(…) (--repair inertials-from-meshes=…)"))
+        known = ", ".join((*REPAIRS, "urdf.InertialsFromMeshes(density=1000) (--repair inertials-from-meshes=1000)"))
         raise InvalidRepair(f"no repair is called {unknown[0]!r}", f"known: {known}", path=source.path)
     changes = [change for name in REPAIRS if name in names for change in REPAIRS[name](source)]
     for one in wanted:
@@ -107,14 +102,19 @@ def _axes(source: Source) -> Iterator[str]:
         if element is None or axis is None:
             continue
         length = math.hypot(*axis)
-        if UNIT_LENGTH_TOLERANCE < abs(length - 1) < AXIS_LENGTH_TOLERANCE:
-            element.set("xyz", " ".join(repr(x / length) for x in axis))
-            yield f"{line_said(element)}: {describe(element)}: length {length:.9g} made 1"
+        if abs(length - 1) > UNIT_LENGTH_TOLERANCE and length > MIN_AXIS_LENGTH:
+            new = " ".join(repr(x / length) for x in axis)
+            said = f"xyz {' '.join(str(element.get('xyz')).split())} made {new}"
+            element.set("xyz", new)
+            yield f"{line_said(element)}: {describe(element)}: {said}, of length 1"
 
 
 def _geoms(source: Source) -> Iterator[str]:
     if source.from_geoms is None:
-        problem, remedy = f"'{GEOMS}' is for MJCF files", f"give urdf.InertialsFromMeshes(…) (--repair {FROM_MESHES}=…)"
+        problem, remedy = (
+            f"'{GEOMS}' is for MJCF files",
+            f"give urdf.InertialsFromMeshes(density=1000) (--repair {FROM_MESHES}=1000)",
+        )
         raise InvalidRepair(problem, remedy, path=source.path)
     for name in source.from_geoms:
         yield f"body '{shortened(name)}': inertial computed from its geoms"
@@ -134,7 +134,7 @@ REPAIRS: dict[str, Callable[[Source], Iterator[str]]] = {
     "angles": _angles,
     "axis": _axes,
     GEOMS: _geoms,
+    "inertials": correct_inertials,
     "limits": _limits,
-    "slots": exchange_slots,
 }
 """The repairs, by the names that urdf.load takes."""

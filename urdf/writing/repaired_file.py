@@ -14,20 +14,39 @@ from urdf.document.files import write_whole
 from urdf.document.opening import open_document
 from urdf.document.source import reduced
 from urdf.errors import InvalidRepair
+from urdf.reading.corrections import candidates
 from urdf.reading.repairing import REPAIRS, Repair
 from urdf.reading.repairing import repair as repair_elements
-from urdf.reading.slots import candidates
 from urdf.writing.in_place import editable, inertial_spans, refuse_expanded, with_attributes, with_inertials
 
 REPAIRED_CODES = {
     "axis-not-normalized": "axis",
-    "indefinite-inertia": "slots",
     "limits-crossed": "limits",
     "rpy-truncated": "angles",
-    "triangle-inequality": "slots",
+    **dict.fromkeys(
+        (
+            "center-outside-mesh",
+            "effort-below-gravity",
+            "effort-below-inertia",
+            "far-center-of-mass",
+            "gyration-radius",
+            "heaviest-link",
+            "heavy-link",
+            "inconsistent-body",
+            "indefinite-inertia",
+            "inertia-unlike-mesh",
+            "inertial-density",
+            "mesh-density",
+            "miswritten-inertia",
+            "other-density",
+            "suspicious-masses",
+            "triangle-inequality",
+            "unlike-twin",
+        ),
+        "inertials",
+    ),
 }
-"""The repair by the code of the findings that it mends: axes that are nearly of unit length, tensors for which exactly
-one correction is possible."""
+"""The repair by the code of the findings that it mends; findings about inertials only where one correction is sure."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +85,7 @@ def repair(
     elements = [element for element in document.robot.iter() if isinstance(element.tag, str)]
     before = [dict(element.attrib) for element in elements]
     robot = reduced(document)
-    ambiguous = tuple(candidates(robot)) if "slots" in wanted else ()
+    ambiguous = tuple(candidates(robot)) if "inertials" in wanted else ()
     changes = tuple(repair_elements(robot, wanted))
     if changes and destination is not None:
         attributes = {

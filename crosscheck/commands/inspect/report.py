@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -13,9 +12,10 @@ from typing import Any
 
 import urdf
 from crosscheck.commands.inspect.record import record as inspect_record
-from crosscheck.commands.repair.report import repairs_of
+from crosscheck.commands.program.repair_commands import proposed
 from crosscheck.report.report import (
     Block,
+    Code,
     Column,
     Facts,
     Group,
@@ -97,12 +97,10 @@ def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
     )
 
 
-def _repairs(file: urdf.Inspection) -> Iterator[Notes]:
-    """The command that mends what can be mended."""
-    if urdf.REPAIRED_CODES.keys() & set(file.codes):
-        with suppress(urdf.URDFError, OSError):  # .xacro files, and those that another program has taken away
-            if command := repairs_of(file.robot)[1]:
-                yield Notes((Note(command),), title="Repair by")
+def _repairs(file: urdf.Inspection) -> Iterator[Code]:
+    """The commands that mend what can be mended."""
+    if commands := proposed(file):
+        yield Code("\n".join(commands), title="Repair by")
 
 
 def _several(inspected: Sequence[urdf.Inspection], missing: Notes, record: Recorder) -> Report:

@@ -9,7 +9,6 @@ import codecs
 import io
 import logging
 import os
-import shlex
 import sys
 import time
 import traceback
@@ -70,23 +69,22 @@ def complain(error: Exception, context: typer.Context) -> None:
     several = error.problems if isinstance(error, GraphDynError) else ()
     for problem in several or (in_words(error),):
         say(f"error: {problem}", "red")
-    if command := repair_command(error):
+    if command := mending_command(error):
         say(f"mended by: {command}")
 
 
-def repair_command(error: Exception) -> str:
+def mending_command(error: Exception) -> str:
     """What mends a robot file that was refused for this; "" where nothing that is known does."""
+    from crosscheck.commands.program.repair_commands import repair_command
     from urdf import REPAIRED_CODES, URDFError, repair
 
     if not isinstance(error, URDFError) or error.path is None or error.code not in REPAIRED_CODES:
         return ""
-    name = REPAIRED_CODES[error.code]
     try:
-        found = repair(error.path, None, [name])
+        found = repair(error.path, None, [error.code])
     except (GraphDynError, OSError):
         return ""
-    command = ["graphdyn", "repair", str(error.path), "--take", name, "--out", "repaired.urdf"]
-    return shlex.join(command) if found.changes else ""
+    return repair_command(str(error.path), [error.code]) if found.changes else ""
 
 
 def in_words(error: Exception) -> str:

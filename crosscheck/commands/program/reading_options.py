@@ -51,7 +51,7 @@ class ReadingOptions:
         list[str] | None,
         typer.Option(
             metavar="NAME",
-            help="Repair the file on reading: angles, axis, geoms (MJCF), limits, slots, or "
+            help="Repair the file on reading: angles, axis, geoms (MJCF), inertials, limits, or "
             f"{FROM_MESHES}=DENSITY [kg/m³] or =MASSkg, then ,all or ,LINK,… for other links than those without "
             "<inertial>. Repeatable.",
         ),

@@ -31,7 +31,7 @@ class RepairOptions(JsonOptions):
         list[str] | None,
         typer.Option(
             metavar="NAME|CODE",
-            help="A repair: angles, axis, limits, slots, or the code of a finding that it mends; or "
+            help="A repair: angles, axis, inertials, limits, or the code of a finding that it mends; or "
             f"{FROM_MESHES}=DENSITY [kg/m³] or =MASSkg, then ,all or ,LINK,… for other links than those without "
             "<inertial>. Repeatable.",
         ),
@@ -52,7 +52,8 @@ def run(options: RepairOptions) -> None:
     Exit code 0: repaired, or listed; 1: nothing of what is named is there; 2: bad input.
     """
     import urdf
-    from crosscheck.commands.repair.report import repair_report, repairs_of
+    from crosscheck.commands.program.repair_commands import repairs_of
+    from crosscheck.commands.repair.report import repair_report
 
     if options.listed == bool(options.take):
         raise typer.BadParameter("give --take NAME for each repair, or --list to see what could be repaired")

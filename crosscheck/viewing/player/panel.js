@@ -83,7 +83,9 @@ class JointRows {
     this.rows.forEach(({ slider, q, tau, k }, j) => {
       if (!slider.matches(":active")) slider.value = positions[j];
       q.textContent = positions[j].toFixed(3).replace("-", "−");
-      tau.textContent = k < 0 ? "driven" : besideScale(instant.tau[k], this.scale);
+      const lacking = this.figure.robot.lacking[k];
+      tau.textContent = k < 0 ? "driven" : lacking ? "–" : besideScale(instant.tau[k], this.scale);
+      tau.title = lacking ? "it moves a link without mass, whose load is not known" : "";
     });
   }
 }

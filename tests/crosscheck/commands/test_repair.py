@@ -3,14 +3,17 @@
 import json
 import re
 import shlex
+from pathlib import Path
 
 import pytest
 from inspected.sample import changed
 from jsonschema import Draft202012Validator
+from mutants.mutant import mutant
 from shared_data import REPOSITORY
 
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
+from crosscheck.commands.program.repair_commands import TAKEN
 
 SCHEMA = json.loads((REPOSITORY / "docs/schemas/repair-1.schema.json").read_text(encoding="utf-8"))
 CROSSED = ('lower="-1" upper="2"', 'lower="2" upper="-1"')
@@ -26,7 +29,7 @@ def crossed(tmp_path, monkeypatch):
 
 def printed_command(text):
     """The words behind `graphdyn` of the command that is printed."""
-    return shlex.split(re.search(r"graphdyn (repair .* --out \S+)", " ".join(text.split()))[1])
+    return shlex.split(re.search(r"graphdyn (repair .*? --out \S+)", " ".join(text.split()))[1])
 
 
 @pytest.mark.parametrize("asked", ["crosscheck", "show", "view"])
@@ -57,6 +60,30 @@ def test_what_is_printed_can_be_typed_as_it_stands(program, crossed, asked):
     assert urdf.inspect("repaired.urdf").usable
 
 
+def inspected_and_repaired(program, content):
+    """Inspect a file and type every command that is told; every code, and how many findings it has left."""
+    Path("damaged.urdf").write_bytes(content)
+    before = urdf.inspect("damaged.urdf")
+    told = program("inspect", "damaged.urdf").out
+    for command in dict.fromkeys(re.findall(r"^\s*graphdyn (repair .*)$", told, re.MULTILINE)):
+        words = shlex.split(command)
+        assert program(*words).code == AGREED
+        after = urdf.inspect(words[-1])
+        for taken in words[words.index("--take") + 1 : -2 : 2]:
+            code = next(code for code, take in TAKEN.items() if take == taken)
+            yield code, sum(one.code == code for one in after.findings), before
+
+
+@pytest.mark.parametrize("seeds", [range(12), pytest.param(range(12, 200), marks=pytest.mark.long)], ids=["12", "200"])
+def test_commands_told_of_damaged_files_mend_them(program, tmp_path, monkeypatch, seeds):
+    """Typed as they stand: there are fewer findings of this code, or none."""
+    monkeypatch.chdir(tmp_path)
+    told = [one for k in seeds for one in inspected_and_repaired(program, mutant("urdf", 5, k).content)]
+    assert len(told) >= len(seeds) / 4
+    for code, left, before in told:
+        assert left < sum(one.code == code for one in before.findings), code
+
+
 def test_json(program, crossed):
     done = program("repair", crossed.name, "--take", "limits-crossed", "--out", "out.urdf", "--json", "x.json")
     record = json.loads((crossed.parent / "x.json").read_text(encoding="utf-8"))
@@ -71,7 +98,10 @@ def test_candidates_are_listed(program, crossed):
     crossed.write_text(changed('ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"', ambiguous), encoding="utf-8")
     done = program("repair", crossed.name, "--list")
     assert (done.code, "Not repaired, because it is not clear how" in done.out) == (AGREED, True)
-    assert "possible with ixx and ixz exchanged; or ixz and izz exchanged" in " ".join(done.out.split())
+    assert (
+        "it fits with ixx and ixz exchanged (ixx 0.04 made 0.18, ixz 0.18 made 0.04); or ixz and izz exchanged"
+        in " ".join(done.out.split())
+    )
     taken = program("repair", crossed.name, "--take", "indefinite-inertia", "--out", "out.urdf")
     assert (taken.code, (crossed.parent / "out.urdf").exists()) == (DISAGREED, False)
 
@@ -91,7 +121,10 @@ def test_nothing_to_repair(program, crossed):
         ([], "give --take NAME for each repair, or --list to see what could be repaired"),
         (["--list", "--take", "axis"], "give --take NAME for each repair, or --list"),
         (["--take", "axis"], "--take needs --out FILE, for the repaired copy"),
-        (["--take", "x", "--out", "out.urdf"], "no repair is called 'x'; known: angles, axis, geoms, limits"),
+        (
+            ["--take", "x", "--out", "out.urdf"],
+            "no repair is called 'x'; known: angles, axis, geoms, inertials",
+        ),
         (["--take", "inertials-from-meshes=x", "--out", "o.urdf"], "--take inertials-from-meshes=x: give inertials-"),
     ],
 )

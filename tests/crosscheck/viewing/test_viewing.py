@@ -28,7 +28,7 @@ from crosscheck.recordings.recording import recording_of
 from crosscheck.viewing.figures import BodyShape, Figure, ShownRobot, inertia_ellipsoid, standing_position
 from crosscheck.viewing.motions import MAX_INSTANTS, closed_instant, planned_motion, recorded_motion, shown_rows
 from crosscheck.viewing.robots import shown_robot, stand_ins
-from crosscheck.viewing.scene import NumberStore, scene, usual_loads
+from crosscheck.viewing.scene import NumberStore, lacking_mass, scene, usual_loads
 from crosscheck.viewing.server import MAX_QUESTION_BYTES, SIMULATION_STEP, PageServer
 from graphdyn import Body, Chord, Joint, JointLimits, Placement, RobotModel, inverse_dynamics, simulate
 from graphdyn.excitation import FourierBasis, Trajectory
@@ -131,6 +131,14 @@ class TestFigures:
         assert found == kind
         numbers = np.frombuffer(gzip.decompress(b64decode(store.text())), f"<{kind}", length, first)
         assert np.array_equal(numbers.reshape(-1, 3), faces)
+
+    def test_torques_that_miss_links_without_mass(self):
+        """Those of the joints before such a link; the page shows – in their place."""
+        model = urdf.load("ur5")
+        assert lacking_mass(model) == [False] * 6
+        massless = dataclasses.replace(model.bodies[3], mass=0.0, inertia=np.zeros((3, 3)))
+        bodies = (*model.bodies[:3], massless, *model.bodies[4:])
+        assert lacking_mass(dataclasses.replace(model, bodies=bodies)) == [True] * 4 + [False] * 2
 
     def test_usual_loads(self):
         """2.5 kg at 0.8 m and 0.1 m; without gravity on Earth; without mass the efforts, apart."""

@@ -1,5 +1,6 @@
 """Robots by name."""
 
+import sys
 from importlib import metadata
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import urdf
-from urdf.document import catalog
+from urdf.document import catalog, described_robots
 
 
 @pytest.fixture
@@ -85,10 +86,62 @@ def test_unknown_name_lists_close_ones():
         urdf.load("kinowa")
 
 
-@pytest.mark.parametrize("name", ["UR5", "Ur5", "ur5_"])
-def test_close_names_have_other_capitals(name):
+@pytest.mark.parametrize("name", ["UR5", "Ur5"])
+def test_capitals_make_no_difference(name):
+    assert urdf.load(name).name == "ur5"
+
+
+def test_close_names_have_other_capitals():
     with pytest.raises(urdf.RobotNotFound, match=r"close names: ur5[,;]"):
-        urdf.load(name)
+        urdf.load("UR5_")
+
+
+@pytest.fixture
+def described(tmp_path, monkeypatch, arm):
+    """A package robot_descriptions that has two robots, and a cache that has the files of one."""
+    package, cache = tmp_path / "packages" / "robot_descriptions", tmp_path / "cache"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    (package / "_repositories.py").write_text(
+        "from types import SimpleNamespace\n"
+        "REPOSITORIES = {name: SimpleNamespace(cache_path=f'{name}_files') for name in ('here', 'away')}\n"
+    )
+    (package / "_cache.py").write_text("def clone_to_cache(name, commit=None):\n    raise AssertionError('download')\n")
+    for robot, repository in (("ur5e", "here"), ("ur16e", "away")):
+        (package / f"{robot}_description.py").write_text(
+            "from ._cache import clone_to_cache\n"
+            f"URDF_PATH = clone_to_cache('{repository}', commit=None) + '/arm.urdf'\n"
+        )
+    (cache / "here_files").mkdir(parents=True)
+    arm().rename(cache / "here_files" / "arm.urdf")
+    monkeypatch.syspath_prepend(package.parent)
+    monkeypatch.setenv("ROBOT_DESCRIPTIONS_CACHE", str(cache))
+    for name in [name for name in sys.modules if name.partition(".")[0] == "robot_descriptions"]:
+        monkeypatch.delitem(sys.modules, name)
+    yield
+    for name in [name for name in sys.modules if name.partition(".")[0] == "robot_descriptions"]:
+        del sys.modules[name]
+
+
+@pytest.mark.usefixtures("described")
+@pytest.mark.parametrize("name", ["ur5e_description", "ur5e", "UR5e"])
+def test_a_robot_of_robot_descriptions_that_is_in_its_cache(name):
+    assert urdf.load(name).name == "arm"
+
+
+@pytest.mark.usefixtures("described")
+def test_a_robot_of_robot_descriptions_that_is_not_there_is_not_fetched():
+    with pytest.raises(
+        urdf.RobotNotFound,
+        match=r"The package robot_descriptions has it; run: python -m robot_descriptions pull ur16e_description",
+    ):
+        urdf.load("ur16e")
+
+
+def test_without_robot_descriptions(monkeypatch):
+    monkeypatch.setattr(described_robots, "PACKAGE", "robot_descriptions_that_nobody_installed")
+    with pytest.raises(urdf.RobotNotFound, match=r"may be one of the package robot_descriptions; run: python -m pip"):
+        urdf.load("m10_description")
 
 
 def test_nothing_close():

@@ -166,7 +166,7 @@ class TestWhichLinks:
 
     def test_together_with_another_repair(self):
         model, told = load(TWO.replace('<child link="arm"/>', '<child link="arm"/><axis xyz="0 0 0.9999"/>'), "axis")
-        assert "length 0.9999 made 1, line 3: link 'arm'" in told[0]
+        assert "xyz 0 0 0.9999 made 0.0 0.0 1.0, of length 1, line 3: link 'arm'" in told[0]
         assert model.bodies[0].mass == DENSITY
 
 

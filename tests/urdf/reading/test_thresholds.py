@@ -175,17 +175,6 @@ def test_many_bodies(severities, number, code):
     assert {code, "mass-matrix", "mass-matrix-not-examined"} & set(found) == {code}
 
 
-@pytest.mark.parametrize(
-    ("length", "repaired"), [("1.00099", True), ("0.99901", True), ("1.00101", False), ("0.99899", False)]
-)
-def test_repaired_axes(length, repaired):
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        urdf.load(changed(*axis(f"0 0 {length}")), repair=("axis",))
-    expected = urdf.RepairWarning if repaired else urdf.AxisNotNormalizedWarning
-    assert [warning.category for warning in caught] == [expected]
-
-
 @pytest.mark.parametrize(("length", "warned"), [("1.0000000009", False), ("1.0000000011", True)])
 def test_normalized_axes(length, warned):
     with warnings.catch_warnings(record=True) as caught:

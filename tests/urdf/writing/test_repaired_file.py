@@ -23,7 +23,7 @@ def test_three_repairs_and_not_one_other_byte(arm, tmp_path):
         out,
         (
             "line 19: <origin> of joint 'shoulder': rpy 0 0 1.5708 made 0 0 1.5707963267948966",
-            "line 22: <axis> of joint 'shoulder': length 1.0001 made 1",
+            "line 22: <axis> of joint 'shoulder': xyz 0 0 1.0001 made 0.0 0.0 1.0, of length 1",
             "line 24: <limit> of joint 'shoulder': lower 2 and upper -1 exchanged",
         ),
     )
@@ -71,10 +71,10 @@ def test_nothing_is_written_where_nothing_is_repaired(arm, tmp_path):
 def test_refused(arm, tmp_path):
     out = tmp_path / "out.urdf"
     with pytest.raises(
-        urdf.InvalidRepair, match=r"no repair is named; known: angles, axis, geoms, limits, slots, axis-not-norm"
+        urdf.InvalidRepair, match=r"no repair is named; known: angles, axis, geoms, inertials, limits, axis-not-norm"
     ):
         urdf.repair(arm(), out, [])
-    with pytest.raises(urdf.InvalidRepair, match=r"no repair is called 'crossed'; known: angles, axis, geoms, limits"):
+    with pytest.raises(urdf.InvalidRepair, match=r"no repair is called 'crossed'; known: angles, axis, geoms, inert"):
         urdf.repair(arm(), out, ["crossed"])
     with pytest.raises(urdf.CannotUpdate, match=r"a \.xacro file has no <inertial> of its own to edit"):
         urdf.repair(arm().rename(tmp_path / "arm.xacro"), out, ["axis"])

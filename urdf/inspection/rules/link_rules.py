@@ -13,7 +13,7 @@ from urdf.document.numbers import values
 from urdf.errors import shortened
 from urdf.inspection.findings import Finding, about, of_file
 from urdf.inspection.structure import LinkInertial, Structure
-from urdf.reading.slots import unique_correction
+from urdf.reading.corrections import only_change
 
 TRIANGLE_TOLERANCE = 0.02
 """Violation of a triangle inequality, as a part of the largest moment, below which it comes from few digits."""
@@ -143,8 +143,7 @@ def _part(inertial: etree._Element, tag: str) -> etree._Element:
 
 def _meant(inertial: etree._Element) -> str:
     """The tensor that is probably meant."""
-    inertia = inertial.find("inertia")
-    found = None if inertia is None else unique_correction(inertia)
+    found = only_change(inertial)
     return "" if found is None else f"; with {found.what} it is possible"
 
 

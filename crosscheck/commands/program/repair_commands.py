@@ -1,0 +1,49 @@
+"""The commands that mend what an inspection has found: each is tried, and can be typed as it stands."""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from contextlib import suppress
+
+import urdf
+from crosscheck.commands.program.reading_options import FROM_MESHES, repair_of
+
+USUAL_DENSITY = 1000
+"""Median of mass over volume of the links of published robots [kg/m³], for links without <inertial>."""
+
+TAKEN = {**{code: code for code in urdf.REPAIRED_CODES}, "missing-inertial": f"{FROM_MESHES}={USUAL_DENSITY}"}
+"""What `graphdyn repair` takes, by the code of the findings that it mends."""
+
+
+def repair_command(robot: str, taken: list[str]) -> str:
+    """The command with these repairs."""
+    words = [word for one in taken for word in ("--take", one)]
+    return shlex.join(["graphdyn", "repair", robot, *words, "--out", "repaired.urdf"])
+
+
+def repairs_of(robot: str) -> tuple[urdf.RepairedFile, str]:
+    """What could be repaired in a file, and the command that does it, "" where nothing can. Raises as urdf.repair."""
+    found = {name: urdf.repair(robot, None, [name]) for name in sorted(set(urdf.REPAIRED_CODES.values()))}
+    changes = tuple(change for each in found.values() for change in each.changes)
+    candidates = tuple(one for each in found.values() for one in each.candidates)
+    taken = [name for name, each in found.items() if each.changes]
+    return urdf.RepairedFile(None, changes, candidates), repair_command(robot, taken) if taken else ""
+
+
+def proposed(file: urdf.Inspection) -> list[str]:
+    """A command for each kind of finding that it makes fewer, and one for all of them."""
+    wanted = {code: take for code, take in TAKEN.items() if code in file.codes}
+    mending: dict[str, str] = {}
+    with suppress(urdf.URDFError, OSError):  # .xacro files, and those that another program has taken away
+        for code, take in wanted.items():
+            if urdf.repair(file.robot, None, [repair_of("--take", take)]).changes:
+                mending[code] = take
+        if not mending:
+            return []
+        repairs = {urdf.REPAIRED_CODES.get(take, take): None for take in mending.values()}
+        after = urdf.inspect(file.robot, repair=[repair_of("--take", take) for take in repairs])
+        before, left = (Counter(finding.code for finding in each.findings) for each in (file, after))
+        mending = {code: take for code, take in mending.items() if left[code] < before[code]}
+    commands = [repair_command(file.robot, [take]) for take in mending.values()]
+    return [*commands, repair_command(file.robot, list(mending.values()))] if len(mending) > 1 else commands

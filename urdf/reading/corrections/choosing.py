@@ -1,0 +1,164 @@
+"""Which inertials cannot be right, and which change alone makes each right.
+
+Every change that one slip explains is tried. What it leaves is measured against the shape of the link, the other links
+of the robot, its neighbors and its twins (evidence.py, twins.py). A change is sure if the inertial is far from all that
+is usual, the change brings it there, and no other does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+from lxml import etree
+
+from urdf.document.elements import name_of
+from urdf.document.source import Source
+from urdf.document.tree import carriers
+from urdf.errors import listed
+from urdf.geometry.mass_properties import filled_links
+from urdf.reading.corrections.changes import Correction, changes
+from urdf.reading.corrections.evidence import CLEARLY_POSITIVE, LinkSurroundings, Usual, measures, usual_among, worst
+from urdf.reading.corrections.evidence import strangeness as squares
+from urdf.reading.corrections.inertial_numbers import FEW_DIGITS, InertialNumbers, inertial_numbers
+from urdf.reading.corrections.surroundings import surroundings
+from urdf.reading.corrections.twins import Twin, same, twins
+
+DOUBTFUL, WRONG = 10.0, 25.0
+"""Sum of squared measures, each over its spread, from which an inertial is suspect, and from which it is corrected."""
+
+FITTING, CLEAR = 9.0, 6.5
+"""The same up to which an inertial fits, and by which a change is clearly better than another."""
+
+FITTING_SHARE = 0.25
+"""Part of the strangeness of an inertial up to which its twin, which may be strange itself, fits."""
+
+MAX_PRODUCT_SHARE = 0.4
+"""Largest product of inertia as a part of the smallest moment in a tensor that is corrected because it is impossible.
+Four of five published links have less; a published tensor that is impossible for another reason becomes possible with
+0.49."""
+
+
+@dataclass(frozen=True)
+class SuspectInertial:
+    """An inertial that cannot be right, or hardly, and why, in words.
+
+    ways: the changes that make it right, best first; unique: the one that is sure
+    """
+
+    link: str
+    inertial: etree._Element
+    reason: str
+    ways: tuple[Correction, ...]
+    unique: Correction | None
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    change: Correction
+    numbers: InertialNumbers
+    strangeness: float
+
+
+def suspect_inertials(source: Source) -> Iterator[SuspectInertial]:
+    """The inertials of moving links that some change would make right, in the order of the file."""
+    moving = carriers(source)
+    elements = {
+        name_of(link): inertial
+        for link in source.links
+        if (inertial := link.find("inertial")) is not None and moving.get(name_of(link)) is not None
+    }
+    read = {link: inertial_numbers(element) for link, element in elements.items()}
+    numbers = {link: found for link, found in read.items() if found is not None}
+    filled, _ = filled_links(source, list(numbers))
+    around = surroundings(source, numbers, filled)
+    measured = {link: measures(each, around[link]) for link, each in numbers.items()}
+    related = twins(source, numbers, filled)
+    for link, given in numbers.items():
+        usual = usual_among([measured[other] for other in numbers if other != link])
+        suspect = _Link(link, elements[link], given, around[link], usual, related.get(link, ())).suspect()
+        if suspect is not None:
+            yield suspect
+
+
+@dataclass(frozen=True, eq=False)
+class _Link:
+    name: str
+    element: etree._Element
+    given: InertialNumbers
+    around: LinkSurroundings
+    usual: Mapping[str, Usual]
+    twins: Sequence[Twin]
+
+    def suspect(self) -> SuspectInertial | None:
+        now = self._strangeness(self.given, -FEW_DIGITS)
+        alike = [twin for twin in self.twins if twin.alike and same(self.given, twin.numbers)]
+        unlike = [twin for twin in self.twins if twin not in alike and twin.numbers.is_possible(-FEW_DIGITS)]
+        if now < inf and (alike or (now < DOUBTFUL and not unlike)):
+            return None
+        ways = sorted(self._ways(), key=lambda way: way.strangeness)
+        found = self._of_twins(now, ways, unlike) if unlike else None
+        return found or (self._alone(now, ways) if now >= DOUBTFUL else None)
+
+    def _strangeness(self, numbers: InertialNumbers, least: float) -> float:
+        return squares(measures(numbers, self.around), self.usual) if numbers.is_possible(least) else inf
+
+    def _ways(self) -> Iterator[_Way]:
+        for change in changes(self.element):
+            new = inertial_numbers(change.applied(self.element))
+            if new is not None and not same(new, self.given):
+                yield _Way(change, new, self._strangeness(new, CLEARLY_POSITIVE))
+
+    def _of_twins(self, now: float, ways: Sequence[_Way], unlike: Sequence[Twin]) -> SuspectInertial | None:
+        """The change that makes the link like its twins, where these agree."""
+        target = unlike[0].numbers
+        way = next((way for way in ways if same(way.numbers, target)), None)
+        if way is None or not all(same(target, twin.numbers) for twin in unlike):
+            return None
+        like = self._strangeness(target, -FEW_DIGITS)
+        turns = way.change.kind in ("sign", "exchange", "axes")
+        known = now == inf or not turns or all(twin.sure_axes for twin in unlike)
+        better = not way.change.enlarges and now - like >= CLEAR and like <= max(FITTING, FITTING_SHARE * now)
+        sure = known and like < inf and ((len(unlike) > 1 and like <= now + CLEAR) or now == inf or better)
+        reason = f"{listed(twin.link for twin in unlike)} has other numbers"
+        return SuspectInertial(self.name, self.element, reason, (way.change,), way.change if sure else None)
+
+    def _alone(self, now: float, ways: Sequence[_Way]) -> SuspectInertial | None:
+        """The changes that bring the link to what is usual."""
+        better = [way for way in ways if way.strangeness < now - CLEAR]
+        if not better:
+            return None
+        best = better[0]
+        close = [way for way in better if way.strangeness < best.strangeness + CLEAR]
+        one = all(same(way.numbers, best.numbers) for way in close)
+        simplest = min((way.change for way in close), key=lambda change: len(change.edits)) if one else best.change
+        fits = best.strangeness <= FITTING or (now == inf and self._is_only_change(best))
+        told_by = self.around.filled is not None or not self.given.is_placeholder
+        sure = one and now >= WRONG and fits and told_by and not simplest.guessed
+        reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
+        told = (simplest,) if one else tuple(way.change for way in close)
+        return SuspectInertial(self.name, self.element, reason, told, simplest if sure else None)
+
+    def _is_only_change(self, way: _Way) -> bool:
+        only = only_change(self.element)
+        new = None if only is None else inertial_numbers(only.applied(self.element))
+        return new is not None and same(new, way.numbers)
+
+
+def only_change(inertial: etree._Element) -> Correction | None:
+    """The only exchange of two entries, or sign of a moment, that makes an impossible tensor possible, if it leaves
+    small products."""
+    given = inertial_numbers(inertial)
+    if given is None or given.is_possible(-FEW_DIGITS):
+        return None
+    tried = (
+        (change, inertial_numbers(change.applied(inertial))) for change in changes(inertial) if change.mends_tensors
+    )
+    possible = [(change, new) for change, new in tried if new is not None and new.is_possible(CLEARLY_POSITIVE)]
+    if not possible or not all(same(possible[0][1], new) for _, new in possible):
+        return None
+    change, new = possible[0]
+    small = np.abs(np.triu(new.tensor, 1)).max() <= MAX_PRODUCT_SHARE * np.diagonal(new.tensor).min()
+    return change if small else None
