@@ -30,6 +30,13 @@ MAX_SUMMARIZED = 6
 NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-cannot-close", "infinitesimal-mobility")
 """Codes of the findings that leave a robot fit for kinematics only."""
 
+IMPROBABLE = (
+    *("effort-below-gravity", "far-center-of-mass", "gyration-radius", "heavy-link", "inconsistent-body"),
+    *("indefinite-inertia", "inertial-density", "mesh-density", "miswritten-inertia", "other-density"),
+    *("placeholder-inertials", "suspicious-lengths", "suspicious-masses", "triangle-inequality"),
+)
+"""Codes of the warnings about numbers that no arm has, or hardly any."""
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -102,6 +109,11 @@ class Inspection(Displayed):
         """Why the verdict is not "dynamics"; empty where it is."""
         errors = [finding.text for finding in self.findings if finding.severity == "error"]
         return tuple(errors) or tuple(finding.text for finding in self.findings if finding.code in NO_FORWARD_DYNAMICS)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """The warnings about numbers that no arm has, or hardly any."""
+        return tuple(one.text for one in self.findings if one.severity == "warning" and one.code in IMPROBABLE)
 
     @property
     def usable(self) -> bool:

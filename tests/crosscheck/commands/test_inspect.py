@@ -79,6 +79,15 @@ class TestCommand:
         )
         assert str(folder / "a_dynamics.urdf") in done.stdout.replace("\n", "")
 
+    def test_numbers_that_no_arm_has(self, folder, tmp_path):
+        text = (folder / "a_dynamics.urdf").read_text(encoding="utf-8")
+        heavy = re.sub(r'mass value="[^"]*"', 'mass value="5e6"', text, count=1)
+        (tmp_path / "heavy.urdf").write_text(heavy, encoding="utf-8")
+        done = run(tmp_path / "heavy.urdf")
+        assert done.exit_code == 0
+        assert done.stdout.startswith("heavy.urdf: good for dynamics, with improbable numbers\n")
+        assert "Improbable: " in done.stdout
+
     def test_a_robot_of_the_catalog(self):
         done = run("kr500")
         assert done.exit_code == 0
