@@ -35,6 +35,9 @@ FITTING, CLEAR = 9.0, 6.5
 FITTING_SHARE = 0.25
 """Part of the strangeness of an inertial up to which its twin, which may be strange itself, fits."""
 
+FAR_SHARE = 0.04
+"""The same for a power of ten, which takes an inertial from far away."""
+
 MAX_PRODUCT_SHARE = 0.4
 """Largest product of inertia as a part of the smallest moment in a tensor that is corrected because it is impossible.
 Four of five published links have less; a published tensor that is impossible for another reason becomes possible with
@@ -120,8 +123,11 @@ class _Link:
         like = self._strangeness(target, -FEW_DIGITS)
         turns = way.change.kind in ("sign", "exchange", "axes")
         known = now == inf or not turns or all(twin.sure_axes for twin in unlike)
-        better = not way.change.enlarges and now - like >= CLEAR and like <= max(FITTING, FITTING_SHARE * now)
-        sure = known and like < inf and ((len(unlike) > 1 and like <= now + CLEAR) or now == inf or better)
+        apart = now - like >= CLEAR and (now >= WRONG or not turns)
+        better = apart and not way.change.enlarges and like <= max(FITTING, FITTING_SHARE * now)
+        sure = (
+            known and like < inf and ((len(unlike) > 1 and (not turns or like <= now + CLEAR)) or now == inf or better)
+        )
         reason = f"{listed(twin.link for twin in unlike)} has other numbers"
         return SuspectInertial(self.name, self.element, reason, (way.change,), way.change if sure else None)
 
@@ -134,7 +140,8 @@ class _Link:
         close = [way for way in better if way.strangeness < best.strangeness + CLEAR]
         one = all(same(way.numbers, best.numbers) for way in close)
         simplest = min((way.change for way in close), key=lambda change: len(change.edits)) if one else best.change
-        fits = best.strangeness <= FITTING or (now == inf and self._is_only_change(best))
+        far = FAR_SHARE * now if now < inf and best.change.kind == "power of ten" else 0.0
+        fits = best.strangeness <= max(FITTING, far) or (now == inf and self._is_only_change(best))
         told_by = self.around.filled is not None or not self.given.is_placeholder
         sure = one and now >= WRONG and fits and told_by and not simplest.guessed
         reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
