@@ -111,7 +111,7 @@ class Inspection(Displayed):
         return tuple(errors) or tuple(finding.text for finding in self.findings if finding.code in NO_FORWARD_DYNAMICS)
 
     @property
-    def doubts(self) -> tuple[str, ...]:
+    def improbable(self) -> tuple[str, ...]:
         """The warnings about numbers that no arm has, or hardly any."""
         return tuple(one.text for one in self.findings if one.severity == "warning" and one.code in IMPROBABLE)
 

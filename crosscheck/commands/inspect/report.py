@@ -85,11 +85,11 @@ def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
     told = [kind[0].text for kind in _kinds(file.findings) if kind[0].text in file.reasons][:MAX_REASONS]
     more = [f"and {len(file.reasons) - len(told)} more"] if len(file.reasons) > len(told) else []
     reason = f"{_counts(file)}: {'; '.join([*told, *more])}" if told else f"{meaning} ({_counts(file)})"
-    if file.usable and file.doubts:
+    if file.usable and file.improbable:
         state, words, reason = (
             "undecided",
             f"{words}, with improbable numbers",
-            f"{reason}. Improbable: {_doubts(file.doubts)}",
+            f"{reason}. Improbable: {_first_of(file.improbable)}",
         )
     verdict = Verdict(state, words, reason, f"The file is {words}.")
     if missing.notes:
@@ -103,9 +103,9 @@ def _one(file: urdf.Inspection, missing: Notes, record: Recorder) -> Report:
     )
 
 
-def _doubts(doubts: Sequence[str]) -> str:
-    more = f"; and {len(doubts) - 1} more" if len(doubts) > 1 else ""
-    return f"{doubts[0]}{more}"
+def _first_of(texts: Sequence[str]) -> str:
+    more = f"; and {len(texts) - 1} more" if len(texts) > 1 else ""
+    return f"{texts[0]}{more}"
 
 
 def _repairs(file: urdf.Inspection) -> Iterator[Code]:

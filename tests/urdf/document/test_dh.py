@@ -1,10 +1,13 @@
 """Tables of Denavit-Hartenberg parameters in TOML: what they mean by the matrices of textbooks, and what is refused."""
 
+import json
 import math
 import re
+import tomllib
 
 import numpy as np
 import pytest
+from shared_data import DATA, REPOSITORY, existing
 
 import urdf
 from graphdyn import frame_placement, inverse_dynamics
@@ -198,3 +201,19 @@ def test_the_line_of_a_joint_is_told(written):
         urdf.load(path)
     assert caught.value.line == TABLE[: TABLE.index('type = "prismatic"')].count("\n")
     assert caught.value.element == "joint 3"
+
+
+def test_the_table_of_the_guide_is_that_of_the_robotics_toolbox(written):
+    """Lengths, masses, tensors, rotors and viscous friction as in its published tables, to the digits of the guide."""
+    (table,) = re.findall(r"```toml\n(.*?)```", (REPOSITORY / "docs" / "dh.md").read_text(encoding="utf-8"), re.DOTALL)
+    with pytest.warns(urdf.ZeroMassWarning):
+        model = urdf.load(written(table))
+    known = existing(DATA / "reference" / "puma560_rtb_tables.json").read_text(encoding="utf-8")
+    links = json.loads(known)["model"]["links"]
+    for row, joint, link in zip(tomllib.loads(table)["joint"], model.joints, links, strict=True):
+        own = row["link"]
+        assert (row["d"], row["a"], own["mass"], own["center"]) == (link["d"], link["a"], link["m"], link["r"])
+        assert [*own["inertia"].values(), 0, 0, 0] == link["I6"]
+        assert math.radians(row["alpha"]) == pytest.approx(link["alpha"])
+        assert joint.armature == pytest.approx(link["Jm"] * link["G"] ** 2, rel=1e-5)
+        assert joint.damping == pytest.approx(link["B"] * link["G"] ** 2, rel=1e-4)
