@@ -71,7 +71,8 @@ def run_study(
     Raises BadConfiguration for settings that do not fit the robot; InvalidInput for a folder that is something else, or
     of a study with another configuration; NoWorkers for processes that lack what it needs; OSError; urdf's errors.
     """
-    plant_of(study.robot)  # which refuses what does not fit the robot
+    for robot in study.robots:
+        plant_of(robot)  # which refuses what does not fit it
     refuse_missing_packages(study)
     if isinstance(workers, DaskWorkers):
         workers = replace(workers, libraries=LIBRARIES)

@@ -92,7 +92,8 @@ def run(options: StudyOptions) -> None:
     if only is not None and computing:
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
     study = read_configuration(config, allow_code=options.allow_code)
-    plant_of(study.robot)  # which refuses what does not fit the robot, before any code of others runs
+    for robot in study.robots:
+        plant_of(robot)  # which refuses what does not fit it, before any code of others runs
     if only is not None:
         _refuse_unknown(
             study, only, [f"{scenario.name}:{k}" for scenario in study.scenarios for k in range(study.runs)]
@@ -147,7 +148,8 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
         allowed = ["--allow-code"] if study.own_methods else []
         return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
 
-    facts = [("configuration", study.file), ("robot", study.robot.name), ("seed", str(study.seed))]
+    robots = ", ".join(robot.name for robot in study.robots)
+    facts = [("configuration", study.file), ("robot", robots), ("seed", str(study.seed))]
     _deliver(folder, read_outcomes(folder), facts, repeat, study.design)
 
 

@@ -104,6 +104,8 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     z: root mean square of (found - true) / standard deviation as stated; 1 is honest
     held_bias: root mean square over the runs of the bias for one motion and one CAD model
     shares: part of the variance of each parameter that is drawn anew with each source
+    distances: means of d_beta, d_tau and d_q (Leboutet et al. 2021) over the answers that have not diverged, and how
+        many have; null where the study does not ask for them
     """
 
     method: str = attribute("method.name")
@@ -124,6 +126,7 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     z: Numbers = attribute("parameters.z")
     held_bias: Numbers = attribute("parameters.held_bias")
     shares: Mapping[str, Numbers] = attribute("parameters.shares")
+    distances: Mapping[str, Number]
 
 
 class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):

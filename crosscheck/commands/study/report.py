@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from crosscheck.commands.study.comparison_report import comparison_section, headline, overview
+from crosscheck.commands.study.distances_report import distances_section
 from crosscheck.commands.study.errors_report import errors_section
 from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.record import study_record
@@ -155,6 +156,7 @@ def _class_sections(found: StudySummary, grid: Grid, measures: Measures, on_page
     yield errors_section(found, grid, measures, on_page)
     if rankings:
         yield Section(f"time-{measures}", f"Accuracy and time {measured}", tuple(trades(found, measures)))
+    yield from distances_section(found, measures)
     yield Section(f"answers-{measures}", f"Answers {measured}", (_answers(found, columns),))
 
 

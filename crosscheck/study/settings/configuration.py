@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +23,8 @@ from crosscheck.study.settings.settings import (
     ErrorSettings,
     RobotSettings,
     Settings,
+    all_robots,
     error_settings,
-    robot_settings,
     texts,
     whole,
     words,
@@ -106,6 +107,7 @@ class Configuration:
     seed: of all random numbers; runs: of every scenario
     design: what each run draws anew, and which methods are compared
     methods: names (METHODS), or FILE.py:NAME with the whole path of the file
+    robots: each with a label of its own
     """
 
     file: str
@@ -114,9 +116,12 @@ class Configuration:
     runs: int
     design: StudyDesign
     methods: tuple[str, ...]
-    robot: RobotSettings
+    robots: tuple[RobotSettings, ...]
     errors: ErrorSettings
     scenarios: tuple[Scenario, ...]
+
+    def robot_of(self, scenario: Scenario) -> RobotSettings:
+        return next(robot for robot in self.robots if robot.label == scenario.robot)
 
     @property
     def own_methods(self) -> tuple[str, ...]:
@@ -130,8 +135,7 @@ class Configuration:
         """
         own = dict.fromkeys(method.rpartition(":")[0] for method in self.own_methods)
         paths = list(dict.fromkeys(str(file) for path in own for file in imported_files(Path(path))))
-        if Path(self.robot.name).is_file():
-            paths.append(self.robot.name)
+        paths += [robot.name for robot in self.robots if Path(robot.name).is_file()]
         return {path: hash_of(Path(path)) for path in paths}
 
 
@@ -148,14 +152,14 @@ def read_configuration(name: str, *, allow_code: bool = False) -> Configuration:
     """
     path = Path(name)
     if name in SHIPPED_CONFIGURATIONS:
-        content = (resources.files("crosscheck.study") / "configurations" / f"{name}.toml").read_bytes()
-    elif not path.is_file():
+        shipped = resources.files("crosscheck.study") / "configurations"
+        with resources.as_file(shipped) as folder:  # where its robots are
+            return configuration_of((folder / f"{name}.toml").read_bytes(), name, folder, allow_code=allow_code)
+    if not path.is_file():
         raise BadConfiguration(
             f"there is no file {name}; name a configuration, or one of {', '.join(SHIPPED_CONFIGURATIONS)}"
         )
-    else:
-        content = path.read_bytes()
-    return configuration_of(content, name, path.resolve().parent, allow_code=allow_code)
+    return configuration_of(path.read_bytes(), name, path.resolve().parent, allow_code=allow_code)
 
 
 def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: bool = False) -> Configuration:
@@ -175,13 +179,17 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     grids = document.get("grid", [{}])
     if not isinstance(grids, list):
         raise BadConfiguration(f"{file}: [grid] must be [[grid]], which can be given several times")
-    tables = {name: document.get(name, {}) for name in CONFIGURATION_TABLES[:-1]}
-    for name, table in [*tables.items(), *(("grid", grid) for grid in grids)]:
+    given = document.get("robot", {})
+    robots = given if isinstance(given, list) and given else [given]
+    tables = {name: document.get(name, {}) for name in ("study", "errors", "scenario")}
+    several = [*tables.items(), *(("robot", robot) for robot in robots), *(("grid", grid) for grid in grids)]
+    for name, table in several:
         if not isinstance(table, dict):
             raise BadConfiguration(f"{file}: {name} is {table!r}; it must be a table, [{name}]")
-    study, robot, errors, common = (Settings(file, name, table) for name, table in tables.items())
-    numbered = [Settings(file, f"grid {k}" if len(grids) > 1 else "grid", grid) for k, grid in enumerate(grids, 1)]
-    points = scenarios(common, numbered)
+    study, errors, common = (Settings(file, name, table) for name, table in tables.items())
+    machines, numbered = _numbered(file, "robot", robots), _numbered(file, "grid", grids)
+    arms = all_robots(machines, folder)
+    points = scenarios(common, numbered, [robot.label for robot in arms])
     everything = measurable_methods(points)
     found = Configuration(
         file,
@@ -190,12 +198,12 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         study.take("runs", DEFAULT_RUNS, whole(1, MAX_RUNS)),
         study_design(study, lambda name: shown_name(_method(folder, words(name)))),
         study.take("methods", everything, methods_reader(folder, everything)),
-        robot_settings(robot, folder),
+        arms,
         error_settings(errors),
         points,
     )
     study.refuse_others()
-    _check(found, study, robot)
+    _check(found, study, machines)
     if found.own_methods:
         try:
             refuse_code(f"{file}: methods in [study]", found.own_methods, allow_code)
@@ -204,7 +212,12 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     return found
 
 
-def _check(study: Configuration, table: Settings, robot: Settings) -> None:
+def _numbered(file: str, name: str, tables: Sequence[Mapping[str, Any]]) -> list[Settings]:
+    """Tables of one name, with their number where there are several."""
+    return [Settings(file, f"{name} {k}" if len(tables) > 1 else name, table) for k, table in enumerate(tables, 1)]
+
+
+def _check(study: Configuration, table: Settings, machines: Sequence[Settings]) -> None:
     """Raises BadConfiguration for a scenario that this robot cannot have, or no method can use, and the reverse."""
     names = [shown_name(method) for method in study.methods]
     if study.design.reference not in (None, *names):
@@ -217,8 +230,12 @@ def _check(study: Configuration, table: Settings, robot: Settings) -> None:
         where = "no scenario" if measured == {False} else "not every scenario"
         what = f"has {', '.join(need)} for wrenches, which {where} measures; give a force_noise, or other methods"
         raise table.error("methods", what)
-    errors = {scenario.model_error for scenario in study.scenarios}
-    if "friction" in errors and not np.any(study.robot.coulomb):
-        raise robot.error("coulomb", 'is zero, and the model error "friction" forgets it; give numbers above zero')
-    if "flexible" in errors and not np.all(study.robot.rotor_inertia):
-        raise robot.error("rotor_inertia", 'must be above zero in all joints for the model error "flexible"')
+    for robot, own in zip(study.robots, machines, strict=True):
+        errors = {scenario.model_error for scenario in study.scenarios if scenario.robot == robot.label}
+        if "friction" in errors and not np.any(robot.coulomb):
+            raise own.error("coulomb", 'is zero, and the model error "friction" forgets it; give numbers above zero')
+        for error in sorted({"stribeck", "lugre"} & errors):
+            if not np.all(robot.coulomb):
+                raise own.error("coulomb", f'must be above zero in all joints for the model error "{error}"')
+        if "flexible" in errors and not np.all(robot.rotor_inertia):
+            raise own.error("rotor_inertia", 'must be above zero in all joints for the model error "flexible"')

@@ -101,7 +101,7 @@ def test_errors_stand_in_the_columns_of_their_names(folder, complete):
     for row in rows(complete)[::6]:
         draw = study.design.draw(row["run"])
         known = known_model(study, scenarios[row["scenario"]], draw)
-        measure = validation_metric(study.robot, study.seed, known, draw.motion)
+        measure = validation_metric(study.robots[0], study.seed, known, draw.motion)
         expected = {name: getattr(measure, name)(row["base"]) for name in ERRORS}
         assert {name: row[name] for name in ERRORS} == expected
 
@@ -134,7 +134,9 @@ def test_tables_hold_every_field_of_every_result_beside_its_seconds(folder, tmp_
     for row, scenario in zip(rows(tmp_path, SCENARIOS), sorted(study.scenarios, key=lambda one: one.name), strict=True):
         assert {name: row[name] for name in GRID_AXES} == asdict(scenario)
         base = structure(known_model(study, scenario)).base
-        assert row["truth"] == pytest.approx(base.matrix @ plant_of(study.robot).truth(known_model(study, scenario)))
+        assert row["truth"] == pytest.approx(
+            base.matrix @ plant_of(study.robots[0]).truth(known_model(study, scenario))
+        )
         assert len(row["base_names"]) == len(row["base_units"]) == base.rank
 
 
@@ -641,7 +643,7 @@ def test_bad_configurations(text, folder):
 def test_how_the_robot_is_read(folder):
     cut = "chain = ['panda_link0', 'panda_link6']"
     held = "locked = ['panda_joint7', 'panda_finger_joint1', 'panda_finger_joint2']"
-    plant = plant_of(study_of(folder, f"[robot]\nname = 'panda'\n{cut}\n{held}\ngravity = [0, 0, -1.62]\n").robot)
+    plant = plant_of(study_of(folder, f"[robot]\nname = 'panda'\n{cut}\n{held}\ngravity = [0, 0, -1.62]\n").robots[0])
     assert plant.model.joint_names == tuple(f"panda_joint{k}" for k in range(1, 7))
     assert plant.model.gravity.tolist() == [0, 0, -1.62]
 
