@@ -36,7 +36,7 @@ class StudyOptions(CodeOptions, WorkerOptions):
     """What `graphdyn study` is asked for."""
 
     config: Annotated[
-        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy.")
+        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy, benchmark.")
     ] = None
     folder: Annotated[
         Path | None,

@@ -87,7 +87,7 @@ def shown_name(method: str) -> str:
     return f"{Path(where).stem}:{name}" if colon else method
 
 
-SHIPPED_CONFIGURATIONS = ("small", "birdy")
+SHIPPED_CONFIGURATIONS = ("small", "birdy", "benchmark")
 """Configurations that come with the package."""
 
 MAX_RUNS = 1_000_000

@@ -668,7 +668,7 @@ def test_what_only_the_robot_shows(folder):
 @pytest.mark.parametrize("name", SHIPPED_CONFIGURATIONS)
 def test_shipped_configurations(name):
     study = read_configuration(name)
-    noises, runs = {"small": (2, 12), "birdy": (5, 25)}[name]
+    noises, runs = {"small": (2, 12), "birdy": (5, 25), "benchmark": (3, 25)}[name]
     assert (len({(one.position_noise, one.torque_noise) for one in study.scenarios}), study.runs) == (noises, runs)
     assert {one.start for one in study.scenarios} == {"0.15"}
     assert "graph" in study.methods
