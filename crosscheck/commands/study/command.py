@@ -36,7 +36,7 @@ class StudyOptions(CodeOptions, WorkerOptions):
     """What `graphdyn study` is asked for."""
 
     config: Annotated[
-        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy, benchmark.")
+        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or of graphdyn: small, birdy, benchmark.")
     ] = None
     folder: Annotated[
         Path | None,
@@ -49,6 +49,12 @@ class StudyOptions(CodeOptions, WorkerOptions):
     report: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Show what the study in this folder has found so far; it may be going on."),
+    ] = None
+    tables: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="With --report: write CSV and LaTeX tables and SVG pictures for a paper to this folder."
+        ),
     ] = None
     only: Annotated[
         str | None,
@@ -85,8 +91,10 @@ def run(options: StudyOptions) -> None:
     if options.report is not None:
         if computing or config is not None or only is not None or options.allow_code:
             raise typer.BadParameter("--report only reads the folder that it names; omit the other options")
-        _report_so_far(options.report)
+        _report_so_far(options.report, options.tables)
         raise typer.Exit(AGREED)
+    if options.tables is not None:
+        raise typer.BadParameter("--tables writes what --report shows; name the folder of a study by --report")
     if config is None:
         raise typer.BadParameter("name a configuration by --config, or the folder of a study by --report")
     if only is not None and computing:
@@ -153,8 +161,8 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     _deliver(folder, read_outcomes(folder), facts, repeat, study.design)
 
 
-def _report_so_far(folder: Path) -> None:
-    """The same of a study that need not be finished. Raises InvalidInput, OSError."""
+def _report_so_far(folder: Path, tables: Path | None) -> None:
+    """The same of a study that need not be finished. tables: folder for a paper. Raises InvalidInput, OSError."""
     from crosscheck.study.folder import CONFIGURATION
     from crosscheck.study.so_far import read_so_far
 
@@ -162,17 +170,29 @@ def _report_so_far(folder: Path) -> None:
         return ["graphdyn", "study", "--config", str(folder / CONFIGURATION), "--only", f"{scenario}:{run}"]
 
     found = read_so_far(folder)
-    _deliver(folder, found.outcomes, found.facts, repeat, found.design)
+    _deliver(folder, found.outcomes, found.facts, repeat, found.design, tables)
 
 
 def _deliver(
-    folder: Path, outcomes: StudyOutcomes, facts: Sequence[tuple[str, str]], repeat: Repeat, design: StudyDesign
+    folder: Path,
+    outcomes: StudyOutcomes,
+    facts: Sequence[tuple[str, str]],
+    repeat: Repeat,
+    design: StudyDesign,
+    tables: Path | None = None,
 ) -> None:
     from crosscheck.commands.study.report import study_report
+    from crosscheck.study.inputs import read_inputs
 
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
     with warnings_shown():
-        report = study_report(outcomes, facts, repeat, design)
+        report = study_report(outcomes, facts, repeat, design, read_inputs(folder))
+    if tables is not None:
+        from crosscheck.commands.study.paper_files import write_paper_files
+        from crosscheck.study.statistics.summary import summarized
+
+        written = write_paper_files(summarized(outcomes, design), report, tables)
+        say(f"{counted(len(written), 'file')} for a paper in {tables}: {', '.join(written)}")
     deliver(report, ReportOptions(html_file=page, json_file=numbers))
 
 

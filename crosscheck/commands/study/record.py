@@ -7,6 +7,7 @@ from typing import Annotated, Any, get_args
 
 from crosscheck.commands.study.comparison_report import headline
 from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Numbers, Record, attribute, written
+from crosscheck.study.inputs import StudyInputs
 from crosscheck.study.statistics.comparison import MethodPair, PairedComparison, Verdict
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method
@@ -152,6 +153,8 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     """A study of identification methods, summarized; every run is in results.parquet.
 
     confidence: of all intervals and tests
+    software: versions with which the study was computed
+    files: SHA-256 of what it has read and of its tables, by name
     facts: what all scenarios share, in words
     headline: which methods are best, by how much, how sure that is, and for what it holds
     vary: what every run draws anew
@@ -165,6 +168,8 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     """
 
     confidence: float
+    software: Mapping[str, str]
+    files: Mapping[str, str]
     facts: Mapping[str, str]
     headline: str
     vary: Sequence[str]
@@ -177,11 +182,15 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     scenarios: Sequence[StudyScenarioRecord]
 
 
-def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command: Sequence[str]) -> dict[str, Any]:
+def study_record(
+    found: StudySummary, facts: Sequence[tuple[str, str]], inputs: StudyInputs, command: Sequence[str]
+) -> dict[str, Any]:
     return written(
         StudyRecord,
         command=command,
         confidence=CONFIDENCE_LEVEL,
+        software=inputs.software,
+        files=inputs.files,
         facts=dict(facts),
         headline=headline(found).reason,
         vary=found.design.vary,

@@ -19,6 +19,7 @@ from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_secti
 from crosscheck.commands.study.words import METHOD_CLASSES, SOURCES_IN_WORDS, listed, percent_text
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
+from crosscheck.study.inputs import NO_INPUTS, StudyInputs
 from crosscheck.study.settings.design import DEFAULT_DESIGN, StudyDesign
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.statistics.grid import Grid, grid_of
@@ -94,10 +95,11 @@ def study_report(
     facts: Sequence[tuple[str, str]],
     repeat: Repeat,
     design: StudyDesign = DEFAULT_DESIGN,
+    inputs: StudyInputs = NO_INPUTS,
 ) -> Report:
     """The report of what is there of a study.
 
-    facts: names and words of what all scenarios share
+    facts: names and words of what all scenarios share; inputs: for the numbers in JSON
     """
     found = summarized(outcomes, design)
     grid = grid_of(found.outcomes.scenarios)
@@ -109,7 +111,7 @@ def study_report(
         *scenario_sections(found, grid, on_page, repeat),
     )
     return Report(
-        "Identification methods compared", headline(found), sections, record=partial(study_record, found, facts)
+        "Identification methods compared", headline(found), sections, record=partial(study_record, found, facts, inputs)
     )
 
 

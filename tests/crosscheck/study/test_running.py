@@ -1,5 +1,6 @@
 """`graphdyn study`: configuration, tables that are the same however they come about, interruptions and failures."""
 
+import hashlib
 import json
 import os
 import re
@@ -31,7 +32,7 @@ from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
 from crosscheck.study.folder import CONFIGURATION, DATABASE
 from crosscheck.study.running import PROCESS_DIED, Remaining, run_study, tasks_of
-from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
+from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, hash_of, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
@@ -711,10 +712,21 @@ def test_the_command(program, words, folder, tmp_path, monkeypatch):
     assert "2 runs cannot decide 2 comparisons, however clear they are: give 7 runs or more" in words(done.err)
     so_far = program("study", "--report", out)
     assert (so_far.code, "so far 4 records of 2 scenarios" in words(so_far.out)) == (AGREED, True)
-    assert json.loads((out / "study.json").read_text())["facts"]["so far"] == "4 records of 2 scenarios"
+    written = json.loads((out / "study.json").read_text())
+    assert written["facts"]["so far"] == "4 records of 2 scenarios"
+    assert written["files"]["results.parquet"] == hashlib.sha256((out / "results.parquet").read_bytes()).hexdigest()
+    assert written["files"][str(folder / "small.urdf")] == hash_of(folder / "small.urdf")
+    assert written["files"]["study.toml"] == hash_of(config)
+    assert written["software"]["numpy"] == np.__version__
+    paper = tmp_path / "paper"
+    assert program("study", "--report", out, "--tables", paper).code == AGREED
+    names = {file.name for file in paper.iterdir()}
+    assert {"comparisons.csv", "errors.csv", "comparisons-torques.tex"} < names
+    assert "torque-error-against-position-noise-errors-torques.svg" in names
     for options, message in (
         (("--report", out, "--resume"), "--report only reads the folder that it names; omit the other options"),
         ((), "name a configuration by --config, or the folder of a study by --report"),
+        (("--config", config, "--tables", out), "--tables writes what --report shows; name the folder of a study by"),
     ):
         found = program("study", *options)
         assert (found.code, message in words(found.err)) == (BAD_INPUT, True)
