@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -25,9 +24,9 @@ from crosscheck.study.distances import distances
 from crosscheck.study.settings.configuration import Configuration, hash_of, shown_name, takes_wrenches
 from crosscheck.study.settings.design import Redraw
 from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.simulated.own_code import own
 from crosscheck.study.simulated.runs import RecordedProblem, known_model, simulated
 from crosscheck.study.validation import ValidationMetric, validation_metric
-from crosscheck.user_code import module_of_file
 from graphdyn import EstimationFailed, GraphDynError, InvalidInput
 from graphdyn.identification import (
     Estimate,
@@ -44,10 +43,9 @@ TORQUES, WRENCHES = "torques", "wrenches"
 
 def estimator_of(method: str) -> Estimator:
     """A new one. Raises whatever a file of one's own raises."""
-    where, colon, name = method.rpartition(":")
-    if not colon:
+    if ":" not in method:
         return method_named(method)
-    made: Estimator = getattr(_module(where), name)()
+    made: Estimator = own(method)()
     return made
 
 
@@ -72,11 +70,6 @@ def ready(estimator: Estimator, record: RecordedProblem, scenario: Scenario) -> 
         given["recording"] = record.recording
     fitted: Estimator = replace(known, **given) if given else known  # type: ignore[type-var]
     return fitted
-
-
-@cache
-def _module(path: str) -> ModuleType:
-    return module_of_file(Path(path))
 
 
 @dataclass(frozen=True)

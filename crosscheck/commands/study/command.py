@@ -111,8 +111,8 @@ def run(options: StudyOptions) -> None:
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
     _tell_few_runs(study)
-    if study.own_methods:
-        own_process.enter(f"methods {', '.join(study.own_methods)}")
+    if study.own_methods or study.own_laws:
+        own_process.enter(f"code {', '.join((*study.own_methods, *study.own_laws))}")
     workers, shown = options.workers, _Shown()
     try:
         with progress("study", study.runs * len(study.scenarios)) as advance:
@@ -153,7 +153,7 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     from crosscheck.study.statistics.outcomes import read_outcomes
 
     def repeat(scenario: str, run: int) -> list[str]:
-        allowed = ["--allow-code"] if study.own_methods else []
+        allowed = ["--allow-code"] if study.own_methods or study.own_laws else []
         return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
 
     robots = ", ".join(robot.name for robot in study.robots)
@@ -197,9 +197,12 @@ def _deliver(
 
 
 def _check_own(study: Configuration) -> None:
-    """Raises typer.BadParameter for an own method that cannot be used."""
+    """Raises typer.BadParameter for an own method, motion or law of noise that cannot be used."""
     from crosscheck.commands.identify.models import OF_A_METHOD, made
+    from crosscheck.commands.program.functions import user_function
 
+    for law in study.own_laws:
+        user_function(f"{study.file}: scenarios:", law)
     for method in study.own_methods:
         made(f"{study.file}: methods:", method, *OF_A_METHOD)
 

@@ -7,13 +7,13 @@ import io
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 from crosscheck.commands.study.comparison_report import verdict_text
 from crosscheck.commands.study.words import ERRORS_IN_WORDS
 from crosscheck.report.report import Picture, Report
 from crosscheck.study.statistics.intervals import Interval
-from crosscheck.study.statistics.outcomes import ERRORS
+from crosscheck.study.statistics.outcomes import ERRORS, Measures
 from crosscheck.study.statistics.summary import StudySummary
 from urdf.document import write_whole
 
@@ -80,7 +80,7 @@ def _errors(found: StudySummary) -> tuple[list[str], list[list[Any]]]:
 
 def _latex(found: StudySummary) -> Iterator[tuple[str, str]]:
     """One table for each class of methods: ratios over all scenarios by every error, verdict by torque error."""
-    for measures in ("torques", "wrenches"):
+    for measures in get_args(Measures):
         of = {error: found.comparisons[key] for error in ERRORS if (key := (measures, error)) in found.comparisons}
         if not of:
             continue

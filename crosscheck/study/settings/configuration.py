@@ -108,6 +108,7 @@ class Configuration:
     design: what each run draws anew, and which methods are compared
     methods: names (METHODS), or FILE.py:NAME with the whole path of the file
     robots: each with a label of its own
+    folder: in which paths of the configuration begin
     """
 
     file: str
@@ -119,6 +120,7 @@ class Configuration:
     robots: tuple[RobotSettings, ...]
     errors: ErrorSettings
     scenarios: tuple[Scenario, ...]
+    folder: Path
 
     def robot_of(self, scenario: Scenario) -> RobotSettings:
         return next(robot for robot in self.robots if robot.label == scenario.robot)
@@ -129,11 +131,22 @@ class Configuration:
         return tuple(method for method in self.methods if ":" in method)
 
     @property
+    def own_laws(self) -> tuple[str, ...]:
+        """FILE.py:NAME of motions and noise with the whole path."""
+        words = [word for one in self.scenarios for word in (one.motion, one.torque_noise_law)]
+        return tuple(dict.fromkeys(self.located(word) for word in words if ":" in word))
+
+    def located(self, word: str) -> str:
+        """FILE.py:NAME with the whole path; another word as it is."""
+        where, colon, name = word.rpartition(":")
+        return f"{(self.folder / where).resolve()}:{name}" if colon else word
+
+    @property
     def own_files(self) -> dict[str, str]:
-        """Hash of every file that the study reads beside its configuration: own methods, the modules of their folder
-        that they import, and the robot's.
+        """Hash of every file that the study reads beside its configuration: own methods, motions and laws of noise, the
+        modules of their folder that they import, and the robots'.
         """
-        own = dict.fromkeys(method.rpartition(":")[0] for method in self.own_methods)
+        own = dict.fromkeys(code.rpartition(":")[0] for code in (*self.own_methods, *self.own_laws))
         paths = list(dict.fromkeys(str(file) for path in own for file in imported_files(Path(path))))
         paths += [robot.name for robot in self.robots if Path(robot.name).is_file()]
         return {path: hash_of(Path(path)) for path in paths}
@@ -146,7 +159,7 @@ def hash_of(file: Path) -> str:
 def read_configuration(name: str, *, allow_code: bool = False) -> Configuration:
     """One of SHIPPED_CONFIGURATIONS, or a file.
 
-    allow_code: let the methods FILE.py:NAME run, whose code can do whatever the user can
+    allow_code: let methods, motions and laws of noise FILE.py:NAME run, whose code can do whatever the user can
 
     Raises BadConfiguration, OSError.
     """
@@ -201,14 +214,19 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         arms,
         error_settings(errors),
         points,
+        folder,
     )
     study.refuse_others()
     _check(found, study, machines)
-    if found.own_methods:
-        try:
-            refuse_code(f"{file}: methods in [study]", found.own_methods, allow_code)
-        except InvalidInput as refused:
-            raise BadConfiguration(str(refused)) from None
+    for law in found.own_laws:
+        if not Path(law.rpartition(":")[0]).is_file():
+            raise BadConfiguration(f"{file}: there is no file {law.rpartition(':')[0]} for a motion or a law of noise")
+    try:
+        for where, codes in (("methods in [study]", found.own_methods), ("scenarios", found.own_laws)):
+            if codes:
+                refuse_code(f"{file}: {where}", codes, allow_code)
+    except InvalidInput as refused:
+        raise BadConfiguration(str(refused)) from None
     return found
 
 

@@ -20,6 +20,9 @@ steps: from one random position to the next within half a second, then half a se
 paper: that of section 3.1, without the rail: the first two joints accelerate at 30°/s², the others stand still
 """
 
+NORMAL = "normal"
+"""The law of independent normal noise."""
+
 PAPER_SECONDS = 2.0
 """Length of the paper's motion."""
 
@@ -52,7 +55,10 @@ class Scenario:
     torque_noise: of measured torques, and of moments in the joints   [N m or N]
     force_noise: of forces in the joints; None: no wrenches are measured   [N]
     sampling_rate, control_rate: of the recording, of the controller   [Hz]
-    motion: kind of the reference (MOTION_KINDS); motion_seed: another one of the same kind
+    torque_noise_law: "normal", or FILE.py:NAME, a function of a generator and the torques (N, n), which gives their
+        noise with a standard deviation of one
+    motion: kind of the reference (MOTION_KINDS), or FILE.py:NAME, a function of the robot model, its motion limits, a
+        generator and the duration, which gives one motion law per joint; motion_seed: another one of the same kind
     duration: of the recording [s]
     cutoff: of the low-pass of positions, torques and regressor; None: no filter   [Hz]
     min_speed: rows of joints that are slower are left out   [rad/s or m/s]
@@ -65,6 +71,7 @@ class Scenario:
     position_noise: float = 1.75e-5
     torque_noise: float = 0.05
     force_noise: float | None = None
+    torque_noise_law: str = NORMAL
     sampling_rate: float = 1000.0
     control_rate: float = 1000.0
     motion: str = "random"
@@ -125,6 +132,21 @@ def _or_none(read: Callable[[object], float]) -> Callable[[object], float | None
     return optional
 
 
+def _or_own(choices: Sequence[str]) -> Callable[[object], str]:
+    """A reader of one of these words, or of FILE.py:NAME."""
+
+    def read(value: object) -> str:
+        where, _, name = value.rpartition(":") if isinstance(value, str) else ("", "", "")
+        if where.endswith(".py") and name:
+            return str(value)
+        try:
+            return one_of(choices)(value)
+        except ValueError as needed:
+            raise ValueError(f"{needed}, or FILE.py:NAME") from None
+
+    return read
+
+
 def _start(value: object) -> str:
     if isinstance(value, str) and value in STARTING_VALUES:
         return value
@@ -147,9 +169,10 @@ GRID_AXES: dict[str, Callable[[object], Any]] = {
     "position_noise": not_negative,
     "torque_noise": not_negative,
     "force_noise": _or_none(not_negative),
+    "torque_noise_law": _or_own((NORMAL,)),
     "sampling_rate": positive,
     "control_rate": positive,
-    "motion": one_of(MOTION_KINDS),
+    "motion": _or_own(MOTION_KINDS),
     "motion_seed": whole(0),
     "duration": positive,
     "cutoff": _or_none(positive),

@@ -12,6 +12,7 @@ from crosscheck.exciting.excited import assumed_noise
 from crosscheck.study.settings.design import Stream
 from crosscheck.study.settings.scenarios import MOTION_KINDS
 from crosscheck.study.settings.settings import RobotSettings
+from crosscheck.study.simulated.own_code import own
 from crosscheck.study.simulated.plants import ControlledRobot, generator, plant_of
 from graphdyn import InvalidInput
 from graphdyn.excitation import ExcitationProblem, FourierBasis, Trajectory, frame_origins, optimized, random_trajectory
@@ -47,11 +48,18 @@ def reference(
 ) -> tuple[MotionLaw, ...]:
     """One law per joint.
 
+    kind: one of MOTION_KINDS, or FILE.py:NAME with the whole path
     seed: of the study; number, stream: which of the motions of this kind; duration: of the recording [s]
 
-    Raises InvalidInput where the limits allow no motion.
+    Raises InvalidInput where the limits allow no motion, and for an own motion that is none.
     """
     plant = plant_of(settings)
+    if ":" in kind:
+        rng = generator(seed, MOTION_STREAM, len(MOTION_KINDS), number, *stream)
+        laws = tuple(own(kind)(plant.model, plant.limits, rng, duration))
+        if len(laws) != plant.model.nv or not all(callable(law) for law in laws):
+            raise InvalidInput(f"{kind} gives {len(laws)} laws for {plant.model.nv} joints; give one function for each")
+        return laws
     rng = generator(seed, MOTION_STREAM, MOTION_KINDS.index(kind), number, *stream)
     return _MOTION_MAKERS[kind](plant, rng, duration)
 

@@ -14,9 +14,10 @@ from crosscheck.identifying import Preparation
 from crosscheck.recordings import Provenance, Recording
 from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.design import COMMON_DRAW, Draw
-from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.settings.scenarios import NORMAL, Scenario
 from crosscheck.study.simulated.mechanisms import mechanism_of
 from crosscheck.study.simulated.motions import reference, start_of
+from crosscheck.study.simulated.own_code import own
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of, start_near_truth, torque_model_of
 from graphdyn import InvalidInput, MeasurementNoise, inverse_dynamics, rollout
 from graphdyn.identification import ClosedLoop, Problem, TorqueModel
@@ -78,7 +79,9 @@ def simulated(study: Configuration, scenario: Scenario, draw: Draw) -> RecordedP
     """
     robot = study.robot_of(scenario)
     plant = plant_of(robot)
-    laws = reference(robot, study.seed, scenario.motion, scenario.motion_seed, scenario.duration, draw.motion)
+    laws = reference(
+        robot, study.seed, study.located(scenario.motion), scenario.motion_seed, scenario.duration, draw.motion
+    )
     controller = plant.controller(laws, scenario.control_period)
     of_positions, *of_sensors = np.random.SeedSequence([study.seed, NOISE_STREAM, *draw.noise]).spawn(3)
     motion = _motion(study, plant, laws, scenario, int(of_positions.generate_state(1, np.uint64)[0]))
@@ -171,7 +174,7 @@ def _recorded(
     """The recording with noise of the torques and, if they are measured, of the wrenches."""
     torques, wrenches = (np.random.default_rng(seed) for seed in seeds)
     factor = np.asarray(study.errors.torque_factor) if scenario.model_error == "gear" else 1.0
-    tau = factor * motion.tau + scenario.torque_noise * torques.standard_normal(motion.tau.shape)
+    tau = factor * motion.tau + scenario.torque_noise * _drawn(study, scenario, torques, motion.tau)
     if scenario.model_error == "quantized":
         tau = np.rint(tau / study.errors.torque_step) * study.errors.torque_step
     measured = None
@@ -189,3 +192,15 @@ def _recorded(
         joint_wrenches=measured,
         provenance=Provenance((f"run of scenario {scenario.name}",), "simulation"),
     )
+
+
+def _drawn(study: Configuration, scenario: Scenario, rng: np.random.Generator, tau: Array) -> Array:
+    """Noise of the torques with a standard deviation of one. Raises InvalidInput for an own law that is none."""
+    if scenario.torque_noise_law == NORMAL:
+        return rng.standard_normal(tau.shape)
+    noise = np.asarray(own(study.located(scenario.torque_noise_law))(rng, tau.copy()), dtype=float)
+    if noise.shape != tau.shape or not np.all(np.isfinite(noise)):
+        raise InvalidInput(
+            f"{scenario.torque_noise_law} gives noise of shape {noise.shape}; {tau.shape} is needed, finite"
+        )
+    return noise
