@@ -81,7 +81,7 @@ def run_study(
     if new:
         before()
         begin(study, folder)
-    inputs = {"configuration": study.text, **study.own_files, **(versions or {})}
+    inputs = {"configuration": study.text, **study.own_files, **study.recorded_files, **(versions or {})}
     with opened(folder / DATABASE, tell) as store:
         begin_or_go_on(study, folder, store, inputs, extend=extend)
         if not new:

@@ -131,6 +131,9 @@ def run(options: StudyOptions) -> None:
     except (KeyboardInterrupt, Ended):
         say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
         raise
+    from crosscheck.commands.study.recordings import identify_recordings
+
+    identify_recordings(study, folder, allow_code=options.allow_code)
     _report(study, config, folder)
     raise typer.Exit(AGREED)
 
@@ -181,12 +184,13 @@ def _deliver(
     design: StudyDesign,
     tables: Path | None = None,
 ) -> None:
+    from crosscheck.commands.study.recordings import read_recordings
     from crosscheck.commands.study.report import study_report
     from crosscheck.study.inputs import read_inputs
 
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
     with warnings_shown():
-        report = study_report(outcomes, facts, repeat, design, read_inputs(folder))
+        report = study_report(outcomes, facts, repeat, design, read_inputs(folder), read_recordings(folder))
     if tables is not None:
         from crosscheck.commands.study.paper_files import write_paper_files
         from crosscheck.study.statistics.summary import summarized

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, get_args
 
 from crosscheck.commands.study.comparison_report import headline
+from crosscheck.commands.study.recordings import RecordedErrors
 from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Numbers, Record, attribute, written
 from crosscheck.study.inputs import StudyInputs
 from crosscheck.study.statistics.comparison import MethodPair, PairedComparison, Verdict
@@ -165,6 +166,7 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     comparisons: over all scenarios
     rankings: over all scenarios
     scenarios: all of them
+    recordings: held-out torque error on real recordings, by their label and the method; null where it has failed
     """
 
     confidence: float
@@ -180,10 +182,15 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     comparisons: Sequence[StudyComparisonRecord]
     rankings: Sequence[StudyRankingRecord]
     scenarios: Sequence[StudyScenarioRecord]
+    recordings: Mapping[str, Mapping[str, Number]]
 
 
 def study_record(
-    found: StudySummary, facts: Sequence[tuple[str, str]], inputs: StudyInputs, command: Sequence[str]
+    found: StudySummary,
+    facts: Sequence[tuple[str, str]],
+    inputs: StudyInputs,
+    recorded: RecordedErrors,
+    command: Sequence[str],
 ) -> dict[str, Any]:
     return written(
         StudyRecord,
@@ -201,6 +208,10 @@ def study_record(
         comparisons=_comparisons(found.comparisons),
         rankings=_rankings(found.rankings),
         scenarios=[_scenario(scenario) for scenario in found.scenarios],
+        recordings={
+            label: {method: None if one is None else one[0] for method, one in errors.items()}
+            for label, errors in recorded.items()
+        },
     )
 
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from crosscheck.identifying import ESTIMATORS
 from crosscheck.study.settings.design import StudyDesign, study_design
+from crosscheck.study.settings.recordings import StudyRecording, recordings
 from crosscheck.study.settings.scenarios import Scenario, scenarios
 from crosscheck.study.settings.settings import (
     BadConfiguration,
@@ -96,7 +97,7 @@ MAX_RUNS = 1_000_000
 DEFAULT_RUNS = 12
 """Runs of every scenario: with fewer than ten, twenty methods cannot be told from the reference."""
 
-CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid")
+CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid", "recordings")
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,7 @@ class Configuration:
     methods: names (METHODS), or FILE.py:NAME with the whole path of the file
     robots: each with a label of its own
     folder: in which paths of the configuration begin
+    recordings: real ones
     """
 
     file: str
@@ -121,6 +123,12 @@ class Configuration:
     errors: ErrorSettings
     scenarios: tuple[Scenario, ...]
     folder: Path
+    recordings: tuple[StudyRecording, ...]
+
+    @property
+    def recorded_files(self) -> dict[str, str]:
+        """Hash of every file of the recordings."""
+        return {file: hash_of(Path(file)) for recording in self.recordings for file in recording.files}
 
     def robot_of(self, scenario: Scenario) -> RobotSettings:
         return next(robot for robot in self.robots if robot.label == scenario.robot)
@@ -194,8 +202,12 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         raise BadConfiguration(f"{file}: [grid] must be [[grid]], which can be given several times")
     given = document.get("robot", {})
     robots = given if isinstance(given, list) and given else [given]
+    recorded = document.get("recordings", [])
+    if not isinstance(recorded, list):
+        raise BadConfiguration(f"{file}: [recordings] must be [[recordings]], which can be given several times")
     tables = {name: document.get(name, {}) for name in ("study", "errors", "scenario")}
-    several = [*tables.items(), *(("robot", robot) for robot in robots), *(("grid", grid) for grid in grids)]
+    lists = {"robot": robots, "grid": grids, "recordings": recorded}
+    several = [*tables.items(), *((name, one) for name, found in lists.items() for one in found)]
     for name, table in several:
         if not isinstance(table, dict):
             raise BadConfiguration(f"{file}: {name} is {table!r}; it must be a table, [{name}]")
@@ -215,6 +227,7 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         error_settings(errors),
         points,
         folder,
+        recordings(_numbered(file, "recordings", recorded), folder),
     )
     study.refuse_others()
     _check(found, study, machines)
@@ -222,7 +235,12 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         if not Path(law.rpartition(":")[0]).is_file():
             raise BadConfiguration(f"{file}: there is no file {law.rpartition(':')[0]} for a motion or a law of noise")
     try:
-        for where, codes in (("methods in [study]", found.own_methods), ("scenarios", found.own_laws)):
+        of_recordings = [code for recording in found.recordings for code in recording.code]
+        for where, codes in (
+            ("methods in [study]", found.own_methods),
+            ("scenarios", found.own_laws),
+            ("recordings", of_recordings),
+        ):
             if codes:
                 refuse_code(f"{file}: {where}", codes, allow_code)
     except InvalidInput as refused:
