@@ -16,11 +16,11 @@ from graphdyn import InvalidInput
 from urdf.document import write_whole
 
 FOLDER = "recordings"
-"""In the folder of a study: a JSON file of `graphdyn identify` for every recording."""
+"""Folder, in that of a study, with a JSON file of `graphdyn identify` for every recording."""
 
 RecordedErrors = Mapping[str, Mapping[str, tuple[float, bool] | None]]
-"""By label and method: mean over the joints of the held-out ‖e‖ / ‖τ‖ over moving rows, and whether all links and mass
-matrices can be real; None where the method has failed."""
+"""Mean over the joints of the held-out ‖e‖ / ‖τ‖ over moving rows, and whether all links and mass matrices can be real,
+by label and method; None where the method has failed."""
 
 
 def identify_recordings(study: Configuration, folder: Path, *, allow_code: bool) -> None:
