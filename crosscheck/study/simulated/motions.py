@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -42,7 +42,7 @@ MOTION_STREAM = 2
 """Number of a random stream of a study."""
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=8)
 def reference(
     settings: RobotSettings, seed: int, kind: str, number: int, duration: float, stream: Stream = (0, 0)
 ) -> tuple[MotionLaw, ...]:
@@ -113,14 +113,30 @@ _Made = Callable[[ControlledRobot, np.random.Generator, float], tuple[MotionLaw,
 _MOTION_MAKERS: dict[str, _Made] = {"random": _random, "excited": _excited, "steps": _steps, "paper": _paper}
 
 
+KEPT_COURSES = 6
+"""Courses that a joint keeps."""
+
+
 @dataclass(frozen=True, eq=False)
 class Periodic:
-    """One joint of a trajectory that begins and ends at rest, again and again."""
+    """One joint of a trajectory that begins and ends at rest, again and again.
+
+    It keeps its last courses: recording, held-out loop and all simulated loops of a run ask for the same times.
+    """
 
     trajectory: Trajectory
     joint: int
+    _kept: dict[bytes, Course] = field(default_factory=dict, repr=False)
 
     def __call__(self, times: Array, /) -> Course:
+        key = np.asarray(times, dtype=float).tobytes()
+        if key not in self._kept:
+            if len(self._kept) >= KEPT_COURSES:
+                self._kept.pop(next(iter(self._kept)))
+            self._kept[key] = self._course(times)
+        return self._kept[key]
+
+    def _course(self, times: Array) -> Course:
         basis, row = self.trajectory.basis, self.trajectory.coefficients[self.joint]
         within = np.mod(times, basis.duration)
         q, v, a = (basis.rows(within, order) @ row for order in range(3))
