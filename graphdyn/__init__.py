@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from graphdyn.simulation import *  # noqa: F403
 else:
     _SIMULATION = (
+        "Bristles",
         "ComputedTorqueControl",
         "EnergyBalance",
         "Event",

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from crosscheck.exciting.encoder_noise import EncoderNoise, EncoderPlan
 from crosscheck.exciting.self_collision import Hit, SelfCollision
 from crosscheck.recordings import Recording
 from crosscheck.reference.subject import OfReading
@@ -71,6 +72,7 @@ class Excited(OfReading, Displayed):
     recorded: plan of recordings of --against, for as many samples as the motions have; None without
     failures: why seeds found no motion
     collisions: what is known of the robot's collisions with itself; None where they were not looked at
+    encoder: scatter and bias with noise of positions too, and that noise; None without
     """
 
     robot: str
@@ -86,6 +88,7 @@ class Excited(OfReading, Displayed):
     recorded: ExcitationPlan | None = None
     failures: tuple[str, ...] = ()
     collisions: SelfCollision | None = None
+    encoder: tuple[EncoderNoise, EncoderPlan] | None = None
 
     def summary(self) -> str:
         """The motions, and how well they determine the parameters."""

@@ -40,7 +40,7 @@ def begin(study: Configuration, folder: Path) -> None:
     write_whole(folder / CONFIGURATION, study.text.encode())
 
 
-GROWING_TABLES, GROWING_KEYS = ("scenario", "grid"), ("runs", "methods")
+GROWING_TABLES, GROWING_KEYS = ("scenario", "grid", "recordings"), ("runs", "methods")
 """Tables of a configuration that a larger study changes, and keys of its table [study]."""
 
 

@@ -71,7 +71,8 @@ def run_study(
     Raises BadConfiguration for settings that do not fit the robot; InvalidInput for a folder that is something else, or
     of a study with another configuration; NoWorkers for processes that lack what it needs; OSError; urdf's errors.
     """
-    plant_of(study.robot)  # which refuses what does not fit the robot
+    for robot in study.robots:
+        plant_of(robot)  # which refuses what does not fit it
     refuse_missing_packages(study)
     if isinstance(workers, DaskWorkers):
         workers = replace(workers, libraries=LIBRARIES)
@@ -80,7 +81,7 @@ def run_study(
     if new:
         before()
         begin(study, folder)
-    inputs = {"configuration": study.text, **study.own_files, **(versions or {})}
+    inputs = {"configuration": study.text, **study.own_files, **study.recorded_files, **(versions or {})}
     with opened(folder / DATABASE, tell) as store:
         begin_or_go_on(study, folder, store, inputs, extend=extend)
         if not new:

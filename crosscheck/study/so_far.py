@@ -38,12 +38,13 @@ def read_so_far(folder: Path) -> StudySoFar:
         raise InvalidInput(f"{folder} has no finished run yet; wait for one")
     document = toml_document((folder / CONFIGURATION).read_bytes())
     study = Settings(str(folder / CONFIGURATION), "study", document.get("study", {}))
+    robots = document["robot"] if isinstance(document["robot"], list) else [document["robot"]]
     waiting = _waiting(rows)
     records = {(row["scenario"], row["run"]) for row in rows}
     scenarios = parquet.read_table(folder / SCENARIOS).to_pylist()
     facts = [
         ("folder", str(folder)),
-        ("robot", str(document["robot"]["name"])),
+        ("robot", ", ".join(robot["name"] for robot in robots)),
         ("seed", str(study.values.get("seed", 0))),
         ("so far", f"{counted(len(records), 'record')} of {counted(len(scenarios), 'scenario')}"),
         *([("not yet everywhere", ", ".join(waiting))] if waiting else []),

@@ -30,7 +30,7 @@ Key = tuple[str, int]
 LOCK_TIMEOUT = 1.0
 """Time to wait for another process to leave the file [s]."""
 
-STORE_SCHEMA = 3
+STORE_SCHEMA = 4
 """Number of the form of file and outcomes, and of what runs draw; kept as the user_version of SQLite."""
 
 TABLE_DEFINITIONS = f"""

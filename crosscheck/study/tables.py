@@ -109,5 +109,5 @@ def _scenario_row(study: Configuration, scenario: Scenario) -> dict[str, Any]:
         **values,
         "base_names": list(base.names([column.symbol for column in columns])),
         "base_units": [columns[k].unit for k in base.independent],
-        "truth": base.values(plant_of(study.robot).truth(torque_model)).tolist(),
+        "truth": base.values(plant_of(study.robot_of(scenario)).truth(torque_model)).tolist(),
     }

@@ -13,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -21,12 +20,13 @@ import numpy as np
 from crosscheck.distributing import differences, versions
 from crosscheck.identifying import method_named
 from crosscheck.identifying.methods.loop_methods import in_loop
+from crosscheck.study.distances import distances
 from crosscheck.study.settings.configuration import Configuration, hash_of, shown_name, takes_wrenches
 from crosscheck.study.settings.design import Redraw
 from crosscheck.study.settings.scenarios import Scenario
+from crosscheck.study.simulated.own_code import own
 from crosscheck.study.simulated.runs import RecordedProblem, known_model, simulated
 from crosscheck.study.validation import ValidationMetric, validation_metric
-from crosscheck.user_code import module_of_file
 from graphdyn import EstimationFailed, GraphDynError, InvalidInput
 from graphdyn.identification import (
     Estimate,
@@ -43,10 +43,9 @@ TORQUES, WRENCHES = "torques", "wrenches"
 
 def estimator_of(method: str) -> Estimator:
     """A new one. Raises whatever a file of one's own raises."""
-    where, colon, name = method.rpartition(":")
-    if not colon:
+    if ":" not in method:
         return method_named(method)
-    made: Estimator = getattr(_module(where), name)()
+    made: Estimator = own(method)()
     return made
 
 
@@ -73,11 +72,6 @@ def ready(estimator: Estimator, record: RecordedProblem, scenario: Scenario) -> 
     return fitted
 
 
-@cache
-def _module(path: str) -> ModuleType:
-    return module_of_file(Path(path))
-
-
 @dataclass(frozen=True)
 class StudyTask:
     """One run of a scenario. methods: as in the configuration."""
@@ -98,6 +92,7 @@ class Result:
     base, sigma: values of the base parameters of the scenario, and their standard deviations as the method states them
     parameter_error, torque_error, trajectory_error: as in validation metrics
     consistent: whether every body can be real
+    d_beta, d_tau, d_q, diverged: as in distances, where the study asks for them
     redrawn, repeat: source that this record draws once more than the run, and how often; None and 0 for the run itself
     """
 
@@ -113,6 +108,10 @@ class Result:
     torque_error: float | None = None
     trajectory_error: float | None = None
     consistent: bool | None = None
+    d_beta: float | None = None
+    d_tau: float | None = None
+    d_q: float | None = None
+    diverged: bool | None = None
     redrawn: str | None = None
     repeat: int = 0
 
@@ -229,21 +228,22 @@ def _of_record(study: Configuration, task: StudyTask, redraw: Redraw) -> list[tu
         if not record.problem.equations.n_columns:  # which are read once, before any method is timed
             raise InvalidInput("it shows no parameter: the robot stands still")
         known = known_model(study, task.scenario, draw)
-        measure = validation_metric(study.robot, study.seed, known, draw.motion)
+        measure = validation_metric(study.robot_of(task.scenario), study.seed, known, draw.motion)
     except Exception as failure:
         _refuse_missing(failure)
         found: list[tuple[Result, float | None]] = [
             (result, None) for result in failed(task, f"no record: {failure}").results
         ]
     else:
-        found = [_identified(method, record, task.scenario, measure) for method in task.methods]
+        far = study.design.distances
+        found = [_identified(method, record, task.scenario, measure, far) for method in task.methods]
     return [(replace(result, redrawn=redraw.source, repeat=redraw.repeat), seconds) for result, seconds in found]
 
 
 def _identified(
-    method: str, record: RecordedProblem, scenario: Scenario, measure: ValidationMetric
+    method: str, record: RecordedProblem, scenario: Scenario, measure: ValidationMetric, far: bool
 ) -> tuple[Result, float | None]:
-    """What a method finds, or why it does not. Raises CannotCompute."""
+    """What a method finds, or why it does not. far: with its distances. Raises CannotCompute."""
     try:
         estimator = estimator_of(method)
     except Exception as error:  # it could be made where the study began
@@ -256,6 +256,8 @@ def _identified(
         estimate = ready(estimator, record, scenario).estimate(record.problem)
         seconds = time.process_time() - begin
         result = _judged(blank, estimate, record, measure)
+        if far and result.reason is None:
+            result = replace(result, **vars(distances(record, measure.base, np.asarray(estimate.parameters))))
     except EstimationFailed as failure:
         _refuse_missing(failure)
         result = replace(blank, reason=str(failure))

@@ -12,8 +12,8 @@ import numpy as np
 
 from crosscheck.study.settings.design import Stream
 from crosscheck.study.settings.settings import RobotSettings
+from crosscheck.study.simulated.motions import reference, start_of
 from crosscheck.study.simulated.plants import ControlledRobot, plant_of
-from crosscheck.study.simulated.runs import reference, start_of
 from graphdyn import Friction, InvalidInput, rollout
 from graphdyn.identification import BaseParameters, Samples, TorqueModel, structure
 from graphdyn.identification.closed_loop import DrivenRobot

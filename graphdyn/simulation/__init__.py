@@ -6,11 +6,12 @@ Public are the names in `__all__` here, which graphdyn exports too. Other module
 from graphdyn.simulation.integration.events import Event, Occurrence
 from graphdyn.simulation.many_robots import MeasurementNoise, Rollout, rollout
 from graphdyn.simulation.one_robot import simulate
-from graphdyn.simulation.plant import Friction, JointStops
+from graphdyn.simulation.plant import Bristles, Friction, JointStops
 from graphdyn.simulation.result import EnergyBalance, Simulation
 from graphdyn.simulation.torques import ComputedTorqueControl, PDControl
 
 __all__ = [
+    "Bristles",
     "ComputedTorqueControl",
     "EnergyBalance",
     "Event",

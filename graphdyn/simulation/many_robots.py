@@ -35,7 +35,7 @@ from graphdyn.simulation.integration.compiled import (
 )
 from graphdyn.simulation.integration.events import COURSE_COLUMNS
 from graphdyn.simulation.integration.steps import FIXED_STEPS, LoopSteps, Take, python_steps, steps_of, tableau
-from graphdyn.simulation.plant import Friction, JointStops, PlantConstants, finite, make_plant, per_joint
+from graphdyn.simulation.plant import Bristles, Friction, JointStops, PlantConstants, finite, make_plant, per_joint
 from graphdyn.simulation.torques import (
     CONSTANT_TORQUE_STEPS,
     GAIN_NAMES,
@@ -53,10 +53,12 @@ class MeasurementNoise:
     """Standard deviations of independent normal noise on the q and v that a controller sees, new at every sample.
 
     position, velocity                                      () or (n,)  [rad or m, …/s]
+    resolution: of an encoder, to whose multiples the positions are rounded after the noise; 0: none   () or (n,)
     """
 
     position: ArrayLike = 0.0
     velocity: ArrayLike = 0.0
+    resolution: ArrayLike = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +74,7 @@ class Runs:
     seed: int
     stretch: StepRange
     method: str
+    late: bool = False
 
     @property
     def runs(self) -> int:
@@ -85,7 +88,7 @@ class Runs:
         """The recorded columns (runs, records, width)."""
         lanes = min(fitting_lanes(self.runs), host_lanes())
         noisy = self.noise is not None and self.controller is not None
-        steps = compiled_steps(self.plant, self.method, self.controller, noisy, lanes)
+        steps = compiled_steps(self.plant, self.method, self.controller, noisy, lanes, self.late)
         widths, state = steps.what.control, state_blocks(steps, self.q, self.v)
         ((name, width),) = widths.items()
         gains = None if self.controller is None else self._gains()
@@ -129,12 +132,16 @@ class Runs:
                 own["nominal"] = self.controller.nominal or model
             source = Torques(model, self.end, controller=replace(self.controller, **own))
 
+        ordered = list[Array]()
+
         def held(tick: int, q: Array, v: Array) -> Array:
             if source is None:
                 columns = self._columns(run, run + 1)[0]
                 return np.asarray(columns[min(tick, len(columns) - 1)])
             error = noise[min(tick, len(noise) - 1)]
-            return source.tau_from(min(tick * period, self.end), q + error[: len(q)], v + error[len(q) :])
+            seen = rounded(q + error[: len(q)], equations.plant.constants.get("resolution", np.zeros(len(q))))
+            ordered.append(source.tau_from(min(tick * period, self.end), seen, v + error[len(q) :]))
+            return ordered[max(len(ordered) - 2, 0)] if self.late else ordered[-1]
 
         y = np.concatenate([self.q[run], self.v[run], np.zeros(2)])
         equations = self._equations(run)
@@ -182,6 +189,12 @@ class Runs:
         return np.asarray(generator.standard_normal((self.stretch.ticks, len(deviations))) * deviations)
 
 
+def rounded(values: Array, resolution: ArrayLike) -> Array:
+    """The nearest multiples of a resolution; where that is zero, the values."""
+    unit = np.where(np.asarray(resolution) > 0, resolution, 1.0)
+    return np.where(np.asarray(resolution) > 0, np.rint(values / unit) * unit, values)
+
+
 def _no_torque(t: float, q: Array, v: Array) -> Array:
     """The torque of stages, where it is held."""
     raise AssertionError("a held torque is not asked for between its samples")
@@ -220,11 +233,13 @@ def rollout(
     friction: Friction | Literal["model"] | None = None,
     rotor_inertia: ArrayLike | None = None,
     limits: JointStops | None = None,
+    bristles: Bristles | None = None,
     torque_limits: ArrayLike | Literal["model"] | None = None,
     external_wrenches: ArrayLike | None = None,
     base: BaseMotionLaw | Sequence[BaseMotionLaw] = (),
     noise: MeasurementNoise | None = None,
     seed: int = 0,
+    late: bool = False,
     every: int = 1,
     threads: int | None = None,
 ) -> Rollout:
@@ -242,9 +257,11 @@ def rollout(
     parameters: inertial parameters of each run, which need no compiling   (10 n,) or (R, 10 n)
     friction, rotor_inertia, torque_limits: as in simulate, with arrays () or (n,) or (R, n)
     limits: springs at the position limits
+    bristles: dry friction by another law than that of friction
     external_wrenches: constant                             (n, 6) or (R, n, 6)  [N, N m]
     base: motion of the moving base, the same for all runs
     noise, seed: what the controller measures beside q and v; each run has a generator of its own
+    late: whether the torque of a controller acts one period later; the first one acts at once too
     every: only every so manieth step is kept, the first included
     threads: at most this many; None for one per core
 
@@ -254,7 +271,7 @@ def rollout(
     singular poses are taken in Python.
 
     Raises InvalidInput; InconsistentState where loops are open. On the NumPy back end, steps are taken in Python,
-    thousands of times slower.
+    thousands of times slower; bristles need compiled steps, of trees.
 
     >>> import graphdyn, numpy as np
     >>> starts = np.linspace(-0.5, 0.5, 5)[:, None] * np.ones(6)  # five robots
@@ -282,6 +299,8 @@ def rollout(
         friction=friction,
         rotor_inertia=rotor_inertia,
         limits=limits,
+        bristles=bristles,
+        resolution=0.0 if noise is None else noise.resolution,
         torque_limits=torque_limits,
         external_wrenches=external_wrenches,
         parameters=parameters,
@@ -300,7 +319,12 @@ def rollout(
         seed=seed,
         stretch=StepRange(0, steps + 1, every, hold, step),
         method=method,
+        late=late,
     )
+    if bristles is not None and (model.chords or not can_compile(plant)):
+        raise InvalidInput(
+            f"bristles need compiled steps of a tree, which robot '{model.name}' has not here; leave them out"
+        )
     rows = all_runs.compiled(threads) if can_compile(plant) else all_runs.in_python()
     time = np.arange(0, steps + 1, every).astype(float) * step
     return Rollout(time, rows["q"], rows["v"], rows["a"], rows["tau"], rows["passive"])

@@ -87,6 +87,36 @@ class JointStops:
             object.__setattr__(self, name, nonnegative(f"{name} of the stops", getattr(self, name)))
 
 
+@dataclass(frozen=True, eq=False)
+@short_repr
+class Bristles:
+    """Dry friction as torque of bristles (LuGre): presliding, Stribeck curve, breakaway that depends on the rate.
+
+        dz/dt = v - σ₀ |v| z / g(v),   torque σ₀ z + σ₁ dz/dt,   g = F_c + (F_s - F_c) / (1 + (v / v_s)²)
+
+    coulomb, breakaway: F_c and F_s, both above zero        () or (n,)  [N m or N]
+    velocity: v_s, at which half of F_s - F_c is left       () or (n,)  [rad/s or m/s]
+    stiffness: σ₀; stiff bristles leave the curve g alone   () or (n,)  [N m/rad or N/m]
+    damping: σ₁                                             () or (n,)  [N m s/rad or N s/m]
+
+    Canudas de Wit, Olsson, Åström and Lischinsky, IEEE Trans. Automatic Control 40(3), 1995; g of Hess and Soom,
+    Journal of Tribology 112(1), 1990. Raises InvalidInput for numbers that are not above zero, damping aside.
+    """
+
+    coulomb: ArrayLike
+    breakaway: ArrayLike
+    velocity: ArrayLike
+    stiffness: ArrayLike
+    damping: ArrayLike = 0.0
+
+    def __post_init__(self) -> None:
+        for name in vars(self):
+            value = nonnegative(f"{name} of the bristles", getattr(self, name))
+            if name != "damping" and not np.all(value > 0):
+                raise InvalidInput(f"{name} of the bristles is zero; give numbers above zero")
+            object.__setattr__(self, name, value)
+
+
 def refuse_loops(what: str, model: RobotModel, remedy: str) -> None:
     """Raises InvalidInput for a robot with loops."""
     if model.chords:
@@ -146,7 +176,8 @@ class PlantConstants:
     """The constants of one run, or of several at once.
 
     constants: by name (…, width), those that are there: viscous, coulomb, offset; least_torque, largest_torque; lower,
-        upper, stiffness, damping; rotor; external_wrenches (6 n); parameters (10 n)
+        upper, stiffness, damping; bristle_… of Bristles; resolution of the positions that a controller sees; rotor;
+        external_wrenches (6 n); parameters (10 n)
     base: laws of the moving base
     wrenches: external wrenches that are a function
     """
@@ -168,6 +199,15 @@ class PlantConstants:
     @property
     def has_stops(self) -> bool:
         return "stiffness" in self.constants
+
+    @property
+    def has_bristles(self) -> bool:
+        return "bristle_stiffness" in self.constants
+
+    @property
+    def is_rounded(self) -> bool:
+        """Whether the controller sees rounded positions."""
+        return "resolution" in self.constants
 
     @property
     def is_clamped(self) -> bool:
@@ -199,6 +239,8 @@ def make_plant(
     friction: Friction | Literal["model"] | None = None,
     rotor_inertia: ArrayLike | None = None,
     limits: JointStops | Literal["stop"] | None = None,
+    bristles: Bristles | None = None,
+    resolution: ArrayLike = 0.0,
     torque_limits: ArrayLike | Literal["model"] | None = None,
     external_wrenches: ArrayLike | Wrenches | None = None,
     parameters: ArrayLike | None = None,
@@ -224,6 +266,11 @@ def make_plant(
             constants[name] = per_joint(name, value, model, runs)
     elif limits not in (None, "stop"):
         raise InvalidInput(f"limits is {limits!r}; give 'stop', a JointStops, or None")
+    if bristles is not None:
+        for name, value in vars(bristles).items():
+            constants[f"bristle_{name}"] = per_joint(f"{name} of the bristles", value, model, runs)
+    if np.any(nonnegative("resolution", resolution) > 0):
+        constants["resolution"] = per_joint("resolution", resolution, model, runs)
     if torque_limits is not None:
         if isinstance(torque_limits, str):
             if torque_limits != "model":

@@ -5,14 +5,15 @@ It is searched for from several seeds in parallel; the best is kept, also after 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+import math
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from crosscheck.commands.excite.options import ExciteOptions
+from crosscheck.commands.excite.options import FEWEST_HARMONICS, HARMONICS_STEP, MOST_HARMONICS, ExciteOptions
 from crosscheck.commands.program.console import progress, say, warnings_shown
 from crosscheck.commands.program.delivery import deliver, planned_figures
 from crosscheck.commands.program.exits import AGREED, DISAGREED
@@ -23,12 +24,14 @@ from crosscheck.commands.program.recording_options import show_findings
 from crosscheck.distributing import LocalProcesses, Lost
 
 if TYPE_CHECKING:
+    from crosscheck.exciting.encoder_noise import EncoderNoise
     from crosscheck.exciting.excited import Excited, PlannedMotion
     from crosscheck.exciting.motion_formats.krl import AxisSettings
     from crosscheck.exciting.self_collision import SelfCollision
     from crosscheck.recordings import Recording
     from graphdyn import RobotModel
     from graphdyn.excitation import ExcitationProblem, OptimizedMotion
+    from graphdyn.layout import Array
 
 EPILOG = f"""{EXAMPLES}  graphdyn excite --robot ur5 --out motion.csv --html plan.html
   graphdyn excite --robot arm.urdf --plane 0,0,1,0.05 --jerk 50 --out motion.yaml --out-rate 100
@@ -43,7 +46,8 @@ def run(options: ExciteOptions) -> None:
     torque at all times, checked at 1 kHz; torques are those of the file's inertials. Links do not hit each other where
     their meshes are found, which is checked on the meshes. Before the experiment the plan states the standard deviation
     that every base parameter will have for the given noise of the torques, beside those of random motions and of your
-    own recordings. Ctrl-C keeps the best motion found so far.
+    own recordings. With --position-noise it also states scatter and bias after low-pass and differences, on virtual
+    recordings. Ctrl-C keeps the best motion found so far.
 
     By default the volume of the ellipsoid of errors is minimized. A small condition number is no aim in itself: it is
     small where all parameters are equally badly determined, and depends on how columns are scaled.
@@ -54,6 +58,7 @@ def run(options: ExciteOptions) -> None:
     settings, reading = options.axis_settings, options.reading
     import urdf
     from crosscheck.commands.excite.report import excite_report
+    from crosscheck.exciting.encoder_noise import encoder_plan
     from crosscheck.exciting.excited import Excited, planned, random_plans, recorded_information
     from crosscheck.exciting.motion_formats.motion_file import read_motion
     from graphdyn.excitation import excitation_plan
@@ -69,7 +74,7 @@ def run(options: ExciteOptions) -> None:
         problem = replace(problem, known=recorded_information(problem, earlier)[0])
     failures: list[str] = []
     if options.motion is None:
-        made, failures = _searched(problem, known, options)
+        problem, made, failures = _searched(problem, known, options)
     else:
         with warnings_shown():
             examined = read_motion(options.motion, model, settings)
@@ -87,9 +92,14 @@ def run(options: ExciteOptions) -> None:
             samples = sum(options.rate * one.course.duration for one in made)
             recorded = excitation_plan(problem.torque_model, information * (samples / rows))
         best, median = random_plans(problem, len(made), drawn, known) if drawn else (None, None)
+    plan, noise = excitation_plan(problem.torque_model, total.known), options.encoder
+    encoder = None
+    if noise is not None:
+        with progress("encoder"):
+            encoder = noise, encoder_plan(problem, [one.course for one in made], plan, noise)
     found = Excited(
         options.robot, reading, problem, words, options.criterion, tuple(made),
-        excitation_plan(problem.torque_model, total.known), drawn, best, median, recorded, tuple(failures), known,
+        plan, drawn, best, median, recorded, tuple(failures), known, encoder,
     )  # fmt: skip
     written = _write(found, model, options.out, options.out_rate, settings) if options.out is not None else ()
     deliver(excite_report(found, written), options, lambda: planned_figures(found))
@@ -98,9 +108,9 @@ def run(options: ExciteOptions) -> None:
 
 def _searched(
     problem: ExcitationProblem, collisions: SelfCollision | None, options: ExciteOptions
-) -> tuple[list[PlannedMotion], list[str]]:
-    """Search as many motions as asked for, each chosen for what the others do not show. Raises typer.Exit if there is
-    none."""
+) -> tuple[ExcitationProblem, list[PlannedMotion], list[str]]:
+    """Search as many motions as asked for, each chosen for what the others do not show; the problem has the number of
+    harmonics that was chosen with the first one. Raises typer.Exit if there is none."""
     from crosscheck.exciting.excited import planned
     from graphdyn.compiler import cores
 
@@ -109,13 +119,13 @@ def _searched(
     seeds = range(options.seed, options.seed + options.seeds)
     with progress("seeds", options.motions * len(seeds)) as advance:
         for _ in range(options.motions):
-            trial = replace(problem, known=known)
-            found = best_of(trial, collisions, seeds, options.jobs or cores(), advance)
+            tried = [] if made else _more_harmonics(problem, options)
+            problem, found = _best_of_bases([problem, *tried], known, collisions, seeds, options, advance, cores())
             failures += found.failures
             if found.best is None:
                 break
             made.append(planned(problem, found.best.trajectory, collisions, found.best.seed))
-            known = trial.total_information(found.best.trajectory)
+            known = replace(problem, known=known).total_information(found.best.trajectory)
             if found.interrupted:
                 break
     for failure in failures:
@@ -123,7 +133,50 @@ def _searched(
     if not made:
         say("no motion keeps all limits", "red")
         raise typer.Exit(DISAGREED)
-    return made, failures
+    return problem, made, failures
+
+
+def _more_harmonics(problem: ExcitationProblem, options: ExciteOptions) -> list[ExcitationProblem]:
+    """The problem with more harmonics, where none are asked for."""
+    from graphdyn.excitation import FourierBasis
+
+    if options.harmonics is not None or options.spline is not None:
+        return []
+    numbers = range(FEWEST_HARMONICS + HARMONICS_STEP, MOST_HARMONICS + 1, HARMONICS_STEP)
+    return [replace(problem, basis=FourierBasis(options.duration, number)) for number in numbers]
+
+
+MIN_GAIN_BY_HARMONICS = 0.02
+"""Relative reduction of the mean error that more harmonics must bring."""
+
+
+def _best_of_bases(
+    problems: Sequence[ExcitationProblem],
+    known: Array | None,
+    collisions: SelfCollision | None,
+    seeds: range,
+    options: ExciteOptions,
+    advance: Callable[[str, int], None],
+    cores: int,
+) -> tuple[ExcitationProblem, SearchSummary]:
+    """The first problem whose successor hardly gains anything, and what was found for it."""
+    best: tuple[ExcitationProblem, SearchSummary] | None = None
+    for k, problem in enumerate(problems):
+        trial = replace(problem, known=known)
+        count = (lambda what, steps: None) if k else advance
+        found = best_of(trial, collisions, seeds, options.jobs or cores, count, options.encoder)
+        before = None if best is None else best[1]
+        gained = (
+            before is None
+            or before.best is None
+            or (found.best is not None and found.error < before.error - MIN_GAIN_BY_HARMONICS)
+        )
+        if gained:
+            best = problem, found
+        if not gained or found.interrupted:
+            break
+    assert best is not None
+    return best
 
 
 def _recordings(options: ExciteOptions, option: str, logs: list[Path] | None, model: RobotModel) -> list[Recording]:
@@ -143,6 +196,7 @@ def _write(found: Excited, model: RobotModel, out: OutputFile, rate: float, sett
     """One file for each motion; their names."""
     from crosscheck.exciting.motion_formats.motion_file import document, slides, written_rate
     from crosscheck.exciting.motion_formats.timed_motion import TimedMotion
+    from crosscheck.exciting.motion_formats.urscript import strange_period
 
     names = []
     for number, one in enumerate(found.motions, start=1):
@@ -150,6 +204,8 @@ def _write(found: Excited, model: RobotModel, out: OutputFile, rate: float, sett
         of_rows = written_rate(one.course, name, rate)
         timed = TimedMotion.of(one.course, model.independent_joints, slides(model), of_rows)
         OutputFile(str(name)).write(document(timed, name, settings))
+        if name.suffix.lower() == ".script" and (strange := strange_period(timed.period)):
+            say(f"{name}: {strange}", "yellow")
         names.append(str(name))
     return tuple(names)
 
@@ -161,11 +217,15 @@ class SearchTask(NamedTuple):
 
 
 class SearchSummary(NamedTuple):
-    """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done"""
+    """best: of the seeds that found a motion; failures: why the others did not; interrupted: before all were done
+
+    error: of the best, a natural logarithm: the criterion, or with noise of positions the mean error
+    """
 
     best: OptimizedMotion | None
     failures: list[str]
     interrupted: bool
+    error: float
 
 
 def search(task: SearchTask) -> OptimizedMotion | str:
@@ -193,10 +253,15 @@ def best_of(
     seeds: range,
     processes_used: int,
     advance: Callable[[str, int], None],
+    encoder: EncoderNoise | None = None,
 ) -> SearchSummary:
-    """The best motion from these seeds. Raises KeyboardInterrupt where it comes before the first motion is found."""
+    """The best motion from these seeds, by the criterion, or by its errors with noise of positions.
+
+    Raises KeyboardInterrupt where it comes before the first motion is found.
+    """
     tasks = [SearchTask(problem, seed, collisions) for seed in seeds]
     best: OptimizedMotion | None = None
+    least = math.inf
     failures = list[str]()
     answers = LocalProcesses(processes_used).each(search, tasks) if processes_used > 1 else one_by_one(tasks)
     try:
@@ -205,14 +270,26 @@ def best_of(
                 failures.append(f"the search from seed {tasks[k].seed} was lost: {outcome.reason}")
             elif isinstance(outcome, str):
                 failures.append(outcome)
-            elif best is None or outcome.value < best.value:
-                best = outcome
+            else:
+                error = _error(problem, outcome, encoder)
+                best, least = (outcome, error) if error < least else (best, least)
             advance(f"seed {tasks[k].seed}", 1)
     except KeyboardInterrupt:
         if best is None:
             raise
         say(f"interrupted: the best motion so far, of seed {best.seed}, is kept", "yellow")
-        return SearchSummary(best, failures, True)
+        return SearchSummary(best, failures, True, least)
     finally:
         answers.close()  # ends its processes
-    return SearchSummary(best, failures, False)
+    return SearchSummary(best, failures, False, least)
+
+
+def _error(problem: ExcitationProblem, found: OptimizedMotion, encoder: EncoderNoise | None) -> float:
+    """Natural logarithm of the error by which motions are chosen."""
+    if encoder is None:
+        return found.value
+    from crosscheck.exciting.encoder_noise import TRIAL_DRAWS, encoder_plan
+    from graphdyn.excitation import excitation_plan
+
+    plan = excitation_plan(problem.torque_model, problem.total_information(found.trajectory))
+    return encoder_plan(problem, [found.trajectory], plan, encoder, TRIAL_DRAWS).mean_error(plan.spread)

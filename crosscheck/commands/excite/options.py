@@ -17,6 +17,7 @@ from crosscheck.commands.program.reading_options import ReadingOptions
 from crosscheck.commands.program.recording_options import ColumnOptions, numbers
 
 if TYPE_CHECKING:
+    from crosscheck.exciting.encoder_noise import EncoderNoise
     from crosscheck.exciting.motion_formats.krl import AxisSettings
     from crosscheck.exciting.self_collision import SelfCollision
     from graphdyn import RobotModel
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 MEASURED_PANEL = "What is measured"
 RECORDED_PANEL = "Comparison with recordings"
+
+FEWEST_HARMONICS, HARMONICS_STEP, MOST_HARMONICS = 5, 2, 13
+"""Numbers of harmonics that are tried where none is given: from the first one, by steps, to the last."""
 
 CRITERIA = ("log-det", "sigma", "condition")
 
@@ -117,8 +121,14 @@ class SearchOptions:
     PANEL: ClassVar[str] = "Search"
 
     harmonics: Annotated[
-        int, typer.Option(min=2, metavar="N", help="Harmonics of the Fourier series; their period is the duration.")
-    ] = 5
+        int | None,
+        typer.Option(
+            min=2,
+            metavar="N",
+            show_default="5, 7, 9, … while that helps",
+            help="Harmonics of the Fourier series; their period is the duration.",
+        ),
+    ] = None
     spline: Annotated[
         int | None, typer.Option(min=2, metavar="N", help="Use quintic B-splines of N pieces, not a Fourier series.")
     ] = None
@@ -223,6 +233,17 @@ class ExciteOptions(
         float,
         typer.Option(metavar="HZ", rich_help_panel=MEASURED_PANEL, help="Samples per second, each with its own error."),
     ] = 500.0
+    position_noise: Annotated[
+        float | None,
+        typer.Option(
+            min=0.0,
+            metavar="X",
+            rich_help_panel=MEASURED_PANEL,
+            show_default="none",
+            help="Standard deviation of measured positions [rad or m]: predict scatter and bias after --cutoff and "
+            "differences, and choose the motion by both.",
+        ),
+    ] = None
     motion: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Examine this motion instead: a file of --out, or a recording."),
@@ -236,9 +257,11 @@ class ExciteOptions(
     after: Annotated[
         list[Path] | None,
         typer.Option(
+            "--after",
+            "--next",
             metavar="LOG",
             rich_help_panel=RECORDED_PANEL,
-            help="Add to what this recording determines already. Repeatable.",
+            help="Find the motion that adds most to what this recording determines already. Repeatable.",
         ),
     ] = None
 
@@ -253,6 +276,13 @@ class ExciteOptions(
             raise typer.BadParameter("--no-collisions looks at no links: leave out --clearance and --srdf")
         if self.clearance == math.inf:
             raise typer.BadParameter("--clearance must be finite")
+
+    @property
+    def encoder(self) -> EncoderNoise | None:
+        """--position-noise and --cutoff. Raises typer.BadParameter."""
+        from crosscheck.exciting.encoder_noise import EncoderNoise
+
+        return None if self.position_noise is None else EncoderNoise(self.position_noise, self.low_pass)
 
     def _check_out(self, out: OutputFile) -> None:
         from crosscheck.exciting.motion_formats.motion_file import WRITTEN_SUFFIXES
@@ -273,7 +303,11 @@ class ExciteOptions(
         limits = self.limits(model)
         sizes, words = self._noise(model)
         spline = self.spline
-        basis = FourierBasis(self.duration, self.harmonics) if spline is None else SplineBasis(self.duration, spline)
+        basis = (
+            FourierBasis(self.duration, self.harmonics or FEWEST_HARMONICS)
+            if spline is None
+            else SplineBasis(self.duration, spline)
+        )
         criterion = self.chosen_criterion(torque_model)
         return ExcitationProblem(torque_model, limits, basis, sizes, self.rate, criterion), words
 

@@ -87,6 +87,8 @@ class PlannedParameterRecord(Record):
     best_random: sigma of the best random motions; null without
     median_random: sigma of the median random motions; null without
     recorded: sigma of the recordings of --against, for as many samples; null without
+    encoder_sigma: standard deviation with the noise of --position-noise too; null without
+    bias: mean error with that noise; null without
     """
 
     name: str
@@ -99,6 +101,8 @@ class PlannedParameterRecord(Record):
     best_random: Number
     median_random: Number
     recorded: Number
+    encoder_sigma: Number
+    bias: Number
 
 
 class PlanSummaryRecord(Record, of=ExcitationPlan, only=()):
@@ -192,5 +196,7 @@ def _parameter(found: Excited, k: int) -> dict[str, Any]:
         sigma=plan.sigma[k],
         relative=plan.relative[k],
         verdict=plan.verdicts[k],
+        encoder_sigma=None if found.encoder is None else found.encoder[1].sigma[k],
+        bias=None if found.encoder is None else found.encoder[1].bias[k],
         **{name: None if (other := getattr(found, name)) is None else other.sigma[k] for name in others},
     )

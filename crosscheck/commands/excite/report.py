@@ -174,6 +174,14 @@ def _overview(found: Excited, name: str, written: Sequence[str]) -> tuple[Block,
         (title, f"geometric mean σ {other.geometric_mean / plan.geometric_mean:.2f} × as large")
         for title, other in _others(found, f"best of {found.random} random").items()
     ]
+    if found.encoder is not None:
+        of_positions, encoder = found.encoder
+        largest = np.abs(encoder.bias / plan.sigma).max()
+        scatter = np.exp(np.log(encoder.sigma / plan.sigma).mean())
+        said = (
+            f"{of_positions.position:g} of positions: standard deviations {scatter:.2f} × σ, bias up to {largest:.2g} σ"
+        )
+        facts.append(("encoder", said))
     facts.append(("condition number", _conditions(found)))
     facts.append(("collisions", collisions_text(found)))
     if written:
@@ -262,6 +270,19 @@ def random_is_better(found: Excited) -> bool:
     return searched and found.best_random is not None and found.best_random.geometric_mean < found.plan.geometric_mean
 
 
+ENCODER_COLUMNS = (
+    Column("with encoder", "number", "× σ", ".2f", meaning="standard deviation with the noise of the positions too"),
+    Column("bias", "number", "× σ", ".2f", meaning="mean error with that noise; more recordings do not reduce it"),
+)
+
+
+def _with_encoder(found: Excited, k: int) -> tuple[float, ...]:
+    """Scatter and bias of a base parameter with noise of positions, in its σ."""
+    if found.encoder is None:
+        return ()
+    return found.encoder[1].sigma[k] / found.plan.sigma[k], found.encoder[1].bias[k] / found.plan.sigma[k]
+
+
 def _table(found: Excited) -> Table:
     plan = found.plan
     others = _others(found)
@@ -273,7 +294,7 @@ def _table(found: Excited) -> Table:
         rows.append(
             Row(
                 (name, plan.units[k], known, plan.sigma[k], 100 * plan.relative[k],
-                 Verdict(DETERMINATION_VERDICTS[verdict], verdict), *ratios)
+                 Verdict(DETERMINATION_VERDICTS[verdict], verdict), *_with_encoder(found, k), *ratios)
             )
         )  # fmt: skip
     return Table(
@@ -284,6 +305,7 @@ def _table(found: Excited) -> Table:
             Column("σ", "number", form=".2g", meaning="standard deviation after the experiment"),
             Column("σ", "number", "%", ".2g", "of the file's value, or of the prior spread where that is more"),
             Column("determined", "verdict"),
+            *(ENCODER_COLUMNS if found.encoder else ()),
             *(Column(title, "number", "× σ", ".2f", from_width=100) for title in others),
         ),
         tuple(rows),

@@ -36,7 +36,7 @@ class StudyOptions(CodeOptions, WorkerOptions):
     """What `graphdyn study` is asked for."""
 
     config: Annotated[
-        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or a configuration of graphdyn: small, birdy.")
+        str | None, typer.Option(metavar="FILE|NAME", help="A TOML file, or of graphdyn: small, birdy, benchmark.")
     ] = None
     folder: Annotated[
         Path | None,
@@ -49,6 +49,12 @@ class StudyOptions(CodeOptions, WorkerOptions):
     report: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Show what the study in this folder has found so far; it may be going on."),
+    ] = None
+    tables: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="With --report: write CSV and LaTeX tables and SVG pictures for a paper to this folder."
+        ),
     ] = None
     only: Annotated[
         str | None,
@@ -85,14 +91,17 @@ def run(options: StudyOptions) -> None:
     if options.report is not None:
         if computing or config is not None or only is not None or options.allow_code:
             raise typer.BadParameter("--report only reads the folder that it names; omit the other options")
-        _report_so_far(options.report)
+        _report_so_far(options.report, options.tables)
         raise typer.Exit(AGREED)
+    if options.tables is not None:
+        raise typer.BadParameter("--tables writes what --report shows; name the folder of a study by --report")
     if config is None:
         raise typer.BadParameter("name a configuration by --config, or the folder of a study by --report")
     if only is not None and computing:
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
     study = read_configuration(config, allow_code=options.allow_code)
-    plant_of(study.robot)  # which refuses what does not fit the robot, before any code of others runs
+    for robot in study.robots:
+        plant_of(robot)  # which refuses what does not fit it, before any code of others runs
     if only is not None:
         _refuse_unknown(
             study, only, [f"{scenario.name}:{k}" for scenario in study.scenarios for k in range(study.runs)]
@@ -102,8 +111,8 @@ def run(options: StudyOptions) -> None:
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
     _tell_few_runs(study)
-    if study.own_methods:
-        own_process.enter(f"methods {', '.join(study.own_methods)}")
+    if study.own_methods or study.own_laws:
+        own_process.enter(f"code {', '.join((*study.own_methods, *study.own_laws))}")
     workers, shown = options.workers, _Shown()
     try:
         with progress("study", study.runs * len(study.scenarios)) as advance:
@@ -122,6 +131,9 @@ def run(options: StudyOptions) -> None:
     except (KeyboardInterrupt, Ended):
         say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
         raise
+    from crosscheck.commands.study.recordings import identify_recordings
+
+    identify_recordings(study, folder, allow_code=options.allow_code)
     _report(study, config, folder)
     raise typer.Exit(AGREED)
 
@@ -144,15 +156,16 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     from crosscheck.study.statistics.outcomes import read_outcomes
 
     def repeat(scenario: str, run: int) -> list[str]:
-        allowed = ["--allow-code"] if study.own_methods else []
+        allowed = ["--allow-code"] if study.own_methods or study.own_laws else []
         return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
 
-    facts = [("configuration", study.file), ("robot", study.robot.name), ("seed", str(study.seed))]
+    robots = ", ".join(robot.name for robot in study.robots)
+    facts = [("configuration", study.file), ("robot", robots), ("seed", str(study.seed))]
     _deliver(folder, read_outcomes(folder), facts, repeat, study.design)
 
 
-def _report_so_far(folder: Path) -> None:
-    """The same of a study that need not be finished. Raises InvalidInput, OSError."""
+def _report_so_far(folder: Path, tables: Path | None) -> None:
+    """The same of a study that need not be finished. tables: folder for a paper. Raises InvalidInput, OSError."""
     from crosscheck.study.folder import CONFIGURATION
     from crosscheck.study.so_far import read_so_far
 
@@ -160,24 +173,40 @@ def _report_so_far(folder: Path) -> None:
         return ["graphdyn", "study", "--config", str(folder / CONFIGURATION), "--only", f"{scenario}:{run}"]
 
     found = read_so_far(folder)
-    _deliver(folder, found.outcomes, found.facts, repeat, found.design)
+    _deliver(folder, found.outcomes, found.facts, repeat, found.design, tables)
 
 
 def _deliver(
-    folder: Path, outcomes: StudyOutcomes, facts: Sequence[tuple[str, str]], repeat: Repeat, design: StudyDesign
+    folder: Path,
+    outcomes: StudyOutcomes,
+    facts: Sequence[tuple[str, str]],
+    repeat: Repeat,
+    design: StudyDesign,
+    tables: Path | None = None,
 ) -> None:
+    from crosscheck.commands.study.recordings import read_recordings
     from crosscheck.commands.study.report import study_report
+    from crosscheck.study.inputs import read_inputs
 
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
     with warnings_shown():
-        report = study_report(outcomes, facts, repeat, design)
+        report = study_report(outcomes, facts, repeat, design, read_inputs(folder), read_recordings(folder))
+    if tables is not None:
+        from crosscheck.commands.study.paper_files import write_paper_files
+        from crosscheck.study.statistics.summary import summarized
+
+        written = write_paper_files(summarized(outcomes, design), report, tables)
+        say(f"{counted(len(written), 'file')} for a paper in {tables}: {', '.join(written)}")
     deliver(report, ReportOptions(html_file=page, json_file=numbers))
 
 
 def _check_own(study: Configuration) -> None:
-    """Raises typer.BadParameter for an own method that cannot be used."""
+    """Raises typer.BadParameter for an own method, motion or law of noise that cannot be used."""
     from crosscheck.commands.identify.models import OF_A_METHOD, made
+    from crosscheck.commands.program.functions import user_function
 
+    for law in study.own_laws:
+        user_function(f"{study.file}: scenarios:", law)
     for method in study.own_methods:
         made(f"{study.file}: methods:", method, *OF_A_METHOD)
 

@@ -6,7 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, get_args
 
 from crosscheck.commands.study.comparison_report import headline
+from crosscheck.commands.study.recordings import RecordedErrors
 from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Numbers, Record, attribute, written
+from crosscheck.study.inputs import StudyInputs
 from crosscheck.study.statistics.comparison import MethodPair, PairedComparison, Verdict
 from crosscheck.study.statistics.intervals import CONFIDENCE_LEVEL, Interval
 from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method
@@ -104,6 +106,8 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     z: root mean square of (found - true) / standard deviation as stated; 1 is honest
     held_bias: root mean square over the runs of the bias for one motion and one CAD model
     shares: part of the variance of each parameter that is drawn anew with each source
+    distances: means of d_beta, d_tau and d_q (Leboutet et al. 2021) over the answers that have not diverged, and how
+        many have; null where the study does not ask for them
     """
 
     method: str = attribute("method.name")
@@ -124,6 +128,7 @@ class StudyResultRecord(Record, of=MethodSummary, only=("found", "failed", "reas
     z: Numbers = attribute("parameters.z")
     held_bias: Numbers = attribute("parameters.held_bias")
     shares: Mapping[str, Numbers] = attribute("parameters.shares")
+    distances: Mapping[str, Number]
 
 
 class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
@@ -149,6 +154,8 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     """A study of identification methods, summarized; every run is in results.parquet.
 
     confidence: of all intervals and tests
+    software: versions with which the study was computed
+    files: SHA-256 of what it has read and of its tables, by name
     facts: what all scenarios share, in words
     headline: which methods are best, by how much, how sure that is, and for what it holds
     vary: what every run draws anew
@@ -159,9 +166,12 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     comparisons: over all scenarios
     rankings: over all scenarios
     scenarios: all of them
+    recordings: held-out torque error on real recordings, by their label and the method; null where it has failed
     """
 
     confidence: float
+    software: Mapping[str, str]
+    files: Mapping[str, str]
     facts: Mapping[str, str]
     headline: str
     vary: Sequence[str]
@@ -172,13 +182,22 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     comparisons: Sequence[StudyComparisonRecord]
     rankings: Sequence[StudyRankingRecord]
     scenarios: Sequence[StudyScenarioRecord]
+    recordings: Mapping[str, Mapping[str, Number]]
 
 
-def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command: Sequence[str]) -> dict[str, Any]:
+def study_record(
+    found: StudySummary,
+    facts: Sequence[tuple[str, str]],
+    inputs: StudyInputs,
+    recorded: RecordedErrors,
+    command: Sequence[str],
+) -> dict[str, Any]:
     return written(
         StudyRecord,
         command=command,
         confidence=CONFIDENCE_LEVEL,
+        software=inputs.software,
+        files=inputs.files,
         facts=dict(facts),
         headline=headline(found).reason,
         vary=found.design.vary,
@@ -189,6 +208,10 @@ def study_record(found: StudySummary, facts: Sequence[tuple[str, str]], command:
         comparisons=_comparisons(found.comparisons),
         rankings=_rankings(found.rankings),
         scenarios=[_scenario(scenario) for scenario in found.scenarios],
+        recordings={
+            label: {method: None if one is None else one[0] for method, one in errors.items()}
+            for label, errors in recorded.items()
+        },
     )
 
 

@@ -11,13 +11,16 @@ from functools import partial
 import numpy as np
 
 from crosscheck.commands.study.comparison_report import comparison_section, headline, overview
+from crosscheck.commands.study.distances_report import distances_section
 from crosscheck.commands.study.errors_report import errors_section
 from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.record import study_record
+from crosscheck.commands.study.recordings import RecordedErrors, recordings_section
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
 from crosscheck.commands.study.words import METHOD_CLASSES, SOURCES_IN_WORDS, listed, percent_text
 from crosscheck.report.plain_text import time_text
 from crosscheck.report.report import Block, Column, Facts, Note, Notes, Report, Row, Section, Table, Verdict
+from crosscheck.study.inputs import NO_INPUTS, StudyInputs
 from crosscheck.study.settings.design import DEFAULT_DESIGN, StudyDesign
 from crosscheck.study.settings.scenarios import Scenario
 from crosscheck.study.statistics.grid import Grid, grid_of
@@ -93,10 +96,13 @@ def study_report(
     facts: Sequence[tuple[str, str]],
     repeat: Repeat,
     design: StudyDesign = DEFAULT_DESIGN,
+    inputs: StudyInputs = NO_INPUTS,
+    recorded: RecordedErrors | None = None,
 ) -> Report:
     """The report of what is there of a study.
 
-    facts: names and words of what all scenarios share
+    facts: names and words of what all scenarios share; inputs: for the numbers in JSON; recorded: errors on real
+        recordings
     """
     found = summarized(outcomes, design)
     grid = grid_of(found.outcomes.scenarios)
@@ -104,11 +110,15 @@ def study_report(
     sections = (
         Section("study", "", (*_overview(found, grid, facts), *overview(found))),
         *(section for measures in METHOD_CLASSES for section in _class_sections(found, grid, measures, on_page)),
+        *recordings_section(recorded or {}),
         *_failures(found, grid, on_page),
         *scenario_sections(found, grid, on_page, repeat),
     )
     return Report(
-        "Identification methods compared", headline(found), sections, record=partial(study_record, found, facts)
+        "Identification methods compared",
+        headline(found),
+        sections,
+        record=partial(study_record, found, facts, inputs, recorded or {}),
     )
 
 
@@ -155,6 +165,7 @@ def _class_sections(found: StudySummary, grid: Grid, measures: Measures, on_page
     yield errors_section(found, grid, measures, on_page)
     if rankings:
         yield Section(f"time-{measures}", f"Accuracy and time {measured}", tuple(trades(found, measures)))
+    yield from distances_section(found, measures)
     yield Section(f"answers-{measures}", f"Answers {measured}", (_answers(found, columns),))
 
 

@@ -48,8 +48,8 @@ class AxisSettings:
         return np.broadcast_to(self.signs, n), np.broadcast_to(self.zeros, n)
 
 
-def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
-    """Raises InvalidInput for steps of time that are not all equal."""
+def document(motion: TimedMotion, settings: AxisSettings, name: str) -> bytes:
+    """name: of the program. Raises InvalidInput for steps of time that are not all equal."""
     signs, zeros = settings.of(len(motion.joint_names))
     units = np.where(motion.prismatic, MILLIMETERS_PER_METER, np.degrees(1.0))
     axes = np.round(signs * units * motion.q + zeros, KRL_DECIMALS) + 0.0
@@ -57,7 +57,7 @@ def document(motion: TimedMotion, settings: AxisSettings) -> bytes:
     points = [
         "{" + ",".join(f"{name} {x:.{KRL_DECIMALS}f}" for name, x in zip(names, row, strict=True)) + "}" for row in axes
     ]
-    lines = ["DEF excitation()", "BAS(#INITMOV,0)", f"PTP {points[0]}", "PTP_SPLINE", "TIME_BLOCK START"]
+    lines = [f"DEF {name}()", "BAS(#INITMOV,0)", f"PTP {points[0]}", "PTP_SPLINE", "TIME_BLOCK START"]
     lines.append(f"SPTP {points[1]}")
     for point in points[2:]:
         lines += ["TIME_BLOCK PART = 1", f"SPTP {point}"]

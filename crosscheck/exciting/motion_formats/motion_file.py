@@ -17,6 +17,7 @@ import numpy as np
 
 from crosscheck.exciting.motion_formats import joint_trajectory, krl, urscript
 from crosscheck.exciting.motion_formats.krl import AxisSettings
+from crosscheck.exciting.motion_formats.program_lines import NAME
 from crosscheck.exciting.motion_formats.timed_motion import GivenMotion, TimedMotion, dividing_rate
 from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile, quoted
@@ -61,15 +62,26 @@ def document(motion: TimedMotion, path: Path, settings: AxisSettings) -> bytes:
         case ".yaml" | ".yml":
             return joint_trajectory.document(motion)
         case ".script":
-            return urscript.document(motion)
+            return urscript.document(motion, program_name(path))
         case ".src":
-            return krl.document(motion, settings)
+            return krl.document(motion, settings, program_name(path))
     raise InvalidInput(f"{path}: a planned motion is written as {', '.join(WRITTEN_SUFFIXES)}, not as '{path.suffix}'")
 
 
+def program_name(path: Path) -> str:
+    """That of the file, as far as it can be the name of a program."""
+    name = re.sub(r"[^A-Za-z0-9_]", "_", path.stem)
+    return name if re.fullmatch(NAME, name) else f"motion_{name}"
+
+
 def written_rate(course: FiniteMotion, path: Path, rate: float) -> float:
-    """The rate of the rows of a file of this name [Hz]: programs have equal steps, so theirs divides the duration."""
-    return dividing_rate(course.duration, rate) if path.suffix.lower() in PROGRAM_SUFFIXES else rate
+    """The rate of the rows of a file of this name [Hz]: programs have equal steps, so theirs divides the duration.
+
+    Of URScript it is one that a controller has, if there is one.
+    """
+    suffix = path.suffix.lower()
+    of_controller = urscript.controller_rate(course.duration, rate) if suffix == ".script" else None
+    return of_controller or (dividing_rate(course.duration, rate) if suffix in PROGRAM_SUFFIXES else rate)
 
 
 def read_motion(path: Path, model: RobotModel, settings: AxisSettings) -> TabulatedCourse:

@@ -14,6 +14,9 @@ from crosscheck.exciting.motion_formats.program_lines import LineForm, ProgramLi
 from crosscheck.exciting.motion_formats.timed_motion import GivenMotion, TimedMotion
 from crosscheck.recordings.errors import BadRecordingFile
 
+PERIOD_ROUNDING = 1e-6
+"""A period is a multiple of that of a controller if the quotient is so close to a whole number."""
+
 LOOKAHEAD, GAIN = 0.1, 300
 """[s, -] Settings of servoj: the values of the manual's example."""
 
@@ -22,14 +25,38 @@ _PERIOD = LineForm.of("global period = …", 1)
 _TAIL = (LineForm.of("stopj(…)", 1), LineForm.of("end"))
 
 
-def document(motion: TimedMotion) -> bytes:
-    """Raises InvalidInput for steps of time that are not all equal."""
+CONTROLLER_PERIODS = (0.002, 0.008)
+"""Periods of the controllers: of the e-Series, and of the CB series before it [s]."""
+
+
+def document(motion: TimedMotion, name: str) -> bytes:
+    """name: of the program. Raises InvalidInput for steps of time that are not all equal."""
     period = motion.period
-    lines = ["def excitation():", f"  global period = {period!r}"]
+    lines = [f"def {name}():", f"  global period = {period!r}"]
     lines.append(f"  movej({motion.q[0].tolist()}, a=0.5, v=0.3)")
     servo = f"t=period, lookahead_time={LOOKAHEAD}, gain={GAIN})"
     lines += [f"  servoj({row}, 0, 0, {servo}" for row in motion.q.tolist()]
     return "\n".join([*lines, "  stopj(2.0)", "end", ""]).encode()
+
+
+def strange_period(period: float) -> str:
+    """That no controller has this period, and what to do; empty where one has it."""
+    if any(abs(period / own - round(period / own)) < PERIOD_ROUNDING for own in CONTROLLER_PERIODS):
+        return ""
+    return (
+        f"rows every {1000 * period:g} ms: controllers take them every 2 ms (e-Series) or 8 ms (CB), or a multiple; "
+        "give a --duration that is one, such as whole seconds"
+    )
+
+
+def controller_rate(duration: float, rate: float) -> float | None:
+    """The lowest rate from this one on whose period a controller has and divides the duration [Hz]; None without."""
+    shortest = min(CONTROLLER_PERIODS)
+    steps = round(duration / shortest)
+    if abs(duration / shortest - steps) > PERIOD_ROUNDING * steps:
+        return None
+    fitting = [k for k in range(1, steps + 1) if steps % k == 0 and 1 / (k * shortest) >= rate * (1 - PERIOD_ROUNDING)]
+    return 1 / (fitting[-1] * shortest) if fitting else None
 
 
 def read(path: Path, joints: Sequence[str]) -> GivenMotion:

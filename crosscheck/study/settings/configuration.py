@@ -7,23 +7,25 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from crosscheck.identifying import ESTIMATORS
 from crosscheck.study.settings.design import StudyDesign, study_design
+from crosscheck.study.settings.recordings import StudyRecording, recordings
 from crosscheck.study.settings.scenarios import Scenario, scenarios
 from crosscheck.study.settings.settings import (
     BadConfiguration,
     ErrorSettings,
     RobotSettings,
     Settings,
+    all_robots,
     error_settings,
-    robot_settings,
     texts,
     whole,
     words,
@@ -86,7 +88,7 @@ def shown_name(method: str) -> str:
     return f"{Path(where).stem}:{name}" if colon else method
 
 
-SHIPPED_CONFIGURATIONS = ("small", "birdy")
+SHIPPED_CONFIGURATIONS = ("small", "birdy", "benchmark")
 """Configurations that come with the package."""
 
 MAX_RUNS = 1_000_000
@@ -95,7 +97,7 @@ MAX_RUNS = 1_000_000
 DEFAULT_RUNS = 12
 """Runs of every scenario: with fewer than ten, twenty methods cannot be told from the reference."""
 
-CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid")
+CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid", "recordings")
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,9 @@ class Configuration:
     seed: of all random numbers; runs: of every scenario
     design: what each run draws anew, and which methods are compared
     methods: names (METHODS), or FILE.py:NAME with the whole path of the file
+    robots: each with a label of its own
+    folder: in which paths of the configuration begin
+    recordings: real ones
     """
 
     file: str
@@ -114,9 +119,19 @@ class Configuration:
     runs: int
     design: StudyDesign
     methods: tuple[str, ...]
-    robot: RobotSettings
+    robots: tuple[RobotSettings, ...]
     errors: ErrorSettings
     scenarios: tuple[Scenario, ...]
+    folder: Path
+    recordings: tuple[StudyRecording, ...]
+
+    @property
+    def recorded_files(self) -> dict[str, str]:
+        """Hash of every file of the recordings."""
+        return {file: hash_of(Path(file)) for recording in self.recordings for file in recording.files}
+
+    def robot_of(self, scenario: Scenario) -> RobotSettings:
+        return next(robot for robot in self.robots if robot.label == scenario.robot)
 
     @property
     def own_methods(self) -> tuple[str, ...]:
@@ -124,14 +139,24 @@ class Configuration:
         return tuple(method for method in self.methods if ":" in method)
 
     @property
+    def own_laws(self) -> tuple[str, ...]:
+        """FILE.py:NAME of motions and noise with the whole path."""
+        words = [word for one in self.scenarios for word in (one.motion, one.torque_noise_law)]
+        return tuple(dict.fromkeys(self.located(word) for word in words if ":" in word))
+
+    def located(self, word: str) -> str:
+        """FILE.py:NAME with the whole path; another word as it is."""
+        where, colon, name = word.rpartition(":")
+        return f"{(self.folder / where).resolve()}:{name}" if colon else word
+
+    @property
     def own_files(self) -> dict[str, str]:
-        """Hash of every file that the study reads beside its configuration: own methods, the modules of their folder
-        that they import, and the robot's.
+        """Hash of every file that the study reads beside its configuration: own methods, motions and laws of noise, the
+        modules of their folder that they import, and the robots'.
         """
-        own = dict.fromkeys(method.rpartition(":")[0] for method in self.own_methods)
+        own = dict.fromkeys(code.rpartition(":")[0] for code in (*self.own_methods, *self.own_laws))
         paths = list(dict.fromkeys(str(file) for path in own for file in imported_files(Path(path))))
-        if Path(self.robot.name).is_file():
-            paths.append(self.robot.name)
+        paths += [robot.name for robot in self.robots if Path(robot.name).is_file()]
         return {path: hash_of(Path(path)) for path in paths}
 
 
@@ -142,20 +167,20 @@ def hash_of(file: Path) -> str:
 def read_configuration(name: str, *, allow_code: bool = False) -> Configuration:
     """One of SHIPPED_CONFIGURATIONS, or a file.
 
-    allow_code: let the methods FILE.py:NAME run, whose code can do whatever the user can
+    allow_code: let methods, motions and laws of noise FILE.py:NAME run, whose code can do whatever the user can
 
     Raises BadConfiguration, OSError.
     """
     path = Path(name)
     if name in SHIPPED_CONFIGURATIONS:
-        content = (resources.files("crosscheck.study") / "configurations" / f"{name}.toml").read_bytes()
-    elif not path.is_file():
+        shipped = resources.files("crosscheck.study") / "configurations"
+        with resources.as_file(shipped) as folder:  # where its robots are
+            return configuration_of((folder / f"{name}.toml").read_bytes(), name, folder, allow_code=allow_code)
+    if not path.is_file():
         raise BadConfiguration(
             f"there is no file {name}; name a configuration, or one of {', '.join(SHIPPED_CONFIGURATIONS)}"
         )
-    else:
-        content = path.read_bytes()
-    return configuration_of(content, name, path.resolve().parent, allow_code=allow_code)
+    return configuration_of(path.read_bytes(), name, path.resolve().parent, allow_code=allow_code)
 
 
 def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: bool = False) -> Configuration:
@@ -175,13 +200,21 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     grids = document.get("grid", [{}])
     if not isinstance(grids, list):
         raise BadConfiguration(f"{file}: [grid] must be [[grid]], which can be given several times")
-    tables = {name: document.get(name, {}) for name in CONFIGURATION_TABLES[:-1]}
-    for name, table in [*tables.items(), *(("grid", grid) for grid in grids)]:
+    given = document.get("robot", {})
+    robots = given if isinstance(given, list) and given else [given]
+    recorded = document.get("recordings", [])
+    if not isinstance(recorded, list):
+        raise BadConfiguration(f"{file}: [recordings] must be [[recordings]], which can be given several times")
+    tables = {name: document.get(name, {}) for name in ("study", "errors", "scenario")}
+    lists = {"robot": robots, "grid": grids, "recordings": recorded}
+    several = [*tables.items(), *((name, one) for name, found in lists.items() for one in found)]
+    for name, table in several:
         if not isinstance(table, dict):
             raise BadConfiguration(f"{file}: {name} is {table!r}; it must be a table, [{name}]")
-    study, robot, errors, common = (Settings(file, name, table) for name, table in tables.items())
-    numbered = [Settings(file, f"grid {k}" if len(grids) > 1 else "grid", grid) for k, grid in enumerate(grids, 1)]
-    points = scenarios(common, numbered)
+    study, errors, common = (Settings(file, name, table) for name, table in tables.items())
+    machines, numbered = _numbered(file, "robot", robots), _numbered(file, "grid", grids)
+    arms = all_robots(machines, folder)
+    points = scenarios(common, numbered, [robot.label for robot in arms])
     everything = measurable_methods(points)
     found = Configuration(
         file,
@@ -190,21 +223,37 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
         study.take("runs", DEFAULT_RUNS, whole(1, MAX_RUNS)),
         study_design(study, lambda name: shown_name(_method(folder, words(name)))),
         study.take("methods", everything, methods_reader(folder, everything)),
-        robot_settings(robot, folder),
+        arms,
         error_settings(errors),
         points,
+        folder,
+        recordings(_numbered(file, "recordings", recorded), folder),
     )
     study.refuse_others()
-    _check(found, study, robot)
-    if found.own_methods:
-        try:
-            refuse_code(f"{file}: methods in [study]", found.own_methods, allow_code)
-        except InvalidInput as refused:
-            raise BadConfiguration(str(refused)) from None
+    _check(found, study, machines)
+    for law in found.own_laws:
+        if not Path(law.rpartition(":")[0]).is_file():
+            raise BadConfiguration(f"{file}: there is no file {law.rpartition(':')[0]} for a motion or a law of noise")
+    try:
+        of_recordings = [code for recording in found.recordings for code in recording.code]
+        for where, codes in (
+            ("methods in [study]", found.own_methods),
+            ("scenarios", found.own_laws),
+            ("recordings", of_recordings),
+        ):
+            if codes:
+                refuse_code(f"{file}: {where}", codes, allow_code)
+    except InvalidInput as refused:
+        raise BadConfiguration(str(refused)) from None
     return found
 
 
-def _check(study: Configuration, table: Settings, robot: Settings) -> None:
+def _numbered(file: str, name: str, tables: Sequence[Mapping[str, Any]]) -> list[Settings]:
+    """Tables of one name, with their number where there are several."""
+    return [Settings(file, f"{name} {k}" if len(tables) > 1 else name, table) for k, table in enumerate(tables, 1)]
+
+
+def _check(study: Configuration, table: Settings, machines: Sequence[Settings]) -> None:
     """Raises BadConfiguration for a scenario that this robot cannot have, or no method can use, and the reverse."""
     names = [shown_name(method) for method in study.methods]
     if study.design.reference not in (None, *names):
@@ -217,8 +266,12 @@ def _check(study: Configuration, table: Settings, robot: Settings) -> None:
         where = "no scenario" if measured == {False} else "not every scenario"
         what = f"has {', '.join(need)} for wrenches, which {where} measures; give a force_noise, or other methods"
         raise table.error("methods", what)
-    errors = {scenario.model_error for scenario in study.scenarios}
-    if "friction" in errors and not np.any(study.robot.coulomb):
-        raise robot.error("coulomb", 'is zero, and the model error "friction" forgets it; give numbers above zero')
-    if "flexible" in errors and not np.all(study.robot.rotor_inertia):
-        raise robot.error("rotor_inertia", 'must be above zero in all joints for the model error "flexible"')
+    for robot, own in zip(study.robots, machines, strict=True):
+        errors = {scenario.model_error for scenario in study.scenarios if scenario.robot == robot.label}
+        if "friction" in errors and not np.any(robot.coulomb):
+            raise own.error("coulomb", 'is zero, and the model error "friction" forgets it; give numbers above zero')
+        for error in sorted({"stribeck", "lugre"} & errors):
+            if not np.all(robot.coulomb):
+                raise own.error("coulomb", f'must be above zero in all joints for the model error "{error}"')
+        if "flexible" in errors and not np.all(robot.rotor_inertia):
+            raise own.error("rotor_inertia", 'must be above zero in all joints for the model error "flexible"')

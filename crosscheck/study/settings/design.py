@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from crosscheck.study.settings.settings import Settings, number, one_of, texts, whole
+from crosscheck.study.settings.settings import Settings, number, one_of, texts, whole, yes_or_no
 
 Source = Literal["noise", "motion", "cad", "start"]
 """What a run draws: noise; motion, also the held-out one; errors of the CAD model; start of iterations."""
@@ -57,6 +57,7 @@ class StudyDesign:
         the first method
     pairs: which methods are compared
     region: errors that differ by less than this part are equivalent
+    distances: whether those of Leboutet et al. (2021) are computed too
     """
 
     vary: tuple[Source, ...] = SOURCES
@@ -64,6 +65,7 @@ class StudyDesign:
     reference: str | None = None
     pairs: Pairing = "reference"
     region: float = 0.05
+    distances: bool = False
 
     def draw(self, run: int, redraw: Redraw = RUN_ITSELF) -> Draw:
         """The random numbers of a record of a run."""
@@ -89,6 +91,7 @@ def study_design(table: Settings, named: Callable[[object], str]) -> StudyDesign
         table.take("reference", None, named),
         table.take("pairs", "reference", one_of(get_args(Pairing))),  # type: ignore[arg-type]
         table.take("region", 0.05, lambda value: number(value, above=0.0)),
+        table.take("distances", False, yes_or_no),
     )
 
 

@@ -102,6 +102,12 @@ def words(value: object) -> str:
     raise ValueError("give a text")
 
 
+def yes_or_no(value: object) -> bool:
+    if isinstance(value, bool):
+        return value
+    raise ValueError("give true or false")
+
+
 def one_of(choices: Sequence[str]) -> Callable[[object], str]:
     """A reader of one of these words."""
 
@@ -129,7 +135,7 @@ class RobotSettings:
     """The robot as it is, its controller, and the limits of its motions. One number for all joints, or one each.
 
     file: of the configuration, for messages
-    name: of the catalog, or path of a file
+    name: of the catalog, or path of a file; label: in scenarios and tables
     locked: joints that stand still at zero; chain, gravity, mimic, repair: as in urdf.Reading
     viscous, coulomb, rotor_inertia: of the drives   [N m s/rad, N m, kg m²; sliding joints in N and kg]
     position_gain, velocity_gain: of the PD controller; without them from the inertia at q = 0   [N m/rad, N m s/rad]
@@ -140,6 +146,7 @@ class RobotSettings:
 
     file: str
     name: str
+    label: str
     locked: tuple[str, ...] = ()
     chain: tuple[str, ...] | None = None
     gravity: tuple[float, ...] | None = None
@@ -171,6 +178,11 @@ class ErrorSettings:
     torque_factor: recorded torque over true one, of "gear"
     payload_mass, payload_center: of "payload"; a point in link axes of the last body   [kg, m]
     joint_stiffness, joint_damping: of "flexible", the damping as a ratio to the critical one   [N m/rad, -]
+    gain_factor: true gains over known ones, of "gains"
+    position_step, torque_step: of encoders and recorded torques, of "quantized"   [rad or m, N m or N]
+    breakaway, stribeck_velocity: breakaway torque over coulomb, and speed at which half of what it is more is left, of
+        "stribeck" and "lugre"   [-, rad/s or m/s]
+    presliding: deflection of the bristles at which the torque is that of coulomb, of "lugre"   [rad or m]
     """
 
     torque_factor: Numbers = 1.05
@@ -178,6 +190,12 @@ class ErrorSettings:
     payload_center: tuple[float, ...] = (0.0, 0.0, 0.1)
     joint_stiffness: Numbers = 2e4
     joint_damping: Numbers = 0.02
+    gain_factor: Numbers = 1.05
+    position_step: Numbers = 5e-5
+    torque_step: Numbers = 0.1
+    breakaway: Numbers = 1.5
+    stribeck_velocity: Numbers = 0.05
+    presliding: Numbers = 1e-3
 
 
 def robot_settings(table: Settings, folder: Path) -> RobotSettings:
@@ -186,6 +204,7 @@ def robot_settings(table: Settings, folder: Path) -> RobotSettings:
     each = one_or_each(not_negative)
     readers: dict[str, Any] = {
         "name": lambda value: _path(folder, words(value)),
+        "label": words,
         "locked": texts("names of joints"),
         "chain": _base_and_tip,
         "gravity": _three,
@@ -205,7 +224,16 @@ def robot_settings(table: Settings, folder: Path) -> RobotSettings:
     given = _given(RobotSettings, table, readers)
     if ("position_gain" in given) != ("velocity_gain" in given):
         raise table.error("position_gain", "and velocity_gain belong together; give both, or none")
-    return RobotSettings(table.file, **given)
+    return RobotSettings(table.file, **{"label": Path(given["name"]).stem} | given)
+
+
+def all_robots(tables: Sequence[Settings], folder: Path) -> tuple[RobotSettings, ...]:
+    """Raises BadConfiguration for two of one label."""
+    found = tuple(robot_settings(table, folder) for table in tables)
+    for k, robot in enumerate(found):
+        if robot.label in [other.label for other in found[:k]]:
+            raise tables[k].error("label", f"is '{robot.label}', as that of another robot; give a label of its own")
+    return found
 
 
 def error_settings(table: Settings) -> ErrorSettings:
@@ -215,6 +243,9 @@ def error_settings(table: Settings) -> ErrorSettings:
         "payload_center": _three,
         "joint_stiffness": one_or_each(positive),
         "joint_damping": one_or_each(not_negative),
+        "breakaway": one_or_each(lambda value: number(value, least=1.0)),
+        **dict.fromkeys(("gain_factor", "position_step", "torque_step"), one_or_each(positive)),
+        **dict.fromkeys(("stribeck_velocity", "presliding"), one_or_each(positive)),
     }
     return ErrorSettings(**_given(ErrorSettings, table, readers))
 

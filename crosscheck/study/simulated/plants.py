@@ -1,7 +1,4 @@
-"""The robot of a study as it is, its controller, what is simulated of it, and what the identification believes of it.
-
-Simulated is the robot with rigid joints, or with a spring between motor and link in each of them.
-"""
+"""The robot of a study as it is, its controller, and what the identification believes of it."""
 
 from __future__ import annotations
 
@@ -16,26 +13,21 @@ from numpy.typing import ArrayLike
 import urdf
 from crosscheck.identifying.virtual import as_in_cad
 from crosscheck.study.settings.design import Stream
-from crosscheck.study.settings.settings import BadConfiguration, ErrorSettings, Numbers, RobotSettings
+from crosscheck.study.settings.settings import BadConfiguration, Numbers, RobotSettings
 from graphdyn import (
-    Body,
     Friction,
     InvalidInput,
-    Joint,
-    JointLimits,
-    JointStops,
     PDControl,
-    Placement,
     RobotModel,
     mass_matrix,
 )
 from graphdyn.errors import counted
 from graphdyn.excitation import MotionLimits
 from graphdyn.identification import TorqueModel
-from graphdyn.identification.closed_loop import MAX_SIMULATION_STEP
 from graphdyn.identification.terms import Coulomb, RigidBodies, RotorInertia, Term, Viscous
 from graphdyn.layout import BODY_PARAMETERS, Array
-from graphdyn.motion_laws import Locked, MotionLaw
+from graphdyn.model import pseudo_inertia_from_parameters
+from graphdyn.motion_laws import MotionLaw
 
 CONTROLLER_FREQUENCY, CONTROLLER_DAMPING = 30.0, 1.0
 """Frequency of the position loop where no gains are given [rad/s], and its damping ratio."""
@@ -81,7 +73,7 @@ class ControlledRobot:
         return np.concatenate(parts)
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=8)
 def plant_of(settings: RobotSettings) -> ControlledRobot:
     """Raises BadConfiguration for numbers that are not of this robot, and for loops; urdf's errors."""
     model = urdf.load(settings.name, reading=settings.reading)
@@ -148,128 +140,42 @@ def torque_model_of(
 def start_near_truth(
     plant: ControlledRobot, torque_model: TorqueModel, seed: int, error: float, stream: Stream
 ) -> Array:
-    """Parameters (p,) of a robot that could be real: masses, centers of mass and drives are off by `error` at most.
+    """Parameters (p,) of a robot that could be real. Every parameter is off by its own normal error.
 
-    seed: of the study; stream: which of them
+    seed: of the study; error: standard deviation of the relative errors; stream: which of them
+
+    The parameters of a body are drawn again until it could be real, drives until they take power: so do Leboutet et al.
+    (2021). Raises InvalidInput for a body of which hardly any draw could be real.
     """
     rng = generator(seed, START_STREAM, *stream)
+    bodies = plant.model.inertial_parameters.reshape(-1, BODY_PARAMETERS)
+    near = [_body_near(body, error, rng, plant.model.bodies[k].name) for k, body in enumerate(bodies)]
 
     def off(values: ArrayLike) -> Array:
-        return np.asarray(np.asarray(values) * rng.uniform(1 - error, 1 + error, np.shape(values)), dtype=float)
+        return np.abs(np.asarray(values, dtype=float) * (1 + error * rng.standard_normal(np.shape(values))))
 
-    model = as_in_cad(plant.model, rng, error)
     friction = Friction(off(plant.friction.viscous), off(plant.friction.coulomb))
+    model = plant.model.with_inertial_parameters(np.concatenate(near))
     return replace(plant, model=model, friction=friction, rotors=off(plant.rotors)).truth(torque_model)
+
+
+START_DRAWS = 100_000
+"""Draws of the parameters of one body, of which one must be real."""
+
+
+def _body_near(body: Array, error: float, rng: np.random.Generator, name: str) -> Array:
+    """Parameters (10,) of a body that could be real, beside those of another."""
+    for _number in range(START_DRAWS // 1000):
+        drawn = body * (1 + error * rng.standard_normal((1000, BODY_PARAMETERS)))
+        real = np.linalg.eigvalsh(pseudo_inertia_from_parameters(drawn))[:, 0] > 0
+        if real.any():
+            return np.asarray(drawn[np.argmax(real)])
+    raise InvalidInput(
+        f"start = {error:g} in the configuration: of {START_DRAWS} bodies near '{name}', none could be real; give a "
+        "smaller number"
+    )
 
 
 def generator(*entropy: int) -> np.random.Generator:
     """The random numbers of one stream of a study. entropy: its seed, numbers of the stream"""
     return np.random.default_rng(np.random.SeedSequence(entropy))
-
-
-MAX_STABLE_STEP = 1.0
-"""Largest product of the width of a step and the fastest eigenvalue: rk4 is stable up to 2.8."""
-
-
-@dataclass(frozen=True, eq=False)
-class Mechanism:
-    """A robot of n joints as it is simulated, with m = n or, where they are flexible, m = 2 n joints.
-
-    friction, rotors: of the m joints; springs: of flexible ones
-    longest_step: of the simulation [s]
-    flexible: motors are every other joint, each followed by its spring
-    """
-
-    model: RobotModel
-    friction: Friction
-    rotors: Array
-    springs: JointStops | None
-    longest_step: float
-    flexible: bool
-
-    def of_motors(self, values: ArrayLike) -> Array:
-        """(n,), or one number for all, as (m,): zero for springs."""
-        n = self.model.nv
-        if not self.flexible:
-            return np.array(np.broadcast_to(values, n), dtype=float)
-        return _alternating(np.broadcast_to(np.asarray(values, dtype=float), n // 2))
-
-    def motors(self, values: Array) -> Array:
-        """(N, n) of (N, m): of the motors."""
-        return values[:, ::2] if self.flexible else values
-
-    def links(self, values: Array) -> Array:
-        """(N, n) of (N, m): of the links, which motors and springs move together."""
-        return values[:, ::2] + values[:, 1::2] if self.flexible else values
-
-    def parameters(self, inertial: Array) -> Array:
-        """Inertial parameters (10 m,) from those of the links (10 n,)."""
-        if not self.flexible:
-            return inertial
-        bodies = inertial.reshape(-1, BODY_PARAMETERS)
-        return np.stack([np.zeros_like(bodies), bodies], axis=1).ravel()
-
-    def controlled(self, controller: PDControl) -> PDControl:
-        """The controller, which knows nothing of springs."""
-        if not self.flexible:
-            return controller
-        gains = {name: self.of_motors(getattr(controller, name)) for name in ("position_gain", "velocity_gain")}
-        target = [law for motor in controller.target for law in (motor, Locked())]  # type: ignore[union-attr]
-        return replace(controller, **gains, target=target)  # type: ignore[arg-type]
-
-
-def rigid(plant: ControlledRobot) -> Mechanism:
-    return Mechanism(plant.model, plant.friction, plant.rotors, None, MAX_SIMULATION_STEP, False)
-
-
-def flexible(plant: ControlledRobot, errors: ErrorSettings) -> Mechanism:
-    """Friction and rotors are those of the motors, whose bodies have no mass beside.
-
-    Spong, "Modeling and control of elastic joint robots", Journal of Dynamic Systems, Measurement, and Control 109(4),
-    1987. Raises InvalidInput for a joint without rotor inertia: nothing would move between motor and spring.
-    """
-    names = plant.model.joint_names
-    if not np.all(plant.rotors > 0):
-        joint = names[int(np.argmin(plant.rotors))]
-        raise InvalidInput(f"flexible joints need a rotor_inertia in [robot] above zero; that of '{joint}' is zero")
-    n = plant.model.nv
-    stiffness = np.broadcast_to(np.asarray(errors.joint_stiffness, dtype=float), n)
-    inertia = mass_matrix(plant.model, np.zeros(n), method="reproducible")
-    share = np.broadcast_to(np.asarray(errors.joint_damping, dtype=float), n)
-    damping = 2 * share * np.sqrt(stiffness * np.diag(inertia))
-    springs = JointStops(_alternating(np.zeros(n), stiffness), _alternating(np.zeros(n), damping))
-    friction = Friction(_alternating(plant.friction.viscous), _alternating(plant.friction.coulomb))
-    step = min(MAX_SIMULATION_STEP, MAX_STABLE_STEP / _fastest(inertia, plant.rotors, stiffness, damping))
-    return Mechanism(_with_springs(plant.model), friction, _alternating(plant.rotors), springs, step, True)
-
-
-def _fastest(inertia: Array, rotors: Array, stiffness: Array, damping: Array) -> float:
-    """Largest size of an eigenvalue of δ'' = -(M⁻¹ + J⁻¹) (K δ + D δ') of springs between rotors and links [1/s]."""
-    n = len(rotors)
-    moved = np.linalg.inv(inertia) + np.diag(1 / rotors)
-    system = np.block([[np.zeros((n, n)), np.eye(n)], [-moved * stiffness, -moved * damping]])
-    return float(np.abs(np.linalg.eigvals(system)).max())
-
-
-def _with_springs(model: RobotModel) -> RobotModel:
-    """Each link behind a second joint about the same axis, whose limits are zero."""
-    bodies, joints = list[Body](), list[Joint]()
-    for body, joint in zip(model.bodies, model.joints, strict=True):
-        bodies += [Body(f"{body.name} motor", 0.0, np.zeros(3), np.zeros((3, 3))), body]
-        joints += [
-            replace(joint, inside=2 * joint.inside, limits=JointLimits()),
-            Joint(
-                f"{joint.name} spring",
-                "prismatic" if joint.is_prismatic else "revolute",
-                len(bodies) - 1,
-                Placement(np.eye(3), np.zeros(3)),
-                joint.axis,
-                JointLimits(0.0, 0.0),
-            ),
-        ]
-    return RobotModel(f"{model.name}, flexible", tuple(bodies), tuple(joints), gravity=model.gravity)
-
-
-def _alternating(motors: ArrayLike, springs: ArrayLike | None = None) -> Array:
-    values = np.asarray(motors, dtype=float)
-    return np.stack([values, np.zeros_like(values) if springs is None else springs], axis=-1).ravel()

@@ -26,6 +26,10 @@ ERRORS = ("parameter_error", "torque_error", "trajectory_error")
 """Columns of results.parquet by which methods are compared, the smaller the better."""
 
 
+DISTANCES = ("d_beta", "d_tau", "d_q", "diverged")
+"""Columns of results.parquet with the distances of Leboutet et al. (2021)."""
+
+
 @dataclass(frozen=True)
 class Method:
     """A method that takes part.
@@ -53,6 +57,7 @@ class ScenarioOutcomes:
     base, sigma: what was found, and its standard deviation as stated; NaN      (R, M, b)
     redrawn: what was found when one source was drawn once more, K times, by the name of the source   (R, K, M, b)
     consistent: 1 for real bodies in all links, 0 for others; NaN where unknown (R, M)
+    distances: by the names of DISTANCES, diverged as 1 or 0; NaN where unknown (R, M)
     iterations, simulations, seconds: NaN where there is none                   (R, M)  [1, 1, s]
     reasons: why a method failed, by (row, column)
     """
@@ -70,6 +75,7 @@ class ScenarioOutcomes:
     sigma: Array
     redrawn: Mapping[str, Array]
     consistent: Array
+    distances: Mapping[str, Array]
     iterations: Array
     simulations: Array
     seconds: Array
@@ -175,6 +181,7 @@ def _scenario(
         vectors("sigma"),
         _redrawn(again, runs, methods, size),
         numbers("consistent", np.nan),
+        {column: numbers(column, np.nan) for column in DISTANCES},
         numbers("iterations", np.nan),
         numbers("simulations", np.nan),
         np.array(timed, float),

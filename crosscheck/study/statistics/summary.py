@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from crosscheck.study.settings.design import DEFAULT_DESIGN, StudyDesign
 from crosscheck.study.statistics.comparison import PairedComparison, compared
 from crosscheck.study.statistics.intervals import Interval, Intervals, deviations, means, median, share
-from crosscheck.study.statistics.outcomes import ERRORS, Measures, Method, ScenarioOutcomes, StudyOutcomes
+from crosscheck.study.statistics.outcomes import DISTANCES, ERRORS, Measures, Method, ScenarioOutcomes, StudyOutcomes
 from crosscheck.study.statistics.ranking import Ranking, ranked
 from graphdyn.layout import Array
 
@@ -57,6 +57,7 @@ class MethodSummary:
     iterations, simulations: median and largest over the answers; NaN where unknown
     seconds: median of the processor time of all runs                          [s]
     reasons: why it failed, and how often
+    distances: means of d_beta, d_tau, d_q over the answers that have not diverged, and how many have; NaN where unknown
     """
 
     method: Method
@@ -70,6 +71,7 @@ class MethodSummary:
     seconds: Interval
     parameters: ParameterSpread
     reasons: Mapping[str, int]
+    distances: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +164,19 @@ def _method(scenario: ScenarioOutcomes, method: Method, k: int) -> MethodSummary
         median(times[~np.isnan(times)]),
         _spread(scenario, k, answered),
         dict(Counter(reason for (_, j), reason in sorted(scenario.reasons.items()) if j == k).most_common()),
+        mean_distances({name: values[answered, k] for name, values in scenario.distances.items()}),
     )
+
+
+def mean_distances(distances: Mapping[str, Array]) -> dict[str, float]:
+    """Means of d_beta, d_tau, d_q over the answers that have not diverged, and how many have; NaN where unknown.
+
+    distances: by the names of DISTANCES (R,)
+    """
+    far = distances["diverged"]
+    known = {name: values[(far != 1) & np.isfinite(values)] for name, values in distances.items()}
+    found = {name: float(np.mean(known[name])) if len(known[name]) else np.nan for name in DISTANCES[:-1]}
+    return {**found, "diverged": float(np.nansum(far)) if np.isfinite(far).any() else np.nan}
 
 
 def _spread(scenario: ScenarioOutcomes, k: int, answered: NDArray[np.int64]) -> ParameterSpread:

@@ -49,7 +49,7 @@ class VectorCode:
     @property
     def declarations(self) -> list[str]:
         """Lines that declare the functions which the code calls."""
-        functions, kind = {"fabs": 1, "fma": 3}, f"v{self.lanes}f{self.precision.bits}"
+        functions, kind = {"fabs": 1, "fma": 3, "rint": 1}, f"v{self.lanes}f{self.precision.bits}"
         return [
             "declare void @llvm.prefetch.p0(ptr, i32, i32, i32)",
             *(

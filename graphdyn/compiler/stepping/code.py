@@ -14,7 +14,7 @@ from collections.abc import Sequence
 
 from graphdyn.compiler.llvm.vector_code import ALIGNED_STACK, VectorCode
 from graphdyn.compiler.stepping.closing import closed_state, closing_functions, doubt
-from graphdyn.compiler.stepping.layout import HOLDING_SHARE, Columns, StepCode
+from graphdyn.compiler.stepping.layout import BRISTLE_CONSTANTS, HOLDING_SHARE, Columns, StepCode
 from graphdyn.layout import Array
 
 
@@ -32,6 +32,8 @@ def rates_function(what: StepCode, lanes: int) -> list[str]:
     if what.friction:
         signs = memory.columns("sign", n)
         passive = [_friction(code, constants, j, v[j], signs[j]) for j in range(n)]
+    if what.bristles:
+        passive = [code.arithmetic("fsub", passive[j], memory.load("dry", j)) for j in range(n)]
     if what.stops:
         passive = [code.arithmetic("fadd", passive[j], _stop_force(code, constants, j, q[j], v[j])) for j in range(n)]
     applied = [code.arithmetic("fadd", tau[j], passive[j]) for j in range(n)]
@@ -137,6 +139,8 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
     code.label("tick")
     code.do("%tick.all = udiv i64 %step, %hold")
     code.do("%tick.own = sub i64 %tick.all, %tick.first")
+    if what.late:
+        code.do("%is.first = icmp eq i64 %step, 0")
     _tick(code, what, vectors["control"])
     code.do("br label %decide")
     code.label("decide")
@@ -144,6 +148,8 @@ def _steps_function(what: StepCode, lanes: int) -> list[str]:
         Columns(code, "%memory", what.memory).store("lost", 0, code.splat(0.0))
     if what.friction:
         _decide(code, what)
+    if what.bristles:
+        _bristles(code, what, width)
     _call_rates(code, what, 0, "%state")
     # behind the first stage, whose accelerations and passive torques are written too
     code.do("%record.rest = urem i64 %step, %every")
@@ -195,6 +201,8 @@ def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
             noise = Columns(code, _block(code, "%noise", "%tick.own", 2 * n), {"q": n, "v": n})
             for name, exact in measured.items():
                 measured[name] = [code.arithmetic("fadd", x, noise.load(name, j)) for j, x in enumerate(exact)]
+        if what.rounded:
+            measured["q"] = [_rounded(code, x, constants.load("resolution", j)) for j, x in enumerate(measured["q"])]
 
         def columns(name: str) -> Sequence[str]:
             if name in measured:
@@ -203,13 +211,53 @@ def _tick(code: VectorCode, what: StepCode, vectors: int) -> None:
 
         values = code.values(law, columns)
         tau = [values[k] for k in law.outputs["tau"]]
+    if what.late:
+        first = code.broadcast(code.let("uitofp i1 %is.first to double"))
     for j, torque in enumerate(tau):
         if what.clamped:
             most, least = constants.load("largest_torque", j), constants.load("least_torque", j)
             # select, not minimum and maximum: NaN stays NaN
             torque = code.select("ogt", torque, most, most, torque)
             torque = code.select("olt", torque, least, least, torque)
+        if what.late:
+            # the torque of the last tick acts now; that of the first tick acts at once
+            before = code.select("oeq", first, code.splat(1.0), torque, memory.load("ordered", j))
+            memory.store("ordered", j, torque)
+            torque = before
         memory.store("tau", j, torque)
+
+
+def _rounded(code: VectorCode, value: str, resolution: str) -> str:
+    """The nearest multiple of the resolution; the value itself where that is zero."""
+    zero, one = code.splat(0.0), code.splat(1.0)
+    unit = code.select("oeq", resolution, zero, one, resolution)
+    whole = code.arithmetic("fmul", code.call("rint", code.arithmetic("fdiv", value, unit)), unit)
+    return code.select("oeq", resolution, zero, value, whole)
+
+
+def _bristles(code: VectorCode, what: StepCode, h: str) -> None:
+    """The deflection z after the step, and the torque σ₀ z + σ₁ ż, which is held during it.
+
+    An implicit step, stable however stiff: z = (z_before + h v) / (1 + h σ₀ |v| / g), and g as in Bristles.
+    """
+    memory = Columns(code, "%memory", what.memory)
+    constants = Columns(code, "%constants", what.constants)
+    state, one = Columns(code, "%state", what.state), code.splat(1.0)
+    for j in range(what.n):
+        coulomb, breakaway, velocity, stiffness, damping = (constants.load(name, j) for name in BRISTLE_CONSTANTS)
+        v, before = state.load("v", j), memory.load("deflection", j)
+        share = code.arithmetic("fdiv", v, velocity)
+        falling = code.arithmetic("fadd", one, code.arithmetic("fmul", share, share))
+        extra = code.arithmetic("fdiv", code.arithmetic("fsub", breakaway, coulomb), falling)
+        most = code.arithmetic("fadd", coulomb, extra)
+        rate = code.arithmetic("fdiv", code.arithmetic("fmul", stiffness, code.call("fabs", v)), most)
+        slipping = code.arithmetic("fadd", one, code.arithmetic("fmul", h, rate))
+        moved = code.arithmetic("fadd", before, code.arithmetic("fmul", h, v))
+        after = code.arithmetic("fdiv", moved, slipping)
+        change = code.arithmetic("fdiv", code.arithmetic("fsub", after, before), h)
+        spring, damper = code.arithmetic("fmul", stiffness, after), code.arithmetic("fmul", damping, change)
+        memory.store("deflection", j, after)
+        memory.store("dry", j, code.arithmetic("fadd", spring, damper))
 
 
 def _decide(code: VectorCode, what: StepCode) -> None:

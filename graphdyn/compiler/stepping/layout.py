@@ -14,6 +14,7 @@ HOLDING_SHARE = 1 + 1e-9
 
 JOINT_CONSTANTS = ("viscous", "coulomb", "offset", "least_torque", "largest_torque")
 STOP_CONSTANTS = ("lower", "upper", "stiffness", "damping")
+BRISTLE_CONSTANTS = ("bristle_coulomb", "bristle_breakaway", "bristle_velocity", "bristle_stiffness", "bristle_damping")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,9 @@ class StepCode:
     law: program with tau of q, v, reference and gains; None where the torque itself is given
     a, b: coefficients of the method                        (s, s), (s,)
     friction, stops, clamped: whether there is friction, are springs at the limits, and limits of torque
-    noisy: whether noise is added to the q and v that the law sees
+    bristles: whether there is friction of bristles
+    noisy: whether noise is added to the q and v that the law sees; rounded: whether that q is rounded
+    late: whether a torque of the law acts one tick later
     closing: of a robot with loops, whose accelerations have certain too
     """
 
@@ -51,6 +54,9 @@ class StepCode:
     stops: bool
     clamped: bool
     noisy: bool
+    bristles: bool = False
+    rounded: bool = False
+    late: bool = False
     closing: ClosingCode | None = None
 
     @property
@@ -67,7 +73,8 @@ class StepCode:
         own = {"external_wrenches", "parameters", "rotor"}
         widths = {name: width for name, width in self.accelerations.inputs.items() if name in own}
         names = (JOINT_CONSTANTS[:3] if self.friction else ()) + (JOINT_CONSTANTS[3:] if self.clamped else ())
-        widths.update(dict.fromkeys((*names, *(STOP_CONSTANTS if self.stops else ())), self.n))
+        names += (STOP_CONSTANTS if self.stops else ()) + (BRISTLE_CONSTANTS if self.bristles else ())
+        widths.update(dict.fromkeys((*names, *(("resolution",) if self.rounded else ())), self.n))
         if self.law is not None:
             widths["gains"] = self.law.inputs["gains"]
         return widths
@@ -91,9 +98,12 @@ class StepCode:
     def memory(self) -> dict[str, int]:
         """What is kept between steps, and scratch: sign of the sliding, the stage, and the rates of each stage.
 
+        deflection and dry: of the bristles, and their torque; ordered: the torque that acts from the next tick on
         With loops, 1 or 0: lost, where the last step was not taken, and open, where Newton steps go on.
         """
-        joints = dict.fromkeys(("tau", "passive", "held", "sign", "free"), self.n)
+        names: tuple[str, ...] = ("tau", "passive", "held", "sign", "free")
+        names += (("deflection", "dry") if self.bristles else ()) + (("ordered",) if self.late else ())
+        joints = dict.fromkeys(names, self.n)
         loops = {} if self.closing is None else {"lost": 1, "open": 1}
         return {**joints, **loops, "stage": 2 * self.n + 2, "rates": self.stages * (2 * self.n + 2)}
 

@@ -14,12 +14,9 @@ Output errors on positions (CLOE), or on torques, the input of the robot (CLIE),
     minimize Σ_g ‖y_g - y_g(x)‖² / σ_g²,    y = q or τ
 
 by the Gauss-Newton method. No measurement is differentiated, and none enters an equation twice: for white noise on the
-output this is maximum likelihood. Each iteration simulates the loop 2 r + 1 times.
-
-These sensitivities are central differences. Each parameter takes two simulations; as many run at
-once as there are lanes and cores. The step changes the torque by RELATIVE_PARAMETER_STEP of itself. The error of the
-differences, the step squared from their curvature and 1e-13 over the step from rounding, is about 1e-8. The changes go
-through the same low-pass as the measured output.
+output this is maximum likelihood. The sensitivities solve the variational equations of the simulated motion
+(closed_loop.sensitivities), and go through the same low-pass as the measured output. Each iteration simulates the loop
+twice.
 
 Instrumental variables (IDIM-IV):
 
@@ -51,10 +48,10 @@ from graphdyn.identification.algebra.compressed import residual_deviations
 from graphdyn.identification.closed_loop.equations import CrossedEquations, LoopSolution, RowBlock, beside, output_step
 from graphdyn.identification.closed_loop.iterating import MAX_LOOP_ITERATIONS, Beginning, iterated
 from graphdyn.identification.closed_loop.loop import ClosedLoop, not_simulated
+from graphdyn.identification.closed_loop.sensitivities import sensitivities
 from graphdyn.identification.closed_loop.simulated_loop import SimulatedLoop
 from graphdyn.identification.data.samples import Samples
 from graphdyn.identification.estimation.estimate import Estimate
-from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem
 from graphdyn.layout import Array
 
@@ -87,15 +84,6 @@ class DirectInverse:
 
 OutputName = Literal["position", "torque"]
 
-RELATIVE_PARAMETER_STEP = 1e-4
-"""Relative change of the torque by the change of one parameter."""
-
-SIMULATIONS_IN_MEMORY = 16
-"""Largest number of simulations whose motions are in memory at once."""
-
-MAX_SENSITIVITY_BYTES = 2e9
-"""Largest size of all sensitivities in memory [bytes]."""
-
 
 def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: OutputName) -> Iterator[RowBlock]:
     """Measured and simulated outputs, with the sensitivities of the latter as the regressor.
@@ -103,7 +91,7 @@ def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: Outpu
     x: base parameters (r,) of the simulated motions. Raises EstimationFailed if the result does not fit in memory.
     """
     problem = loop.problem
-    sensitivity = sensitivities(loop, x, name)
+    sensitivity = _sensitivity(loop, x, name, simulated)
     modeled = problem.chosen(np.concatenate([_output(loop, samples, name) for samples in simulated]))
     measured = problem.chosen(loop.measured_positions()) if name == "position" else None
     position = 0
@@ -114,29 +102,19 @@ def outputs(loop: SimulatedLoop, x: Array, simulated: list[Samples], name: Outpu
         yield RowBlock(seen, problem.reduced(rows), sensitivity[here], modeled[here])
 
 
-def sensitivities(loop: SimulatedLoop, x: Array, name: OutputName) -> Array:
-    """Sensitivities (N, n, r) for the rows of the problem."""
-    problem = loop.problem
-    equations, prior = problem.equations, model_prior(problem.torque_model)
-    length = np.linalg.norm(equations.factors[..., :-1], axis=(0, 1))
-    steps = RELATIVE_PARAMETER_STEP * np.sqrt(equations.measured_squares.sum()) / length
-    count, n, r = len(loop.measured_positions()), problem.n_joints, len(x)
-    if 8.0 * count * n * r > MAX_SENSITIVITY_BYTES:
-        raise EstimationFailed(
-            f"the sensitivities of {count} rows take {8e-9 * count * n * r:.1f} GB; decimate the recording"
+def _sensitivity(loop: SimulatedLoop, x: Array, name: OutputName, like: list[Samples]) -> Array:
+    """Sensitivities of the outputs (N, n, r) for the rows of the problem. like: samples with the filters."""
+    parts = [
+        np.stack(
+            [
+                _output(loop, replace(motion, q=q, tau=tau), name)
+                for q, tau in zip(np.moveaxis(by_q, -1, 0), np.moveaxis(by_tau, -1, 0), strict=True)
+            ],
+            axis=-1,
         )
-    found = np.empty((count, n, r))
-    for first in range(0, r, SIMULATIONS_IN_MEMORY // 2):
-        chosen = np.arange(first, min(first + SIMULATIONS_IN_MEMORY // 2, r))
-        there = np.array([x + sign * steps[k] * np.eye(r)[k] for k in chosen for sign in (1, -1)])
-        position = 0
-        for stretch in loop.runs(np.array([prior.nearest(problem.base, one) for one in there])):
-            pairs = zip(stretch[::2], stretch[1::2], strict=True)
-            changes = [_output(loop, up, name) - _output(loop, down, name) for up, down in pairs]
-            columns = np.stack(changes, axis=-1) / (2 * steps[chosen])
-            found[position : position + len(columns), :, chosen] = columns
-            position += len(columns)
-    return problem.chosen(found)
+        for motion, (by_q, by_tau) in zip(like, sensitivities(loop, x), strict=True)
+    ]
+    return loop.problem.chosen(np.concatenate(parts))
 
 
 def _output(loop: SimulatedLoop, samples: Samples, name: OutputName) -> Array:

@@ -16,9 +16,8 @@ motion this is WLS.
 After a parallel filter C is that of the filtered errors, and W(μ) - W(m) is added to the filtered W(m): G counts as
 constant over the memory of the filter. Rows count as independent; block deviations allow for their correlation.
 
-The slopes G = ∂τ/∂(q, v, a) are central differences of W x. They hold for every term of a torque model: friction,
-columns of users, and bodies whose parameters are physically inconsistent. The steps are the standard deviations of the
-errors of q, v and a, so that sign(v) has a slope where the error may reverse it, and none elsewhere.
+The steps of the slopes G = ∂τ/∂(q, v, a) are the standard deviations of the errors of q, v and a, so that sign(v) has
+a slope where the error may reverse it, and none elsewhere.
 
 Olsen, Swevers and Verdonck, "Maximum likelihood identification of a dynamic robot model: implementation issues", Int.
 J. of Robotics Research 21(2), 2002; the iteration: Britt and Luecke, Technometrics 15(2), 1973.
@@ -49,31 +48,10 @@ from graphdyn.identification.data.samples import Samples, joined_samples
 from graphdyn.identification.estimation.estimate import Estimate, base_estimate
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.problem import Problem, pieces_of
-from graphdyn.identification.problem.torque_model import TorqueModel
+from graphdyn.identification.problem.slopes import torque_slopes
 from graphdyn.identification.statistics.correlation import jackknife_covariance
 from graphdyn.identification.terms.friction import positive
 from graphdyn.layout import Array
-
-MOTION_NAMES = ("q", "v", "a")
-
-
-def torque_slopes(torque_model: TorqueModel, x: Array, motion: Samples, steps: Array) -> Array:
-    """G (N, n, 3 n): columns of all q, then v, then a.
-
-    x: parameters (p,); steps: of q, v and a (3, n); a zero step gives a slope of zero
-    """
-    n = motion.q.shape[1]
-    slopes = np.zeros((len(motion), n, 3 * n))
-    for d, name in enumerate(MOTION_NAMES):
-        for j in np.flatnonzero(steps[d]):
-            aside = steps[d, j] * np.eye(n)[j]
-            up, down = (
-                torque_model.torque(replace(motion, **{name: getattr(motion, name) + sign * aside}), x)
-                for sign in (1, -1)
-            )
-            slopes[..., d * n + j] = (up - down) / (2 * steps[d, j])
-    return slopes
-
 
 MEASURED_ROWS_AT_ONCE = 4096
 """Rows that are computed at once: enough for compiled code to pay off."""

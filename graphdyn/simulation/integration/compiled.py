@@ -61,14 +61,20 @@ def _near_pose(model: RobotModel) -> float:
 
 
 def compiled_steps(
-    plant: PlantConstants, method: str, controller: Controller | None, noisy: bool = False, lanes: int | None = None
+    plant: PlantConstants,
+    method: str,
+    controller: Controller | None,
+    noisy: bool = False,
+    lanes: int | None = None,
+    late: bool = False,
 ) -> CompiledSteps:
     """The machine code, compiled once per robot and choice of what there is beside the rigid bodies."""
     lanes = lanes or host_lanes()
     nominal = controller.nominal if isinstance(controller, ComputedTorqueControl) else None
     law = controller.law if controller else None
     inputs = _inputs(plant)
-    key = (method, inputs, law, nominal, noisy, plant.has_friction, plant.has_stops, plant.is_clamped, lanes)
+    there = (plant.has_friction, plant.has_stops, plant.is_clamped, plant.has_bristles, plant.is_rounded)
+    key = (method, inputs, law, nominal, noisy, late, there, lanes)
     with compiling:
         known = _compiled.setdefault(plant.model, {})
         if key not in known:
@@ -84,6 +90,9 @@ def compiled_steps(
                     stops=plant.has_stops,
                     clamped=plant.is_clamped,
                     noisy=noisy,
+                    bristles=plant.has_bristles,
+                    rounded=plant.is_rounded,
+                    late=late,
                     closing=_closing(plant.model),
                 ),
                 lanes,

@@ -29,7 +29,7 @@ from crosscheck.recordings import load_recording
 from crosscheck.recordings.errors import BadRecordingFile
 from crosscheck.reference.pinocchio_model import PinocchioModel
 from graphdyn import InvalidInput, joint_torques
-from graphdyn.excitation import FourierBasis, Trajectory
+from graphdyn.excitation import FourierBasis, Trajectory, optimized
 
 ROOT = REPOSITORY
 
@@ -278,3 +278,50 @@ def test_table_is_a_recording(tmp_path):
     assert found.prismatic == slides(model)
     expected = joint_torques(model, *course(model).motion(found.t)[:3])
     assert np.abs(joint_torques(model, found.q, found.v, found.a) - expected).max() < 1e-9
+
+
+@pytest.mark.usefixtures("unpictured")
+def test_noise_of_positions(program, words, small_arm, tmp_path):
+    """Scatter and bias beside σ, in the table and in the record."""
+    file, noisy = tmp_path / "r.json", ("--position-noise", 1e-3, "--cutoff", 20, "--no-collisions")
+    options = (*SHORT, *LIMITS, *noisy, "--json", file)
+    done = program("excite", "--robot", small_arm, *options)
+    assert done.code == AGREED, done.err
+    assert "encoder 0.001 of positions: standard deviations " in words(done.out)
+    rows = json.loads(file.read_text(encoding="utf-8"))["parameters"]
+    assert all(row["encoder_sigma"] > 0.5 * row["sigma"] for row in rows)
+    assert max(abs(row["bias"]) / row["sigma"] for row in rows) > 1
+
+
+@pytest.mark.usefixtures("unpictured")
+def test_harmonics_choose_themselves(program, words, small_arm, monkeypatch):
+    """More as long as the error falls by 2 %; as many as are asked for otherwise."""
+    tried = []
+
+    def best(problem, *_):
+        tried.append(problem.basis.harmonics)
+        error = {5: 0.0, 7: -0.1, 9: -0.11}[problem.basis.harmonics]
+        return excite_search.SearchSummary(optimized(problem, 0), [], False, error)
+
+    monkeypatch.setattr(excite_search, "best_of", best)
+    few = ("--duration", 4, "--rate", 50, "--random", 0, "--seeds", 1, "--jobs", 1, "--no-collisions", *LIMITS)
+    for asked, expected, shown in (((), [5, 7, 9], 7), (("--harmonics", 5), [5], 5)):
+        tried.clear()
+        done = program("excite", "--robot", small_arm, *few, *asked)
+        assert (done.code, tried) == (AGREED, expected), done.err
+        assert f"Fourier series of {shown} harmonics" in words(done.out)
+
+
+@pytest.mark.usefixtures("unpictured")
+def test_a_period_that_no_controller_has_is_told(program, words, small_arm, tmp_path):
+    """Rows every 2 ms or a multiple where the duration is one; the program has the name of its file."""
+    out = tmp_path / "my-motion.script"
+    common = ("--random", 0, "--seeds", 1, "--jobs", 1, "--no-collisions", "--harmonics", 3, *LIMITS, "--rate", 50)
+    for duration, period in ((4, "0.008"), (4.1234, None)):
+        done = program("excite", "--robot", small_arm, *common, "--duration", duration, "--out", out)
+        assert done.code == AGREED, done.err
+        head = out.read_text(encoding="utf-8").splitlines()[:2]
+        assert head[0] == "def my_motion():"
+        told = "controllers take them every 2 ms (e-Series) or 8 ms (CB)" in words(done.err)
+        assert told == (period is None)
+        assert period is None or head[1].strip() == f"global period = {period}"

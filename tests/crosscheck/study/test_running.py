@@ -1,5 +1,6 @@
 """`graphdyn study`: configuration, tables that are the same however they come about, interruptions and failures."""
 
+import hashlib
 import json
 import os
 import re
@@ -31,7 +32,7 @@ from crosscheck.study import running, store
 from crosscheck.study import tasks as computing
 from crosscheck.study.folder import CONFIGURATION, DATABASE
 from crosscheck.study.running import PROCESS_DIED, Remaining, run_study, tasks_of
-from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, read_configuration
+from crosscheck.study.settings.configuration import SHIPPED_CONFIGURATIONS, hash_of, read_configuration
 from crosscheck.study.settings.scenarios import GRID_AXES, Scenario
 from crosscheck.study.settings.settings import BadConfiguration
 from crosscheck.study.simulated.plants import plant_of
@@ -101,7 +102,7 @@ def test_errors_stand_in_the_columns_of_their_names(folder, complete):
     for row in rows(complete)[::6]:
         draw = study.design.draw(row["run"])
         known = known_model(study, scenarios[row["scenario"]], draw)
-        measure = validation_metric(study.robot, study.seed, known, draw.motion)
+        measure = validation_metric(study.robots[0], study.seed, known, draw.motion)
         expected = {name: getattr(measure, name)(row["base"]) for name in ERRORS}
         assert {name: row[name] for name in ERRORS} == expected
 
@@ -134,7 +135,9 @@ def test_tables_hold_every_field_of_every_result_beside_its_seconds(folder, tmp_
     for row, scenario in zip(rows(tmp_path, SCENARIOS), sorted(study.scenarios, key=lambda one: one.name), strict=True):
         assert {name: row[name] for name in GRID_AXES} == asdict(scenario)
         base = structure(known_model(study, scenario)).base
-        assert row["truth"] == pytest.approx(base.matrix @ plant_of(study.robot).truth(known_model(study, scenario)))
+        assert row["truth"] == pytest.approx(
+            base.matrix @ plant_of(study.robots[0]).truth(known_model(study, scenario))
+        )
         assert len(row["base_names"]) == len(row["base_units"]) == base.rank
 
 
@@ -641,7 +644,7 @@ def test_bad_configurations(text, folder):
 def test_how_the_robot_is_read(folder):
     cut = "chain = ['panda_link0', 'panda_link6']"
     held = "locked = ['panda_joint7', 'panda_finger_joint1', 'panda_finger_joint2']"
-    plant = plant_of(study_of(folder, f"[robot]\nname = 'panda'\n{cut}\n{held}\ngravity = [0, 0, -1.62]\n").robot)
+    plant = plant_of(study_of(folder, f"[robot]\nname = 'panda'\n{cut}\n{held}\ngravity = [0, 0, -1.62]\n").robots[0])
     assert plant.model.joint_names == tuple(f"panda_joint{k}" for k in range(1, 7))
     assert plant.model.gravity.tolist() == [0, 0, -1.62]
 
@@ -666,7 +669,7 @@ def test_what_only_the_robot_shows(folder):
 @pytest.mark.parametrize("name", SHIPPED_CONFIGURATIONS)
 def test_shipped_configurations(name):
     study = read_configuration(name)
-    noises, runs = {"small": (2, 12), "birdy": (5, 25)}[name]
+    noises, runs = {"small": (2, 12), "birdy": (5, 25), "benchmark": (3, 25)}[name]
     assert (len({(one.position_noise, one.torque_noise) for one in study.scenarios}), study.runs) == (noises, runs)
     assert {one.start for one in study.scenarios} == {"0.15"}
     assert "graph" in study.methods
@@ -709,10 +712,21 @@ def test_the_command(program, words, folder, tmp_path, monkeypatch):
     assert "2 runs cannot decide 2 comparisons, however clear they are: give 7 runs or more" in words(done.err)
     so_far = program("study", "--report", out)
     assert (so_far.code, "so far 4 records of 2 scenarios" in words(so_far.out)) == (AGREED, True)
-    assert json.loads((out / "study.json").read_text())["facts"]["so far"] == "4 records of 2 scenarios"
+    written = json.loads((out / "study.json").read_text())
+    assert written["facts"]["so far"] == "4 records of 2 scenarios"
+    assert written["files"]["results.parquet"] == hashlib.sha256((out / "results.parquet").read_bytes()).hexdigest()
+    assert written["files"][str(folder / "small.urdf")] == hash_of(folder / "small.urdf")
+    assert written["files"]["study.toml"] == hash_of(config)
+    assert written["software"]["numpy"] == np.__version__
+    paper = tmp_path / "paper"
+    assert program("study", "--report", out, "--tables", paper).code == AGREED
+    names = {file.name for file in paper.iterdir()}
+    assert {"comparisons.csv", "errors.csv", "comparisons-torques.tex"} < names
+    assert "torque-error-against-position-noise-errors-torques.svg" in names
     for options, message in (
         (("--report", out, "--resume"), "--report only reads the folder that it names; omit the other options"),
         ((), "name a configuration by --config, or the folder of a study by --report"),
+        (("--config", config, "--tables", out), "--tables writes what --report shows; name the folder of a study by"),
     ):
         found = program("study", *options)
         assert (found.code, message in words(found.err)) == (BAD_INPUT, True)

@@ -128,7 +128,7 @@ def test_a_damaged_page_takes_only_its_rows(fill, file, content):
         ("UPDATE inputs SET content = replace(content, '2.0', '2.1')", "what the study was begun with cannot be read"),
         ("DELETE FROM inputs", "what the study was begun with cannot be read"),
         ("DROP TABLE inputs", "what the study was begun with cannot be read"),
-        ("PRAGMA user_version = 2", "has form 2, and this graphdyn reads form 3; go on with the one that began it, or"),
+        ("PRAGMA user_version = 2", "has form 2, and this graphdyn reads form 4; go on with the one that began it, or"),
     ],
 )
 def test_what_cannot_be_mended(harm, said, file):
@@ -148,7 +148,7 @@ def test_no_folder(tmp_path):
 def test_other_fields_of_an_outcome_need_another_number():
     """Raise STORE_SCHEMA with them: else rows of before would be read as rows of now."""
     known = {
-        3: "method measures reason rank iterations simulations base sigma parameter_error torque_error "
-        "trajectory_error consistent redrawn repeat results seconds total"
+        4: "method measures reason rank iterations simulations base sigma parameter_error torque_error "
+        "trajectory_error consistent d_beta d_tau d_q diverged redrawn repeat results seconds total"
     }
     assert known[STORE_SCHEMA] == " ".join(field.name for kind in (Result, StudyOutcome) for field in fields(kind))

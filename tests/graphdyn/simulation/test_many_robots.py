@@ -10,6 +10,7 @@ from robots.moving_robots import slider
 
 import graphdyn
 from graphdyn import (
+    Bristles,
     ComputedTorqueControl,
     Coupling,
     Friction,
@@ -55,6 +56,8 @@ CASES = {
     "PD": {"controls": HOLDING, "friction": FRICTION},
     "computed torque": {"controls": TRACKING, "torque_limits": 2e4},
     "noise": {"controls": TRACKING, "noise": MeasurementNoise(1e-4, 1e-2), "seed": 3},
+    "encoder": {"controls": TRACKING, "noise": MeasurementNoise(0.0, 0.0, [1e-3, 0, 1e-3, 0, 1e-2, 1e-3])},
+    "late": {"controls": replace(TRACKING, period=2e-3), "late": True},
     "parameters": {"parameters": kr500().inertial_parameters * RNG.uniform(0.9, 1.1, size=(3, 60))},
     "rotors": {"rotor_inertia": np.linspace(1, 10, 18).reshape(3, 6), "friction": FRICTION},
     "stops": {"model": WITH_LIMITS, "limits": JointStops(1e6, 1e4)},
@@ -165,6 +168,9 @@ def test_what_is_compiled_depends_on_all_there_is():
         {"limits": JointStops(100.0, 1.0)},
         {"torque_limits": "model"},
         {"noise": MeasurementNoise(0.1, 0.1)},
+        {"noise": MeasurementNoise(resolution=0.1)},
+        {"late": True},
+        {"bristles": Bristles(1.0, 1.5, 0.1, 100.0)},
         {"rotor_inertia": 2.0},
         {"external_wrenches": [[1.0, 0, 0, 0, 0, 0]]},
         {"method": "euler"},
@@ -317,3 +323,33 @@ def test_what_moves_and_holds_each_joint(couplings):
     assert found["required"] == pytest.approx(needed, rel=1e-11, abs=1e-10)
     assert found["required"][free == 1] == pytest.approx(tau[free == 1], rel=1e-11, abs=1e-10)
     assert not found["a"][free == 0].any()
+
+
+def test_bristles():
+    """A mass drawn through standstill: the same steps of z and v, written out; it is held below the breakaway."""
+    bristles, h, pulls = Bristles(2.0, 3.0, 0.05, 1e3, 40.0), 1e-3, np.repeat([1.0, 4.0, -4.0], 300)
+    found = rollout(slider(), [0.0], [0.0], pulls[:, None], step=h, method="euler", bristles=bristles)
+    q, v, z, course = 0.0, 0.0, 0.0, []
+    for pull in pulls:
+        g = 2.0 + 1.0 / (1 + (v / 0.05) ** 2)
+        after = (z + h * v) / (1 + h * 1e3 * abs(v) / g)
+        dry = 1e3 * after + 40.0 * (after - z) / h
+        course.append((q, v, -dry))
+        q, v, z = q + h * v, v + h * (pull - dry) / 2.0, after
+    for name, column in zip(("q", "v", "passive"), np.array(course).T, strict=True):
+        assert getattr(found, name)[0, :-1, 0] == pytest.approx(column, abs=1e-12)
+    assert abs(found.v[0, 299, 0]) < 1e-2
+    assert found.v[0, 599, 0] > 0.1
+
+
+@pytest.mark.parametrize("change", [{"coulomb": 0.0}, {"velocity": 0.0}, {"stiffness": 0.0}, {"damping": -1.0}])
+def test_refused_bristles(change):
+    said = "negative" if "damping" in change else "zero; give numbers above zero"
+    with pytest.raises(InvalidInput, match=f"{next(iter(change))} of the bristles is {said}"):
+        Bristles(**{"coulomb": 1.0, "breakaway": 2.0, "velocity": 0.1, "stiffness": 100.0} | change)
+
+
+def test_bristles_need_compiled_steps(monkeypatch):
+    monkeypatch.setattr(many_robots, "can_compile", lambda plant: False)
+    with pytest.raises(InvalidInput, match="bristles need compiled steps of a tree, which robot 'slider' has not here"):
+        rollout(slider(), [0.0], [0.0], step=0.1, duration=0.1, bristles=Bristles(1.0, 1.0, 0.1, 1.0))

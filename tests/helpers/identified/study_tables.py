@@ -4,6 +4,8 @@ from itertools import product
 
 import numpy as np
 
+from crosscheck.study.statistics.outcomes import DISTANCES
+
 NAMES = ("ZZ_1 + M_2", "XX_2", "XY_2", "MX_2", "Fv_1", "Fc_1")
 UNITS = ("kg m²", "kg m²", "kg m²", "kg m", "N m s", "N m")
 TRUTH = np.array([4.0, 1.0, -0.2, 6.0, 10.0, 5.0])
@@ -44,7 +46,7 @@ def study_tables(runs=6, seed=0, motions=("Fourier", "paper")):
 def _row(scenario, run, method, noise, shared):
     measures, bias, spread, failing, _ = METHODS[method]
     row = {"scenario": scenario, "run": run, "method": method, "measures": measures, "status": "found", "reason": None}
-    row |= {"redrawn": None, "repeat": 0}
+    row |= {"redrawn": None, "repeat": 0} | dict.fromkeys(DISTANCES)
     numbers = ("iterations", "simulations", "base", "sigma", "parameter_error", "torque_error", "trajectory_error")
     if noise >= NOISES[-1] and (run + 0.5) / 10 < failing / 2:
         reason = "no convergence after 50 iterations"

@@ -9,7 +9,6 @@ import pytest
 import scipy.stats
 from identified import closed_loop_data
 
-import graphdyn
 from crosscheck.identifying import Preparation
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import (
@@ -27,7 +26,7 @@ from graphdyn.identification.closed_loop.equations import CrossedEquations, Loop
 from graphdyn.identification.closed_loop.exogeneity_test import exogeneity
 from graphdyn.identification.closed_loop.loop import DrivenRobot
 from graphdyn.identification.closed_loop.simulated_loop import _Later
-from graphdyn.identification.estimators.closed_loop import outputs, sensitivities
+from graphdyn.identification.estimators.closed_loop import outputs
 from graphdyn.identification.terms import Coulomb, Drift, MaxwellSlip, RigidBodies, RotorInertia, Viscous
 
 EXACT = 1e-7
@@ -35,9 +34,6 @@ EXACT = 1e-7
 
 STICKING = 1e-9
 """[rad/s] A joint that dry friction holds is at rest exactly, and says nothing about that friction."""
-
-SENSITIVITY = 1e-6
-"""Of central differences whose steps differ, because they are made to the size of the rows."""
 
 NOISE = {"position": 2e-4, "velocity": 1e-3, "torque": 1.0}
 SECONDS = 4.0
@@ -77,7 +73,7 @@ def test_a_motion_that_begins_later_is_asked_once_for_the_same_times():
         return times, 2 * times, 0 * times
 
     later, times = _Later(law, 3.0), np.array([0.0, 0.5, 1.0])
-    for shift, count in ((0.0, 1), (0.0, 1), (0.25, 2), (0.0, 3)):
+    for shift, count in ((0.0, 1), (0.0, 1), (0.25, 2), (0.0, 2)):
         q, v, _ = later(times + shift)
         assert np.array_equal((q, v), (times + shift + 3.0, 2 * (times + shift + 3.0)))
         assert len(asked) == count
@@ -130,7 +126,7 @@ def test_parts_have_the_rows_of_the_whole(noisy):
     ):
         (regressor, output), (own_regressor, own_output) = (rows_of(rows(some)) for some in (whole, part))
         assert np.array_equal(output[used], own_output)
-        assert np.abs(regressor[used] - own_regressor).max() <= SENSITIVITY * np.abs(regressor).max()
+        assert np.array_equal(regressor[used], own_regressor)
 
 
 @pytest.mark.parametrize("decimate", [(), (4,)])
@@ -263,34 +259,6 @@ def test_covariance_of_instrumental_variables():
     units = np.eye(40).reshape(40, 2, 20)
     by_torque = np.array([solved(unit).x for unit in units]) * np.repeat(noise, 20)[:, None]
     np.testing.assert_allclose(solved(units[0]).covariance, by_torque.T @ by_torque, rtol=1e-9)
-
-
-def test_sensitivities_against_complex_steps():
-    """A mass m on a slide, drawn to the position u by a force K_p (u - q) - K_d v that is held for a millisecond."""
-    slide = graphdyn.RobotModel(
-        "slide",
-        (graphdyn.Body("M", 2.0, np.zeros(3), np.eye(3)),),
-        (graphdyn.Joint("S", "prismatic", 0, graphdyn.Placement(), [1.0, 0, 0]),),
-    )
-    hold, rows = 1e-3, 501
-
-    def positions(m):
-        q, v, course = 0.0 * m, 0.0 * m, []
-        for _ in range(rows):
-            course.append(q)
-            a = (50.0 * (0.3 - q) - 4.0 * v) / m
-            q, v = q + hold * v + hold**2 / 2 * a, v + hold * a
-        return np.array(course)
-
-    expected = positions(2.0 + 1e-20j).imag / 1e-20
-    q = positions(2.0)[:, None]
-    v = np.gradient(q, hold, axis=0)
-    v[0] = 0.0
-    a = np.gradient(v, hold, axis=0)
-    problem = Problem(TorqueModel(slide, (RigidBodies(),)), Samples(q, v, a, 2 * a, time=hold * np.arange(rows)))
-    loop = SimulatedLoop(problem, ClosedLoop(graphdyn.PDControl(50.0, 4.0, [0.3], period=hold)))
-    found = sensitivities(loop, np.array([2.0]), "position")
-    assert found[:, 0, 0] == pytest.approx(expected, abs=1e-7 * np.abs(expected).max())
 
 
 class TestExogeneity:

@@ -11,7 +11,8 @@ import graphdyn
 from crosscheck.recordings.preparation.filtering import TorqueFilter
 from graphdyn import EstimationFailed, InvalidInput
 from graphdyn.identification import MaximumLikelihood, Problem, Samples, TorqueModel, WeightedLeastSquares
-from graphdyn.identification.estimators.maximum_likelihood import joined, measured_motion, torque_slopes
+from graphdyn.identification.estimators.maximum_likelihood import joined, measured_motion
+from graphdyn.identification.problem.slopes import torque_slopes
 from graphdyn.identification.terms import Drift, MaxwellSlip, RigidBodies, Viscous
 from graphdyn.motion_laws import FourierSeries
 
