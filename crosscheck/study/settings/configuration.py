@@ -140,8 +140,8 @@ class Configuration:
 
     @property
     def own_laws(self) -> tuple[str, ...]:
-        """FILE.py:NAME of motions and noise with the whole path."""
-        words = [word for one in self.scenarios for word in (one.motion, one.torque_noise_law)]
+        """FILE.py:NAME of motions, noise and errors of the model with the whole path."""
+        words = [word for one in self.scenarios for word in (one.motion, one.torque_noise_law, one.model_error)]
         return tuple(dict.fromkeys(self.located(word) for word in words if ":" in word))
 
     def located(self, word: str) -> str:
@@ -151,8 +151,8 @@ class Configuration:
 
     @property
     def own_files(self) -> dict[str, str]:
-        """Hash of every file that the study reads beside its configuration: own methods, motions and laws of noise, the
-        modules of their folder that they import, and the robots'.
+        """Hash of every file that the study reads beside its configuration: own methods, motions, laws of noise and
+        errors of the model, the modules of their folder that they import, and the robots'.
         """
         own = dict.fromkeys(code.rpartition(":")[0] for code in (*self.own_methods, *self.own_laws))
         paths = list(dict.fromkeys(str(file) for path in own for file in imported_files(Path(path))))
@@ -233,7 +233,7 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     _check(found, study, machines)
     for law in found.own_laws:
         if not Path(law.rpartition(":")[0]).is_file():
-            raise BadConfiguration(f"{file}: there is no file {law.rpartition(':')[0]} for a motion or a law of noise")
+            raise BadConfiguration(f"{file}: there is no file {law.rpartition(':')[0]} for a motion, noise or an error")
     try:
         of_recordings = [code for recording in found.recordings for code in recording.code]
         for where, codes in (

@@ -62,7 +62,8 @@ class Scenario:
     duration: of the recording [s]
     cutoff: of the low-pass of positions, torques and regressor; None: no filter   [Hz]
     min_speed: rows of joints that are slower are left out   [rad/s or m/s]
-    model_error: one of MODEL_ERRORS
+    model_error: one of MODEL_ERRORS, or FILE.py:NAME, a function of q, v, a of the links (N, n), which gives the
+        torques that actuators have to give beyond the model
     cad_error: largest relative error of the masses and centers of mass of the CAD model
     start: of iterations: "wls", "cad", or a number: relative standard deviation of the errors of all parameters
     """
@@ -177,7 +178,7 @@ GRID_AXES: dict[str, Callable[[object], Any]] = {
     "duration": positive,
     "cutoff": _or_none(positive),
     "min_speed": not_negative,
-    "model_error": one_of(MODEL_ERRORS),
+    "model_error": _or_own(MODEL_ERRORS),
     "cad_error": _share,
     "start": _start,
 }

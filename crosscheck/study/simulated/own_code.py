@@ -1,4 +1,7 @@
-"""Code of one's own that a study runs: methods, motions, laws of noise, each FILE.py:NAME with the whole path."""
+"""Code of one's own that a study runs, each FILE.py:NAME with the whole path.
+
+Methods, motions, laws of noise, errors of the model.
+"""
 
 from __future__ import annotations
 

@@ -174,7 +174,8 @@ def _recorded(
     """The recording with noise of the torques and, if they are measured, of the wrenches."""
     torques, wrenches = (np.random.default_rng(seed) for seed in seeds)
     factor = np.asarray(study.errors.torque_factor) if scenario.model_error == "gear" else 1.0
-    tau = factor * motion.tau + scenario.torque_noise * _drawn(study, scenario, torques, motion.tau)
+    noise = scenario.torque_noise * _drawn(study, scenario, torques, motion.tau)
+    tau = factor * motion.tau + _beyond_the_model(study, scenario, motion) + noise
     if scenario.model_error == "quantized":
         tau = np.rint(tau / study.errors.torque_step) * study.errors.torque_step
     measured = None
@@ -194,13 +195,25 @@ def _recorded(
     )
 
 
+def _beyond_the_model(study: Configuration, scenario: Scenario, motion: SimulatedMotion) -> Array:
+    """Torques (N, n) of an own error of the model, zero where there is none. Raises InvalidInput as _drawn."""
+    if ":" not in scenario.model_error:
+        return np.zeros_like(motion.tau)
+    links = (array.copy() for array in motion.links)
+    return _checked(scenario.model_error, "torques", own(study.located(scenario.model_error))(*links), motion.tau)
+
+
 def _drawn(study: Configuration, scenario: Scenario, rng: np.random.Generator, tau: Array) -> Array:
     """Noise of the torques with a standard deviation of one. Raises InvalidInput for an own law that is none."""
     if scenario.torque_noise_law == NORMAL:
         return rng.standard_normal(tau.shape)
-    noise = np.asarray(own(study.located(scenario.torque_noise_law))(rng, tau.copy()), dtype=float)
-    if noise.shape != tau.shape or not np.all(np.isfinite(noise)):
-        raise InvalidInput(
-            f"{scenario.torque_noise_law} gives noise of shape {noise.shape}; {tau.shape} is needed, finite"
-        )
-    return noise
+    law = own(study.located(scenario.torque_noise_law))
+    return _checked(scenario.torque_noise_law, "noise", law(rng, tau.copy()), tau)
+
+
+def _checked(name: str, what: str, given: object, tau: Array) -> Array:
+    """What own code gives, as numbers of the shape of the torques."""
+    found = np.asarray(given, dtype=float)
+    if found.shape != tau.shape or not np.all(np.isfinite(found)):
+        raise InvalidInput(f"{name} gives {what} of shape {found.shape}; {tau.shape} is needed, finite")
+    return found

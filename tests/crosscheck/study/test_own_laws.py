@@ -1,4 +1,4 @@
-"""Motions and laws of noise of one's own, FILE.py:NAME in scenarios."""
+"""Motions, laws of noise and errors of the model of one's own, FILE.py:NAME in scenarios."""
 
 from dataclasses import replace
 
@@ -23,6 +23,9 @@ def waves(model, limits, rng, duration):
 
 def drifting(rng, tau):
     return np.cumsum(rng.standard_normal(tau.shape), axis=0) / np.sqrt(len(tau))
+
+def magnets(q, v, a):
+    return 3.0 * np.sin(6 * q)
 
 def one(model, limits, rng, duration):
     return waves(model, limits, rng, duration)[:1]
@@ -63,6 +66,21 @@ def test_a_motion_and_noise(folder):
     assert np.median(np.abs(np.diff(drift, axis=0))) < 0.2 * np.median(np.abs(np.diff(white, axis=0)))
 
 
+def test_an_error_of_the_model(folder):
+    """What the actuators give beyond the model is in the recorded torques, and nothing else changes."""
+    study = study_of(
+        folder, 'position_noise = 0\n[[grid]]\ncutoff = "none"\nmodel_error = ["none", "laws.py:magnets"]\n'
+    )
+    right, off = (simulated(study, one, study.design.draw(0)).recording for one in study.scenarios)
+    assert study.own_laws == (f"{folder.resolve() / 'laws.py'}:magnets",)
+    assert np.array_equal(right.channel("q"), off.channel("q"))
+    added = off.channel("tau") - right.channel("tau")
+    q = right.channel("q")
+    moved = np.abs(np.gradient(q, right.t, axis=0)).max() / 200  # in a period, while torques are held
+    np.testing.assert_allclose(added, 3.0 * np.sin(6 * q), atol=18 * moved)
+    assert np.abs(added).max() > 2
+
+
 def test_results_are_kept_with_the_hash_of_the_code(folder, tmp_path):
     study = study_of(folder, 'motion = "laws.py:waves"\n')
     run_study(study, tmp_path / "out", InThisProcess())
@@ -76,7 +94,7 @@ def test_results_are_kept_with_the_hash_of_the_code(folder, tmp_path):
     ("further", "said"),
     [
         ('motion = "waves"\n', r"motion in \[scenario\] is 'waves'; use one of random, .*, or FILE\.py:NAME"),
-        ('motion = "none.py:waves"\n', r"there is no file .*none\.py for a motion or a law of noise"),
+        ('motion = "none.py:waves"\n', r"there is no file .*none\.py for a motion, noise or an error"),
     ],
 )
 def test_refused_configurations(further, said, folder):
