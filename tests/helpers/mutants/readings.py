@@ -499,12 +499,14 @@ def study_fault(path: Path, found: Any) -> str | None:
 
     faults = [differs(key, getattr(found, key), there["study"].get(key, default)) for key, default in (("seed", 0),)]
     faults.append(differs("runs", found.runs, there["study"].get("runs", DEFAULT_RUNS)))
-    for table, settings in (("robot", found.robot), ("errors", found.errors)):
+    robots = there.get("robot", [])
+    of_robots = zip(robots if isinstance(robots, list) else [robots], found.robots, strict=False)
+    for table, settings in (*of_robots, (there.get("errors", {}), found.errors)):
         known = {field.name for field in fields(settings)}
-        for key, value in there.get(table, {}).items():
+        for key, value in table.items():
             if key not in known:
                 continue
-            faults.append(differs(f"{key} of [{table}]", plain(getattr(settings, key)), plain(value)))
+            faults.append(differs(key, plain(getattr(settings, key)), plain(value)))
     grids = there.get("grid", [{}])
     points = sum(
         int(np.prod([len(x) if isinstance(x, list) else 1 for x in {**there.get("scenario", {}), **grid}.values()]))
