@@ -232,7 +232,7 @@ class MotionLimits:
                     f"joint '{joint}' may move from {lower:g} to {upper:g}; lock it, or give other limits"
                 )
             if not np.isfinite(speed):
-                raise InvalidInput(f"joint '{joint}' has no limit of velocity; give one")
+                raise InvalidInput(f"joint '{joint}' has no limit of velocity; give velocity=, or --velocity")
 
 
 def share_of(stated: float | None, share: float) -> float:

@@ -222,7 +222,7 @@ def test_motion_beyond_a_limit(program, small_arm, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((), r"joint '.*' has no limit of velocity; give one"),
+        ((), r"joint '.*' has no limit of velocity; give velocity=, or --velocity"),
         (("--out", "m.h5"), r"--out m.h5: name a file that ends with .csv"),
         (("--plane", "1,2"), r"--plane 1,2: four numbers X,Y,Z,D are needed"),
         (("--criterion", "best"), r"--criterion best: use one of log-det, sigma, condition"),

@@ -386,7 +386,7 @@ def test_origins_that_stay_on_their_side_of_planes_are_those_of_all_moving_frame
         (lambda: SplineBasis(5.0, 1), r"1 piece of a spline cannot move; give two or more"),
         (lambda: FourierBasis(0.0), r"duration is 0\.0; give seconds above zero"),
         (lambda: Plane((0, 0, 0)), r"a plane has normal .*; give three finite numbers, not all zero"),
-        (lambda: problem_of(velocity=np.inf), r"joint '.*' has no limit of velocity; give one"),
+        (lambda: problem_of(velocity=np.inf), r"joint '.*' has no limit of velocity; give velocity=, or --velocity"),
         (lambda: problem_of(lower=3.0), r"joint '.*' may move from 3 to 2; lock it, or give other limits"),
         (lambda: problem_of(lower=2.0), r"joint '.*' may move from 2 to 2; lock it, or give other limits"),
         (lambda: problem_of(upper=np.nan), r"joint '.*' may move from .* to nan; lock it, or give other limits"),
@@ -600,7 +600,7 @@ def test_limits_are_those_stated_but_for_what_is_given():
         [-0.1] * 3, [1, 2, 3], [7] * 3, [5] * 3, [1, 2, 3], [9] * 3
     ]  # fmt: skip
     for nothing in (0.0, -2.0, None):
-        with pytest.raises(InvalidInput, match=rf"joint '{model.joint_names[1]}' has no limit of velocity; give one"):
+        with pytest.raises(InvalidInput, match=rf"joint '{model.joint_names[1]}' has no limit of velocity; give velocity=, or --velocity"):
             limits_of([2, nothing, 6], [8, 8, 8])
 
 
