@@ -600,7 +600,10 @@ def test_limits_are_those_stated_but_for_what_is_given():
         [-0.1] * 3, [1, 2, 3], [7] * 3, [5] * 3, [1, 2, 3], [9] * 3
     ]  # fmt: skip
     for nothing in (0.0, -2.0, None):
-        with pytest.raises(InvalidInput, match=rf"joint '{model.joint_names[1]}' has no limit of velocity; give velocity=, or --velocity"):
+        with pytest.raises(
+            InvalidInput,
+            match=rf"joint '{model.joint_names[1]}' has no limit of velocity; give velocity=, or --velocity",
+        ):
             limits_of([2, nothing, 6], [8, 8, 8])
 
 

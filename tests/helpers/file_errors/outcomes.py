@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from tempfile import mkdtemp
 
 import numpy as np
 from file_errors.planting import FileError, undone
@@ -91,7 +92,11 @@ def corrected_as_published(path: Path) -> set[str]:
 
 
 def beside(path: Path, folder: Path) -> Path:
-    """Where a copy finds the meshes that the file names: folders of links to what is beside the published one."""
+    """Where a copy finds the meshes that the file names: folders of links to what is beside the published one.
+
+    A new folder each time: a link of an earlier robot leads to the published files, where nothing may be written.
+    """
+    folder = Path(mkdtemp(dir=folder))
     root = path.parents[4] if "example-robot-data" in path.parts else path.parent
     inside = path.relative_to(root).parts[:-1]
     here = folder.joinpath("copy", *inside)

@@ -141,12 +141,21 @@ class _Link:
         one = all(same(way.numbers, best.numbers) for way in close)
         simplest = min((way.change for way in close), key=lambda change: len(change.edits)) if one else best.change
         far = FAR_SHARE * now if now < inf and best.change.kind == "power of ten" else 0.0
-        fits = best.strangeness <= max(FITTING, far) or (now == inf and self._is_only_change(best))
+        fits = best.strangeness <= max(FITTING, far) or self._tensor_fits(now, best)
+        fits = fits or (now == inf and self._is_only_change(best))
         told_by = self.around.filled is not None or not self.given.is_placeholder
         sure = one and now >= WRONG and fits and told_by and not simplest.guessed
         reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
         told = (simplest,) if one else tuple(way.change for way in close)
         return SuspectInertial(self.name, self.element, reason, told, simplest if sure else None)
+
+    def _tensor_fits(self, now: float, way: _Way) -> bool:
+        """Whether a change of the tensor's axes makes it that of the shape, whatever mass and center of mass are."""
+        found = measures(way.numbers, self.around)
+        of_tensor: dict[str, float] = {name: found[name] for name in ("form", "scale") if name in found}
+        turned = way.change.kind in ("exchange", "axes")
+        clearly = now < inf and now - way.strangeness >= WRONG - FITTING
+        return bool(of_tensor) and turned and clearly and squares(of_tensor, self.usual) <= FITTING
 
     def _is_only_change(self, way: _Way) -> bool:
         only = only_change(self.element)
