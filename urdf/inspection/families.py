@@ -53,6 +53,8 @@ class FolderLink:
 
 def compared(inspections: Sequence[Inspection]) -> list[Inspection]:
     """The inspections of several files, with what shows when they are laid beside one another; in their order."""
+    if len(inspections) < 2:
+        return list(inspections)
     names = [Path(each.robot).name for each in inspections]
     further: list[list[Finding]] = [[] for _ in inspections]
     with np.errstate(all="ignore"):  # numbers may be as large as the largest double

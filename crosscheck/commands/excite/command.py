@@ -120,7 +120,9 @@ def _searched(
     with progress("seeds", options.motions * len(seeds)) as advance:
         for _ in range(options.motions):
             tried = [] if made else _more_harmonics(problem, options)
-            problem, found = _best_of_bases([problem, *tried], known, collisions, seeds, options, advance, cores())
+            problem, found = _best_of_bases(
+                [problem, *tried], known, collisions, seeds, options, advance, options.jobs or cores()
+            )
             failures += found.failures
             if found.best is None:
                 break
@@ -157,14 +159,14 @@ def _best_of_bases(
     seeds: range,
     options: ExciteOptions,
     advance: Callable[[str, int], None],
-    cores: int,
+    jobs: int,
 ) -> tuple[ExcitationProblem, SearchSummary]:
     """The first problem whose successor hardly gains anything, and what was found for it."""
     best: tuple[ExcitationProblem, SearchSummary] | None = None
     for k, problem in enumerate(problems):
         trial = replace(problem, known=known)
         count = (lambda what, steps: None) if k else advance
-        found = best_of(trial, collisions, seeds, options.jobs or cores, count, options.encoder)
+        found = best_of(trial, collisions, seeds, jobs, count, options.encoder)
         before = None if best is None else best[1]
         gained = (
             before is None

@@ -34,15 +34,16 @@ def repairs_of(robot: str) -> tuple[urdf.RepairedFile, str]:
 def proposed(file: urdf.Inspection) -> list[str]:
     """A command for each kind of finding that it makes fewer, and one for all of them."""
     wanted = {code: take for code, take in TAKEN.items() if code in file.codes}
+    named = {code: urdf.REPAIRED_CODES.get(code, take) for code, take in wanted.items()}  # of several codes one repair
     mending: dict[str, str] = {}
     with suppress(urdf.URDFError, OSError):  # .xacro files, and those that another program has taken away
-        for code, take in wanted.items():
-            if urdf.repair(file.robot, None, [repair_of("--take", take)]).changes:
-                mending[code] = take
+        for name in dict.fromkeys(named.values()):
+            if urdf.repair(file.robot, None, [repair_of("--take", name)]).changes:
+                mending |= {code: take for code, take in wanted.items() if named[code] == name}
         if not mending:
             return []
-        repairs = {urdf.REPAIRED_CODES.get(take, take): None for take in mending.values()}
-        after = urdf.inspect(file.robot, repair=[repair_of("--take", take) for take in repairs])
+        repairs = dict.fromkeys(named[code] for code in mending)
+        after = urdf.inspect(file.robot, repair=[repair_of("--take", name) for name in repairs])
         before, left = (Counter(finding.code for finding in each.findings) for each in (file, after))
         mending = {code: take for code, take in mending.items() if left[code] < before[code]}
     commands = [repair_command(file.robot, [take]) for take in mending.values()]
