@@ -8,12 +8,12 @@ from lxml import etree
 from shared_data import ARMS
 
 import urdf
+from urdf.document.inertial_numbers import inertial_numbers
 from urdf.document.numbers import rotation_from_rpy
 from urdf.document.opening import open_document
 from urdf.document.source import reduced
 from urdf.reading.corrections import only_change
 from urdf.reading.corrections.changes import MOMENTS
-from urdf.reading.corrections.inertial_numbers import inertial_numbers
 
 NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 PRODUCTS = ("ixy", "ixz", "iyz")

@@ -25,7 +25,11 @@ TENSOR_POWERS = (-9, -7, -6, -4, -3, -2, -1, 1, 2, 3, 4, 6, 7, 9)
 CENTER_POWERS = (-3, -2, -1, 1, 2, 3)
 """Powers of ten that a center of mass is wrong by: a shifted point, cm, mm."""
 
-DENSITIES = {"7.85": "steel for water", "2.7": "aluminum for water", "2.9": "steel for aluminum"}
+DENSITIES: Mapping[float, str] = {
+    7.85: "steel for water",
+    2.7: "aluminum for water",
+    2.907: "steel for aluminum",
+}
 """Densities over one another, and what was taken for what."""
 
 Edits = Mapping[tuple[str, str], str]
@@ -100,9 +104,9 @@ def _scaled(inertial: etree._Element) -> Iterator[Correction]:
             yield Correction("power of ten", f"{what} {said}", _times(texts, Decimal(1).scaleb(power)))
     for ratio, reason in DENSITIES.items():
         for what, texts in (("mass", mass), ("mass and tensor", mass | tensor)):
-            edits = {key: repr(float(word) / float(ratio)) for key, word in texts.items() if float(word)}
+            edits = {key: repr(float(word) / ratio) for key, word in texts.items() if float(word)}
             yield Correction("density", f"{what} divided by {ratio} ({reason})", edits)
-            edits = {key: repr(float(word) * float(ratio)) for key, word in texts.items() if float(word)}
+            edits = {key: repr(float(word) * ratio) for key, word in texts.items() if float(word)}
             yield Correction("density", f"{what} times {ratio}", edits)
 
 
@@ -176,3 +180,4 @@ def _turned_back(inertial: etree._Element) -> Iterator[Correction]:
     else:
         words = text(rpy_from_rotation(rotation_from_rpy(*angles).T)).split()
     yield Correction("rotation", "rotation transposed", {("origin", "rpy"): " ".join(words)})
+    yield Correction("rotation", "rotation left out", {("origin", "rpy"): "0 0 0"})

@@ -15,6 +15,7 @@ import numpy as np
 from lxml import etree
 
 from urdf.document.elements import name_of
+from urdf.document.inertial_numbers import FEW_DIGITS, InertialNumbers, inertial_numbers
 from urdf.document.source import Source
 from urdf.document.tree import carriers
 from urdf.errors import listed
@@ -22,7 +23,6 @@ from urdf.geometry.mass_properties import filled_links
 from urdf.reading.corrections.changes import Correction, changes
 from urdf.reading.corrections.evidence import CLEARLY_POSITIVE, LinkSurroundings, Usual, measures, usual_among, worst
 from urdf.reading.corrections.evidence import strangeness as squares
-from urdf.reading.corrections.inertial_numbers import FEW_DIGITS, InertialNumbers, inertial_numbers
 from urdf.reading.corrections.surroundings import surroundings
 from urdf.reading.corrections.twins import Twin, same, twins
 
@@ -58,6 +58,15 @@ class SuspectInertial:
     unique: Correction | None
 
 
+def numbers_of_body(inertial: etree._Element) -> InertialNumbers | None:
+    """None without a mass or a tensor, and where squares are infinite."""
+    found = inertial_numbers(inertial)
+    if found is None or found.mass == 0 or not found.tensor.any():
+        return None
+    with np.errstate(all="ignore"):
+        return found if np.isfinite([*(found.tensor @ found.tensor).flat, found.center @ found.center]).all() else None
+
+
 @dataclass(frozen=True, eq=False)
 class _Way:
     change: Correction
@@ -73,7 +82,7 @@ def suspect_inertials(source: Source) -> Iterator[SuspectInertial]:
         for link in source.links
         if (inertial := link.find("inertial")) is not None and moving.get(name_of(link)) is not None
     }
-    read = {link: inertial_numbers(element) for link, element in elements.items()}
+    read = {link: numbers_of_body(element) for link, element in elements.items()}
     numbers = {link: found for link, found in read.items() if found is not None}
     filled, _ = filled_links(source, list(numbers))
     around = surroundings(source, numbers, filled)
@@ -97,8 +106,8 @@ class _Link:
 
     def suspect(self) -> SuspectInertial | None:
         now = self._strangeness(self.given, -FEW_DIGITS)
-        alike = [twin for twin in self.twins if twin.alike and same(self.given, twin.numbers)]
-        unlike = [twin for twin in self.twins if twin not in alike and twin.numbers.is_possible(-FEW_DIGITS)]
+        alike = [twin for twin in self.twins if twin.has(self.given)]
+        unlike = [twin for twin in self.twins if twin not in alike and twin.views[0].is_possible(-FEW_DIGITS)]
         if now < inf and (alike or (now < DOUBTFUL and not unlike)):
             return None
         ways = sorted(self._ways(), key=lambda way: way.strangeness)
@@ -110,25 +119,25 @@ class _Link:
 
     def _ways(self) -> Iterator[_Way]:
         for change in changes(self.element):
-            new = inertial_numbers(change.applied(self.element))
+            new = numbers_of_body(change.applied(self.element))
             if new is not None and not same(new, self.given):
                 yield _Way(change, new, self._strangeness(new, CLEARLY_POSITIVE))
 
     def _of_twins(self, now: float, ways: Sequence[_Way], unlike: Sequence[Twin]) -> SuspectInertial | None:
-        """The change that makes the link like its twins, where these agree."""
-        target = unlike[0].numbers
-        way = next((way for way in ways if same(way.numbers, target)), None)
-        if way is None or not all(same(target, twin.numbers) for twin in unlike):
+        """The change that makes the link like its twins, where these agree; those whose axes are known decide."""
+        voting = [twin for twin in unlike if twin.sure_axes] or unlike
+        reaching = [way for way in ways if all(twin.has(way.numbers) for twin in voting)]
+        if not reaching:
             return None
-        like = self._strangeness(target, -FEW_DIGITS)
+        way = reaching[0]
+        like = self._strangeness(way.numbers, -FEW_DIGITS)
+        known = all(same(way.numbers, other.numbers) for other in reaching)
+        others = [twin for twin in unlike if twin.has(way.numbers)]
         turns = way.change.kind in ("sign", "exchange", "axes")
-        known = now == inf or not turns or all(twin.sure_axes for twin in unlike)
-        apart = now - like >= CLEAR and (now >= WRONG or not turns)
-        better = apart and not way.change.enlarges and like <= max(FITTING, FITTING_SHARE * now)
-        sure = (
-            known and like < inf and ((len(unlike) > 1 and (not turns or like <= now + CLEAR)) or now == inf or better)
-        )
-        reason = f"{listed(twin.link for twin in unlike)} has other numbers"
+        several = len(others) > 1 and (not turns or like <= now + CLEAR)
+        apart = now - like >= CLEAR and not way.change.enlarges
+        sure = known and like < inf and (several or now == inf or apart)
+        reason = f"{listed(twin.link for twin in others)} has other numbers"
         return SuspectInertial(self.name, self.element, reason, (way.change,), way.change if sure else None)
 
     def _alone(self, now: float, ways: Sequence[_Way]) -> SuspectInertial | None:
@@ -159,18 +168,18 @@ class _Link:
 
     def _is_only_change(self, way: _Way) -> bool:
         only = only_change(self.element)
-        new = None if only is None else inertial_numbers(only.applied(self.element))
+        new = None if only is None else numbers_of_body(only.applied(self.element))
         return new is not None and same(new, way.numbers)
 
 
 def only_change(inertial: etree._Element) -> Correction | None:
     """The only exchange of two entries, or sign of a moment, that makes an impossible tensor possible, if it leaves
     small products."""
-    given = inertial_numbers(inertial)
+    given = numbers_of_body(inertial)
     if given is None or given.is_possible(-FEW_DIGITS):
         return None
     tried = (
-        (change, inertial_numbers(change.applied(inertial))) for change in changes(inertial) if change.mends_tensors
+        (change, numbers_of_body(change.applied(inertial))) for change in changes(inertial) if change.mends_tensors
     )
     possible = [(change, new) for change, new in tried if new is not None and new.is_possible(CLEARLY_POSITIVE)]
     if not possible or not all(same(possible[0][1], new) for _, new in possible):

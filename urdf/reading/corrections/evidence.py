@@ -9,8 +9,8 @@ from math import exp, log
 import numpy as np
 
 from graphdyn.layout import Array
+from urdf.document.inertial_numbers import InertialNumbers
 from urdf.geometry.mass_properties import Filled
-from urdf.reading.corrections.inertial_numbers import InertialNumbers
 
 CLEARLY_POSITIVE = 1e-3
 """Smallest principal moment as a part of the largest from which a corrected tensor is clearly possible: thin rods have

@@ -7,12 +7,12 @@ from math import exp
 
 import numpy as np
 
+from urdf.document.inertial_numbers import InertialNumbers
 from urdf.document.numbers import values
 from urdf.document.source import Source
 from urdf.document.tree import end, joint_into, joints_by
 from urdf.geometry.mass_properties import FilledLink
 from urdf.reading.corrections.evidence import LinkSurroundings
-from urdf.reading.corrections.inertial_numbers import InertialNumbers
 
 MIN_LENGTH = 0.05
 """No link counts as shorter [m]."""

@@ -10,11 +10,11 @@ from itertools import product
 import numpy as np
 
 from graphdyn.layout import Array
+from urdf.document.inertial_numbers import InertialNumbers
 from urdf.document.source import Source
 from urdf.geometry.mass_properties import FilledLink
-from urdf.reading.corrections.inertial_numbers import InertialNumbers
 
-TWIN_ROUNDING = 5e-3
+TWIN_ROUNDING = 0.01
 """Relative difference up to which masses, centers and tensors are those of a twin, written with few digits."""
 
 _WORDS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"))
@@ -39,42 +39,53 @@ SHAPE_TOLERANCE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """link: by name; numbers: its inertial in the axes of the link whose twin it is
+    """link: by name; views: its inertial in the axes of the link whose twin it is, for every reflection that may be
 
-    alike: whether they are equal; sure_axes: the reflection is that of their shapes, or of centers of mass off all axes
+    sure_axes: the reflection is that of their shapes, or of centers of mass off all axes
     """
 
     link: str
-    numbers: InertialNumbers
-    alike: bool
+    views: tuple[InertialNumbers, ...]
     sure_axes: bool
+
+    def has(self, numbers: InertialNumbers) -> bool:
+        """Whether these are its own, seen in one of the ways."""
+        return any(same(numbers, view) for view in self.views)
 
 
 def twins(
     source: Source, inertials: Mapping[str, InertialNumbers], filled: Mapping[str, FilledLink]
 ) -> dict[str, list[Twin]]:
     """Per link those that agree in two of mass, center of mass and tensor."""
-    meshes: dict[str, set[str]] = {}
-    for drawing in source.drawings.drawings:
-        if drawing.geometry == "visual" and drawing.mesh_file and drawing.link in inertials:
-            meshes.setdefault(drawing.mesh_file, set()).add(drawing.link)
-    related: dict[str, set[str]] = {link: set() for link in inertials}
-    for link in inertials:
-        for other in mirrored_names(link):
-            if other in inertials:
-                related[link].add(other)
-                related[other].add(link)
-    for sharing in meshes.values():
-        for link in sharing:
-            related[link] |= sharing - {link}
     found: dict[str, list[Twin]] = {}
-    for link, others in related.items():
+    for link, others in _related(source, inertials).items():
         for other in sorted(others):
             axes = _axes_of_shapes(filled.get(link), filled.get(other))
             twin = _twin(inertials[link], other, inertials[other], axes)
             if twin is not None:
                 found.setdefault(link, []).append(twin)
     return found
+
+
+def _related(source: Source, inertials: Mapping[str, InertialNumbers]) -> dict[str, set[str]]:
+    """Per link those with the name of the other side, and those drawn with the same shape."""
+    related: dict[str, set[str]] = {link: set() for link in inertials}
+    for link in inertials:
+        for other in mirrored_names(link):
+            if other in inertials:
+                related[link].add(other)
+                related[other].add(link)
+    drawn: dict[str, list[tuple[str, ...]]] = {}
+    for drawing in source.drawings.drawings:
+        if drawing.geometry == "visual" and drawing.link in inertials:
+            drawn.setdefault(drawing.link, []).append(drawing.shape)
+    sharing: dict[tuple[tuple[str, ...], ...], set[str]] = {}
+    for link, shapes in drawn.items():
+        sharing.setdefault(tuple(shapes), set()).add(link)
+    for links in sharing.values():
+        for link in links:
+            related[link] |= links - {link}
+    return related
 
 
 def _axes_of_shapes(one: FilledLink | None, other: FilledLink | None) -> list[Array]:
@@ -103,18 +114,20 @@ def mirrored_names(name: str) -> Iterator[str]:
 
 def _twin(own: InertialNumbers, link: str, other: InertialNumbers, axes: Sequence[Array]) -> Twin | None:
     seen = [_reflected(other, each) for each in axes or REFLECTIONS]
+    fits = [agreements(own, each) for each in seen]
+    plain = bool(axes) and (axes[0] == np.eye(3)).all()
+    if plain and not any(map(all, fits)):
+        seen, fits = seen[:1], fits[:1]
+    most = max(map(sum, fits))
+    if most < 2:
+        return None
+    views = list[InertialNumbers]()
+    for view, agreeing in zip(seen, fits, strict=True):
+        if sum(agreeing) == most and not any(same(view, each) for each in views):
+            views.append(view)
     oblique = bool(np.abs(own.center).min() > CLEAR_OF_AXES * np.abs(own.center).max())
-
-    def rank(each: InertialNumbers) -> tuple[int, bool, float]:
-        fits = agreements(own, each)
-        return -sum(fits), oblique and not fits[1], float(np.linalg.norm(own.turned - each.turned))
-
-    best, plain = min(seen, key=rank), bool(axes) and (axes[0] == np.eye(3)).all()
-    if plain and sum(agreements(own, best)) < 3:
-        best = seen[0]
-    fits = agreements(own, best)
-    sure = plain or (oblique and fits[1]) or (bool(axes) and all(same(best, each) for each in seen))
-    return Twin(link, best, all(fits), sure) if sum(fits) >= 2 else None
+    sure = plain or (len(views) == 1 and (oblique or bool(axes)))
+    return Twin(link, tuple(views), sure)
 
 
 def _reflected(inertial: InertialNumbers, axes: Array) -> InertialNumbers:
