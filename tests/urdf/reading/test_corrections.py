@@ -72,7 +72,7 @@ def test_several_ways_are_candidates(arm, tmp_path):
     assert (done.path, done.changes) == (None, ())
     (told,) = done.candidates
     assert told.startswith("line 4: <inertial> of link 'upper': no body has this tensor; it fits with ")
-    assert "ixx and ixz exchanged (ixx 0.04 made 0.18, ixz 0.18 made 0.04); or ixz and izz exchanged" in told
+    assert told.endswith("it fits with ixx and ixz exchanged or ixz and izz exchanged")
     assert path.read_text(encoding="utf-8") == text
 
 

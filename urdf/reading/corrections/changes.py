@@ -57,10 +57,15 @@ class Correction:
         return self.what.startswith("mass") and " times " in self.what
 
     @property
+    def of_center(self) -> bool:
+        """Whether a coordinate of the center of mass changes its sign, which shapes tell least."""
+        return self.what.endswith("mass with the opposite sign")
+
+    @property
     def guessed(self) -> bool:
         """Whether it is never sure by itself: a density; a mass that is too small, as placeholders are; a factor of
-        100, for which no unit is a reason; a sign of a center of mass, which shapes tell least."""
-        return self.kind == "density" or self.enlarges or self.what.endswith((" 100", "mass with the opposite sign"))
+        100, for which no unit is a reason; a sign of a center of mass."""
+        return self.kind == "density" or self.enlarges or self.of_center or self.what.endswith(" 100")
 
     def applied(self, inertial: etree._Element) -> etree._Element:
         """A copy of the element with the change."""

@@ -49,6 +49,7 @@ class SuspectInertial:
     """An inertial that cannot be right, or hardly, and why, in words.
 
     ways: the changes that make it right, best first; unique: the one that is sure
+    gain: by how much less strange the best of them makes it; twins: links that are like it afterwards
     """
 
     link: str
@@ -56,6 +57,8 @@ class SuspectInertial:
     reason: str
     ways: tuple[Correction, ...]
     unique: Correction | None
+    gain: float
+    twins: tuple[str, ...] = ()
 
 
 def numbers_of_body(inertial: etree._Element) -> InertialNumbers | None:
@@ -74,8 +77,8 @@ class _Way:
     strangeness: float
 
 
-def suspect_inertials(source: Source) -> Iterator[SuspectInertial]:
-    """The inertials of moving links that some change would make right, in the order of the file."""
+def suspect_inertials(source: Source) -> list[SuspectInertial]:
+    """The inertials of moving links that some change would make right, the surest first."""
     moving = carriers(source)
     elements = {
         name_of(link): inertial
@@ -88,11 +91,12 @@ def suspect_inertials(source: Source) -> Iterator[SuspectInertial]:
     around = surroundings(source, numbers, filled)
     measured = {link: measures(each, around[link]) for link, each in numbers.items()}
     related = twins(source, numbers, filled)
+    found = list[SuspectInertial]()
     for link, given in numbers.items():
         usual = usual_among([measured[other] for other in numbers if other != link])
         suspect = _Link(link, elements[link], given, around[link], usual, related.get(link, ())).suspect()
-        if suspect is not None:
-            yield suspect
+        found += [suspect] if suspect is not None else []
+    return sorted(found, key=lambda suspect: -suspect.gain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,12 +137,15 @@ class _Link:
         like = self._strangeness(way.numbers, -FEW_DIGITS)
         known = all(same(way.numbers, other.numbers) for other in reaching)
         others = [twin for twin in unlike if twin.has(way.numbers)]
-        turns = way.change.kind in ("sign", "exchange", "axes")
-        several = len(others) > 1 and (not turns or like <= now + CLEAR)
-        apart = now - like >= CLEAR and not way.change.enlarges
-        sure = known and like < inf and (several or now == inf or apart)
-        reason = f"{listed(twin.link for twin in others)} has other numbers"
-        return SuspectInertial(self.name, self.element, reason, (way.change,), way.change if sure else None)
+        turns = way.change.kind in ("sign", "exchange", "axes", "rotation")
+        several = len(others) > 1 and (not turns or (like <= now + CLEAR and sum(twin.near for twin in others) > 1))
+        apart = now - like >= (WRONG - FITTING if turns else CLEAR) and like <= max(FITTING, FITTING_SHARE * now)
+        better = apart and not way.change.enlarges and not way.change.of_center
+        sure = known and like < inf and (several or now == inf or better)
+        names = tuple(twin.link for twin in others)
+        reason = f"{listed(names)} {'has' if len(names) == 1 else 'have'} other numbers"
+        unique = way.change if sure else None
+        return SuspectInertial(self.name, self.element, reason, (way.change,), unique, now - like, names)
 
     def _alone(self, now: float, ways: Sequence[_Way]) -> SuspectInertial | None:
         """The changes that bring the link to what is usual."""
@@ -156,13 +163,14 @@ class _Link:
         sure = one and now >= WRONG and fits and told_by and not simplest.guessed
         reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
         told = (simplest,) if one else tuple(way.change for way in close)
-        return SuspectInertial(self.name, self.element, reason, told, simplest if sure else None)
+        unique = simplest if sure else None
+        return SuspectInertial(self.name, self.element, reason, told, unique, now - best.strangeness)
 
     def _tensor_fits(self, now: float, way: _Way) -> bool:
         """Whether a change of the tensor's axes makes it that of the shape, whatever mass and center of mass are."""
         found = measures(way.numbers, self.around)
         of_tensor: dict[str, float] = {name: found[name] for name in ("form", "scale") if name in found}
-        turned = way.change.kind in ("exchange", "axes")
+        turned = way.change.kind in ("sign", "exchange", "axes", "rotation") and not way.change.of_center
         clearly = now < inf and now - way.strangeness >= WRONG - FITTING
         return bool(of_tensor) and turned and clearly and squares(of_tensor, self.usual) <= FITTING
 

@@ -46,6 +46,9 @@ mass: logarithm of the mass over the geometric mean of those of the neighbors
 LEAST: Mapping[str, float] = {"form": 0.05, "scale": 0.05, "density": 0.5, "offset": 0.05, "radius": 0.4, "mass": 0.7}
 """Spread below which the measures of the other links of a robot agree by chance."""
 
+ODD = 2.0
+"""Spreads from the middle of all robots at which a robot is no measure of its links."""
+
 MIN_OTHERS = 4
 """Number of different other links from which they say what is usual in their robot."""
 
@@ -66,7 +69,7 @@ def measures(inertial: InertialNumbers, around: LinkSurroundings) -> dict[str, f
     if around.neighbors is not None:
         found["mass"] = log(inertial.mass / around.neighbors)
     if around.filled is None:
-        if possible:
+        if possible and not inertial.is_placeholder:
             found["radius"] = log(np.sqrt(inertial.moments.sum() / 2 / inertial.mass) / around.length)
         return found
     solid = around.filled
@@ -86,7 +89,10 @@ def _logarithms(one: Array, other: Array) -> Array:
 
 
 def usual_among(others: Sequence[Mapping[str, float]]) -> dict[str, Usual]:
-    """What is usual among the other links of a robot, and where they are few, among all robots."""
+    """What is usual among the other links of a robot, and where they are few, among all robots.
+
+    Where a robot as a whole is far from all others, each of its links may be as far from the others.
+    """
     found = dict(USUAL)
     different = {tuple(round(value, 3) for value in each.values()): each for each in others}.values()
     for name in USUAL:
@@ -95,7 +101,8 @@ def usual_among(others: Sequence[Mapping[str, float]]) -> dict[str, Usual]:
             continue
         middle = 0.0 if name in ("form", "offset") else float(np.median(values))
         stray = np.median(np.abs(values - middle)) * (1.0 if middle == 0 else 1.48) * (1 + 2 / len(values))
-        found[name] = Usual(middle, max(float(stray), LEAST[name]))
+        far = abs(middle - USUAL[name].middle)
+        found[name] = Usual(middle, max(float(stray), LEAST[name], far if far > ODD * USUAL[name].spread else 0.0))
     return found
 
 
