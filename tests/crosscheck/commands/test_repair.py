@@ -50,6 +50,14 @@ def test_what_no_repair_mends_is_the_error_alone(program, tmp_path):
     assert len(refused.err.splitlines()) == 1
 
 
+def test_no_command_is_told_for_a_file_that_cannot_be_edited(program, crossed):
+    """Such as one in UTF-16, which is read."""
+    crossed.write_text(changed('rpy="0 0 0"', 'rpy="1.5708 0 0"'), encoding="utf-16")
+    assert "graphdyn repair" not in program("inspect", crossed.name).out
+    refused = program("repair", crossed.name, "--list")
+    assert (refused.code, "save it as UTF-8 first" in refused.err) == (BAD_INPUT, True)
+
+
 @pytest.mark.parametrize("asked", ["inspect", "repair"])
 def test_what_is_printed_can_be_typed_as_it_stands(program, crossed, asked):
     told = program(asked, crossed.name, *["--list"] * (asked == "repair"))

@@ -25,6 +25,9 @@ TENSOR_POWERS = (-9, -7, -6, -4, -3, -2, -1, 1, 2, 3, 4, 6, 7, 9)
 CENTER_POWERS = (-3, -2, -1, 1, 2, 3)
 """Powers of ten that a center of mass is wrong by: a shifted point, cm, mm."""
 
+INCHES = 1 / 0.0254
+"""In a meter. Of pounds and newtons for kilograms nothing tells: 2.2 is near 2.7, and 9.81 near 10."""
+
 DENSITIES: Mapping[float, str] = {
     7.85: "steel for water",
     2.7: "aluminum for water",
@@ -35,7 +38,7 @@ DENSITIES: Mapping[float, str] = {
 Edits = Mapping[tuple[str, str], str]
 """New texts by tag and attribute."""
 
-Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density"]
+Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density", "inches"]
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,9 @@ def _scaled(inertial: etree._Element) -> Iterator[Correction]:
         for power in powers if texts else ():
             said = f"{'times' if power > 0 else 'divided by'} {10 ** abs(power):,}"
             yield Correction("power of ten", f"{what} {said}", _times(texts, Decimal(1).scaleb(power)))
+    if center:
+        edits = {key: " ".join(repr(float(word) / INCHES) for word in words.split()) for key, words in center.items()}
+        yield Correction("inches", f"center of mass divided by {INCHES:.4g} (inches)", edits)
     for ratio, reason in DENSITIES.items():
         for what, texts in (("mass", mass), ("mass and tensor", mass | tensor)):
             edits = {key: repr(float(word) / ratio) for key, word in texts.items() if float(word)}

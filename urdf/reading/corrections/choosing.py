@@ -38,6 +38,10 @@ FITTING_SHARE = 0.25
 FAR_SHARE = 0.04
 """The same for a power of ten, which takes an inertial from far away."""
 
+WHOLE_ROBOT = 0.05
+"""Part of the mass of all other links up to which that of one is the mass of the whole robot, written into a link: no
+factor tells its own."""
+
 MAX_PRODUCT_SHARE = 0.4
 """Largest product of inertia as a part of the smallest moment in a tensor that is corrected because it is impossible.
 Four of five published links have less; a published tensor that is impossible for another reason becomes possible with
@@ -94,19 +98,23 @@ def suspect_inertials(source: Source) -> list[SuspectInertial]:
     found = list[SuspectInertial]()
     for link, given in numbers.items():
         usual = usual_among([measured[other] for other in numbers if other != link])
-        suspect = _Link(link, elements[link], given, around[link], usual, related.get(link, ())).suspect()
+        rest = sum(numbers[other].mass for other in numbers if other != link)
+        suspect = _Link(link, elements[link], given, around[link], usual, related.get(link, ()), rest).suspect()
         found += [suspect] if suspect is not None else []
     return sorted(found, key=lambda suspect: -suspect.gain)
 
 
 @dataclass(frozen=True, eq=False)
 class _Link:
+    """rest: mass of all other links [kg]"""
+
     name: str
     element: etree._Element
     given: InertialNumbers
     around: LinkSurroundings
     usual: Mapping[str, Usual]
     twins: Sequence[Twin]
+    rest: float
 
     def suspect(self) -> SuspectInertial | None:
         now = self._strangeness(self.given, -FEW_DIGITS)
@@ -160,7 +168,8 @@ class _Link:
         fits = best.strangeness <= max(FITTING, far) or self._tensor_fits(now, best)
         fits = fits or (now == inf and self._is_only_change(best))
         told_by = self.around.filled is not None or not self.given.is_placeholder
-        sure = one and now >= WRONG and fits and told_by and not simplest.guessed
+        whole = abs(self.given.mass - self.rest) <= WHOLE_ROBOT * self.rest and best.numbers.mass != self.given.mass
+        sure = one and now >= WRONG and fits and told_by and not simplest.guessed and not whole
         reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
         told = (simplest,) if one else tuple(way.change for way in close)
         unique = simplest if sure else None
