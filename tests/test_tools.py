@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-PROGRAMS = sorted((Path(__file__).parent / "tools").glob("[!_]*.py"))
+PROGRAMS = sorted((Path(__file__).parent / "tools").glob("*/[!_]*.py"))
 
 
 @pytest.mark.parametrize("program", PROGRAMS, ids=lambda path: path.stem)

@@ -26,7 +26,7 @@ DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 EQUATIONS = 118
 """The paper numbers its equations from 1 to 118."""
 MADE_BY_THE_SITE = {"gallery/index", "reference/index"}
-PATTERNS = {"docs/peers/peer_NAME.py", "tests/tools/NAME.py", "urdf/arms"}
+PATTERNS = {"docs/peers/peer_NAME.py", "tests/tools/FOLDER/NAME.py", "urdf/arms"}
 """What looks like a place of the repository and is none."""
 CONTINUED = "tutorial.md"
 """Its blocks build on one another."""
@@ -199,7 +199,7 @@ def test_contributing_lists_every_program_of_the_tests():
     ).stdout
     table = (ROOT / "docs/contributing.md").read_text("utf-8").partition("| program | answers |")[2]
     listed = re.findall(r"^\| `(\w+)[^`]*` \|", table, re.MULTILINE)
-    programs = dict(line.split(maxsplit=1) for line in found.splitlines())
+    programs = dict(line.split(maxsplit=1) for line in found.splitlines() if line.startswith(" "))
     assert listed == [*programs]
     assert all(len(line) <= 120 for line in programs.values())
 

@@ -1,4 +1,4 @@
-"""Calls that write, of which one fails. The program tests/tools/failing_calls.py does so below Python."""
+"""Calls that write, of which one fails. The program tests/tools/program/failing_calls.py does so below Python."""
 
 import errno
 import os

@@ -1,28 +1,37 @@
 """Programs that answer what no test asks every time: python tests/tools [NAME [ARGUMENTS]].
 
-Without a name, the programs with what each answers.
+Without a name, the programs of each folder with what they answer.
 """
 
 import ast
 import importlib
 import sys
+from itertools import groupby
 from pathlib import Path
 
 HERE = Path(__file__).parent
 
 
-def answers() -> dict[str, str]:
-    """The first line of the docstring of each program, by its name."""
-    documented = {path.stem: ast.get_docstring(ast.parse(path.read_text("utf-8"))) for path in HERE.glob("[!_]*.py")}
-    return {name: documented[name].splitlines()[0] for name in sorted(documented)}
+def programs() -> dict[str, Path]:
+    """Their files by name, folder by folder."""
+    return {path.stem: path for path in sorted(HERE.glob("*/[!_]*.py"))}
+
+
+def answer(program: Path) -> str:
+    """The first line of its docstring."""
+    documented = ast.get_docstring(ast.parse(program.read_text("utf-8")))
+    assert documented, program
+    return documented.splitlines()[0]
 
 
 def main() -> int:
-    known, (name, *arguments) = answers(), sys.argv[1:] or [""]
+    known, (name, *arguments) = programs(), sys.argv[1:] or [""]
     if name not in known:
-        print(*(f"{program:22} {line}" for program, line in known.items()), sep="\n")
+        for folder, files in groupby(known.values(), lambda path: path.parent.name):
+            print(folder, *(f"  {program.stem:22} {answer(program)}" for program in files), sep="\n")
         return 0 if not name else 2
-    sys.path[:0] = [str(HERE.parent / "helpers"), str(HERE.parents[1] / "docs" / "recordings")]
+    places = (known[name].parent, HERE.parent / "helpers", HERE.parents[1] / "docs" / "recordings")
+    sys.path[:0] = map(str, places)
     sys.argv = [f"python tests/tools {name}", *arguments]
     return importlib.import_module(name).main() or 0
 

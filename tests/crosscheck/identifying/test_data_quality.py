@@ -481,7 +481,7 @@ class TestVerdict:
 
 
 class TestRealRecordings:
-    """A few of the variants of tests/tools/corrupted_recordings.py, without any fit; simulated ones are above."""
+    """A few of the variants of `python tests/tools corrupted_recordings`, without any fit; simulated ones are above."""
 
     def judged(self, name, variant):
         existing(DATA / "data" / name)

@@ -282,7 +282,7 @@ def test_random_grazing_limits_and_events(settings, dozen):
     ),
 )
 def test_random_motions_that_graze_a_height(kind, method):
-    """Against splines of fine steps; tests/tools/missed_crossings.py asks for ten thousand."""
+    """Against splines of fine steps; tests/tools/dynamics/missed_crossings.py asks for ten thousand."""
     tried = (problems(kind, method, seed, heights=2) for seed in (1, 2))
     asked, wrong = next(found for found in tried if found[0])  # all of a seed may be nearer than a method is exact
     assert asked > 0

@@ -25,7 +25,7 @@ START = graphdyn.assemble(CRANK, [0.7, 0.0, 1.0], [1.0, 0, 0], hold=["a"])
 def test_published_mechanisms():
     existing(DATA / "loops")
     motion, error = squeezed(method="rk8", step=2e-4)
-    assert error < 2e-9  # measured 9e-10; with steps of 1e-4 s 1.6e-12: tests/tools/published_loops.py
+    assert error < 2e-9  # measured 9e-10; with steps of 1e-4 s 1.6e-12: tests/tools/dynamics/published_loops.py
     assert motion.closure_error().max() < 1e-14
     motion, error = space_linkage(method="rk8", step=0.05)
     assert error < 1e-11

@@ -20,7 +20,7 @@ from crosscheck.report.records.record import plain
 NEGATIVE = changed(MASS, '<mass value="-2.5"/>')
 DOUBTFUL = changed(INERTIA, INERTIA.replace("0.11", "0.9"))
 SHARE = 13
-"""Every so many planted faults are told in every change; tests/tools/reported_lines.py has all of them."""
+"""Every so many planted faults are told in every change; tests/tools/files/reported_lines.py has all of them."""
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Diagnoses that hold, and those that say that they do not: the cases of tests/tools/named_faults.py, spread out."""
+"""Diagnoses that hold, and those that say that they do not: those of `python tests/tools named_faults`, spread out."""
 
 import json
 import math

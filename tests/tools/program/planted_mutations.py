@@ -104,7 +104,7 @@ EQUIVALENT: dict[str, dict[tuple[str, str], str]] = {
 }
 """Changes that no test can notice, by module: the line before and after, and why."""
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 NOT_COPIED = shutil.ignore_patterns(".*", "build", "__pycache__", "*.egg-info")
 
 LONGEST = 600
