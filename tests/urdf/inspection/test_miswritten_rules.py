@@ -8,7 +8,7 @@ import urdf
 from graphdyn import Body
 from urdf.document.inertial_numbers import inertial_numbers
 from urdf.document.numbers import inertial_element, rotation_from_rpy, rpy_from_rotation
-from urdf.inspection.rules.miswritten_rules import TURNING, distance, meant
+from urdf.inspection.rules.miswritten_rules import OF_TENSOR, distance, meant
 from urdf.inspection.structure import LinkInertial
 from urdf.reading.corrections import changes
 
@@ -16,8 +16,8 @@ MESH = rotation_from_rpy(0.1, 0.2, -1.0) @ np.diag([0.05, 0.21, 0.24]) @ rotatio
 TURN = rotation_from_rpy(0.5, 0.9, -0.4)
 
 
-def written(tensor, turn=None):
-    element = inertial_element(Body("a", 1.0, np.zeros(3), tensor))
+def written(tensor, turn=None, center=(0.0, 0.0, 0.0), mass=1.0):
+    element = inertial_element(Body("a", mass, np.array(center), tensor))
     if turn is not None:
         element.find("origin").set("rpy", " ".join(map(repr, map(float, rpy_from_rotation(turn)))))
     return element
@@ -28,7 +28,7 @@ def read(element):
     return LinkInertial(found.mass, found.center, found.rotation, found.tensor, "a", element)
 
 
-SLIPS = [change for change in changes(written(0.9 * MESH)) if change.kind in TURNING]
+SLIPS = [change for change in changes(written(0.9 * MESH)) if change.kind in OF_TENSOR]
 
 
 @pytest.mark.parametrize("slip", SLIPS, ids=lambda slip: slip.what)
@@ -82,6 +82,21 @@ class TestFiles:
             "compare it with CAD; SolidWorks, for one, writes products of inertia with the opposite sign unless told "
             "otherwise"
         )
+
+    @pytest.mark.parametrize(
+        ("sign", "what"),
+        [
+            (1, "shifted from the origin of the link to the center of mass"),
+            (-1, "shifted back, as it was shifted to the center of mass twice"),
+        ],
+    )
+    def test_a_tensor_about_another_point(self, tmp_path, sign, what):
+        """SolidWorks gives both. A box with its center at (0.1, 0.05, -0.2) m of the link."""
+        center = np.array([0.1, 0.05, -0.2])
+        tensor = self.TENSOR + sign * self.MASS * (center @ center * np.eye(3) - np.outer(center, center))
+        found = meant(read(written(tensor, center=center, mass=self.MASS)), self.TENSOR)
+        assert found[0].what == what
+        assert found[1] < 1e-6
 
     @pytest.mark.parametrize("factor", [1e-9, 0.001, 0.1, 10, 1000])
     def test_powers_of_ten(self, tmp_path, factor):

@@ -1,4 +1,4 @@
-"""Tensors that are those of a mesh once one slip is undone: a power of ten, products negated, axes exchanged or turned.
+"""Tensors that are those of a mesh once one slip is undone: of size, signs, order of axes, rotation, point.
 
 Tensors are compared up to a factor, because links are hollow. Which slip it was is only asked where the inertial is
 that of the mesh beside it: the center of mass is the same.
@@ -15,10 +15,10 @@ from urdf.document.inertial_numbers import inertial_numbers
 from urdf.geometry.mass_properties import Filled
 from urdf.inspection.findings import Finding, about
 from urdf.inspection.structure import LinkInertial
-from urdf.reading.corrections import Correction, changes
+from urdf.reading.corrections import Correction, changes, shifted
 
-TURNING = ("sign", "exchange", "axes", "rotation")
-"""Kinds of changes after which a tensor is another one of the same size."""
+OF_TENSOR = ("sign", "exchange", "axes", "rotation", "point")
+"""Kinds of changes that give another tensor, not only of another size."""
 
 MAX_DISTANCE, MIN_GAIN, MIN_DISTANCE = 0.1, 3.0, 0.12
 """A tensor is that of the mesh up to the first distance; another one is meant if it is so and nearer by the second
@@ -65,8 +65,8 @@ def meant(own: LinkInertial, filled: Array) -> tuple[Correction, float] | None:
         return None
     limit = min(MAX_DISTANCE, apart / MIN_GAIN)
     fitting = list[tuple[Correction, float]]()
-    for change in changes(own.element):
-        new = inertial_numbers(change.applied(own.element)) if change.kind in TURNING else None
+    for change in (*changes(own.element), *shifted(own.element)):
+        new = inertial_numbers(change.applied(own.element)) if change.kind in OF_TENSOR else None
         if new is not None and new.tensor.any():
             off, factor = distance(new.turned, filled)
             if off < limit and SAME_SIZE[0] < factor < SAME_SIZE[1]:

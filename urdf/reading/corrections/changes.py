@@ -11,6 +11,8 @@ from typing import Literal
 
 from lxml import etree
 
+from graphdyn.model import parallel_axis
+from urdf.document.inertial_numbers import inertial_numbers
 from urdf.document.numbers import rotation_from_rpy, rpy_from_rotation, text, values
 from urdf.document.vocabulary import NUMBERS
 
@@ -38,7 +40,7 @@ DENSITIES: Mapping[float, str] = {
 Edits = Mapping[tuple[str, str], str]
 """New texts by tag and attribute."""
 
-Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density", "inches"]
+Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density", "inches", "point"]
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,20 @@ def changes(inertial: etree._Element) -> Iterator[Correction]:
     yield from _signs(inertial)
     yield from _permuted(inertial)
     yield from _turned_back(inertial)
+
+
+def shifted(inertial: etree._Element) -> Iterator[Correction]:
+    """A tensor about the origin of the link, and one that was shifted to the center of mass twice, about the latter."""
+    found = inertial_numbers(inertial)
+    if found is None or not found.center.any():
+        return
+    term = parallel_axis(found.mass, found.rotation.T @ found.center)
+    for what, tensor in (
+        ("shifted from the origin of the link to the center of mass", found.tensor - term),
+        ("shifted back, as it was shifted to the center of mass twice", found.tensor + term),
+    ):
+        edits = {("inertia", f"i{'xyz'[i]}{'xyz'[j]}"): f"{tensor[i, j]:.9g}" for i in range(3) for j in range(i, 3)}
+        yield Correction("point", what, edits)
 
 
 def _texts(inertial: etree._Element, tag: str, names: tuple[str, ...]) -> dict[tuple[str, str], str]:
