@@ -16,7 +16,7 @@ SLENDER = 0.3
 MIN_REACH, MIN_REACH_RATIO = 0.1, 1.5
 """Distance of the next joint, in meters and in radii of gyration, from which a link extends towards it."""
 
-MAX_ANGLE = 60.0
+ACROSS = 60.0
 """Between the axis of the smallest moment and the line to the next joint [°]: no slender link of 84 published robots
 has 45°."""
 
@@ -25,7 +25,7 @@ def slender_findings(structure: Structure) -> Iterator[Finding]:
     """Moving links with one joint ahead whose smallest moment is not about the line to it."""
     for each in structure.inertials:
         angle = _angle(structure, each) if structure.moving(each.link) and each.mass > 0 else 0.0
-        if angle > MAX_ANGLE:
+        if angle > ACROSS:
             yield about(
                 "inertia-across-link",
                 each.element,

@@ -28,7 +28,7 @@ CENTER_POWERS = (-3, -2, -1, 1, 2, 3)
 """Powers of ten that a center of mass is wrong by: a shifted point, cm, mm."""
 
 INCHES = 1 / 0.0254
-"""In a meter. Of pounds and newtons for kilograms nothing tells: 2.2 is near 2.7, and 9.81 near 10."""
+"""The inches in a meter. Nothing tells of pounds and newtons for kilograms: 2.2 is near 2.7, and 9.81 near 10."""
 
 DENSITIES: Mapping[float, str] = {
     7.85: "steel for water",

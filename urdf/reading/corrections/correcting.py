@@ -33,7 +33,7 @@ def candidates(source: Source) -> Iterator[str]:
 
 
 def _ways(suspect: SuspectInertial) -> str:
-    """With numbers where there is one."""
+    """The changes in words, with numbers where there is one."""
     if len(suspect.ways) > 1:
         more = len(suspect.ways) - MAX_WAYS
         return " or ".join(way.what for way in suspect.ways[:MAX_WAYS]) + (f" or {more} more" if more > 0 else "")

@@ -72,7 +72,7 @@ class LinkSurroundings:
     neighbors: float | None
 
     def length(self, center: Array) -> float:
-        """Of the link, without a mesh [m]."""
+        """The length of the link, without a mesh [m]."""
         return max(MIN_LENGTH, self.reach, float(np.linalg.norm(center)))
 
 
