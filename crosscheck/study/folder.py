@@ -60,8 +60,8 @@ def begin_or_go_on(
     for name in sorted({*before, *inputs} - {"configuration"}):
         if before.get(name) == MISSING and name in LIBRARIES:
             continue  # no result has needed it
-        if extend and Path(name).is_absolute() and name not in before:
-            continue  # of a method that is new
+        if extend and Path(name).is_absolute() and (name not in before or name not in inputs):
+            continue  # of a method or recording that is new, or of a recording that is left out
         if before.get(name) != inputs.get(name):
             what = "has changed" if Path(name).is_absolute() else f"was {before.get(name)}, is {inputs.get(name)}"
             changes.append(f"{name} {what}")

@@ -58,13 +58,14 @@ def run_study(
     progress: Callable[[Progress], None] | None = None,
     tell: Callable[[str], None] | None = None,
     before: Callable[[], None] | None = None,
+    first: Callable[[], None] | None = None,
 ) -> None:
     """Compute every task that is not done, and write the tables.
 
     folder: new or empty; with `resume` that of the same study, or new; with `extend` that of a part of it
     versions: of the libraries, which must be those the study was begun with
     progress: called after every task; tell: with a line about every process that died
-    before: called before the first task, when nothing else is wrong
+    before: called before the first task, when nothing else is wrong; first: called after it, with the folder begun
 
     After any interruption, what was done is in the folder.
 
@@ -87,6 +88,8 @@ def run_study(
         if not new:
             before()
         write_scenarios(study, folder)
+        if first is not None:
+            first()
         _compute(study, store, workers, progress or (lambda _: None), tell or (lambda _: None))
         write_results(store.outcomes(), folder)
 

@@ -79,6 +79,7 @@ def run(options: StudyOptions) -> None:
     from crosscheck.recordings.arrow import check_arrow
 
     check_arrow("the tables of a study")  # before the modules that import it
+    from crosscheck.commands.study.recordings import identify_recordings
     from crosscheck.distributing import versions as computing_versions
     from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study
@@ -110,12 +111,14 @@ def run(options: StudyOptions) -> None:
         _show(study, only)
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
-    _tell_few_runs(study)
+    if study.scenarios:
+        _tell_few_runs(study)
     if study.own_methods or study.own_laws:
         own_process.enter(f"code {', '.join((*study.own_methods, *study.own_laws))}")
     workers, shown = options.workers, _Shown()
     try:
-        with progress("study", study.runs * len(study.scenarios)) as advance:
+        steps = len(study.recordings) + study.runs * len(study.scenarios)
+        with progress("study", steps) as advance:
             shown.advance = advance
             run_study(
                 study,
@@ -127,13 +130,12 @@ def run(options: StudyOptions) -> None:
                 progress=shown,
                 tell=lambda line: say(line, "yellow"),
                 before=lambda: _check_own(study),
+                first=lambda: identify_recordings(study, folder, advance, allow_code=options.allow_code),
             )
     except (KeyboardInterrupt, Ended):
-        say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
+        kept = f"{shown.done} of {shown.total} runs are" if shown.total else "what is done is"
+        say(f"interrupted: {kept} kept in {folder}; go on with --resume", "yellow")
         raise
-    from crosscheck.commands.study.recordings import identify_recordings
-
-    identify_recordings(study, folder, allow_code=options.allow_code)
     _report(study, config, folder)
     raise typer.Exit(AGREED)
 
@@ -160,8 +162,10 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
         return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
 
     robots = ", ".join(robot.name for robot in study.robots)
-    facts = [("configuration", study.file), ("robot", robots), ("seed", str(study.seed))]
-    _deliver(folder, read_outcomes(folder), facts, repeat, study.design)
+    simulated = [("robot", robots), ("seed", str(study.seed))] if study.robots else []
+    facts = [("configuration", study.file), *simulated]
+    labels = [recording.label for recording in study.recordings]
+    _deliver(folder, read_outcomes(folder), facts, repeat, study.design, labels)
 
 
 def _report_so_far(folder: Path, tables: Path | None) -> None:
@@ -173,7 +177,7 @@ def _report_so_far(folder: Path, tables: Path | None) -> None:
         return ["graphdyn", "study", "--config", str(folder / CONFIGURATION), "--only", f"{scenario}:{run}"]
 
     found = read_so_far(folder)
-    _deliver(folder, found.outcomes, found.facts, repeat, found.design, tables)
+    _deliver(folder, found.outcomes, found.facts, repeat, found.design, found.recordings, tables)
 
 
 def _deliver(
@@ -182,20 +186,23 @@ def _deliver(
     facts: Sequence[tuple[str, str]],
     repeat: Repeat,
     design: StudyDesign,
+    labels: Sequence[str],
     tables: Path | None = None,
 ) -> None:
+    """labels: of the recordings"""
     from crosscheck.commands.study.recordings import read_recordings
     from crosscheck.commands.study.report import study_report
     from crosscheck.study.inputs import read_inputs
 
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
+    recorded = read_recordings(folder, labels)
     with warnings_shown():
-        report = study_report(outcomes, facts, repeat, design, read_inputs(folder), read_recordings(folder))
+        report = study_report(outcomes, facts, repeat, design, read_inputs(folder), recorded)
     if tables is not None:
         from crosscheck.commands.study.paper_files import write_paper_files
         from crosscheck.study.statistics.summary import summarized
 
-        written = write_paper_files(summarized(outcomes, design), report, tables)
+        written = write_paper_files(summarized(outcomes, design), recorded, report, tables)
         say(f"{counted(len(written), 'file')} for a paper in {tables}: {', '.join(written)}")
     deliver(report, ReportOptions(html_file=page, json_file=numbers))
 

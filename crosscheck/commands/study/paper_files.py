@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from crosscheck.commands.study.comparison_report import verdict_text
+from crosscheck.commands.study.recordings import RecordedResults
 from crosscheck.commands.study.words import ERRORS_IN_WORDS
 from crosscheck.report.report import Picture, Report
 from crosscheck.study.statistics.intervals import Interval
@@ -28,15 +29,20 @@ ALL_SCENARIOS = "all"
 """Stands for the comparison over all scenarios."""
 
 
-def write_paper_files(found: StudySummary, report: Report, folder: Path) -> list[str]:
+def write_paper_files(found: StudySummary, recorded: RecordedResults, report: Report, folder: Path) -> list[str]:
     """Write them, and answer their names. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    files = {
-        "comparisons.csv": _csv(COMPARISON_COLUMNS, list(_comparisons(found))),
-        "errors.csv": _csv(*_errors(found)),
-        **{f"comparisons-{measures}.tex": text for measures, text in _latex(found)},
-        **dict(_pictures(report)),
-    }
+    files = dict[str, str]()
+    if found.scenarios:
+        files = {
+            "comparisons.csv": _csv(COMPARISON_COLUMNS, list(_comparisons(found))),
+            "errors.csv": _csv(*_errors(found)),
+            **{f"comparisons-{measures}.tex": text for measures, text in _latex(found)},
+            **dict(_pictures(report)),
+        }
+    if recorded:
+        rows = [[label, *vars(one).values()] for label, of in recorded.items() for one in of]
+        files["recordings.csv"] = _csv(("recording", "method", "torque_error", "real", "failure"), rows)
     for name, text in files.items():
         write_whole(folder / name, text.encode())
     return list(files)

@@ -18,7 +18,7 @@ def written(tmp_path_factory):
     """The summary, and the folder of its files."""
     folder, found = tmp_path_factory.mktemp("paper"), outcomes(*study_tables(14))
     report = study_report(found, [], lambda scenario, run: [])
-    names = write_paper_files(summarized(found), report, folder)
+    names = write_paper_files(summarized(found), {}, report, folder)
     assert sorted(names) == sorted(file.name for file in folder.iterdir())
     return summarized(found), folder
 
