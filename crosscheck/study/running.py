@@ -19,7 +19,7 @@ from crosscheck.distributing import DaskWorkers, Lost, NoWorkers, Workers
 from crosscheck.identifying import ESTIMATORS
 from crosscheck.study.folder import DATABASE, begin, begin_or_go_on, is_new
 from crosscheck.study.settings.configuration import Configuration, shown_name
-from crosscheck.study.simulated.plants import plant_of
+from crosscheck.study.simulated.plants import refuse_unfit
 from crosscheck.study.store import Key, Store, opened
 from crosscheck.study.tables import write_results, write_scenarios
 from crosscheck.study.tasks import (
@@ -72,8 +72,7 @@ def run_study(
     Raises BadConfiguration for settings that do not fit the robot; InvalidInput for a folder that is something else, or
     of a study with another configuration; NoWorkers for processes that lack what it needs; OSError; urdf's errors.
     """
-    for robot in study.robots:
-        plant_of(robot)  # which refuses what does not fit it
+    refuse_unfit(study)
     refuse_missing_packages(study)
     if isinstance(workers, DaskWorkers):
         workers = replace(workers, libraries=LIBRARIES)

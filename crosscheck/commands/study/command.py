@@ -84,7 +84,7 @@ def run(options: StudyOptions) -> None:
     from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study
     from crosscheck.study.settings.configuration import read_configuration
-    from crosscheck.study.simulated.plants import plant_of
+    from crosscheck.study.simulated.plants import refuse_unfit
     from crosscheck.study.tasks import LIBRARIES
 
     config, only, resume, extend = options.config, options.only, options.resume, options.extend
@@ -101,8 +101,7 @@ def run(options: StudyOptions) -> None:
     if only is not None and computing:
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
     study = read_configuration(config, allow_code=options.allow_code)
-    for robot in study.robots:
-        plant_of(robot)  # which refuses what does not fit it, before any code of others runs
+    refuse_unfit(study)  # before any code of others runs
     if only is not None:
         _refuse_unknown(
             study, only, [f"{scenario.name}:{k}" for scenario in study.scenarios for k in range(study.runs)]

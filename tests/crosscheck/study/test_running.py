@@ -661,6 +661,9 @@ def test_what_only_the_robot_shows(folder):
         BadConfiguration, match=r"study\.toml: limits in \[robot\]: joint 'sh.*' may move from 1 to -1;"
     ):
         run_study(study_of(folder, small.ROBOT, "lower = 1\nupper = -1\n"), folder / "never", InThisProcess())
+    errors = "[errors]\ngain_factor = [1.1, 1.2, 1.3]\n"
+    with pytest.raises(BadConfiguration, match=r"gain_factor in \[errors\] has 3 numbers; .* has 2 joints: give one f"):
+        run_study(study_of(folder, small.ROBOT, errors), folder / "never", InThisProcess())
     with pytest.raises(BadConfiguration, match=r"'panda' has joints that drive others, .*; lock them"):
         run_study(study_of(folder, "[robot]\nname = 'panda'\n"), folder / "never", InThisProcess())
     assert not (folder / "never").exists()
