@@ -18,7 +18,6 @@ from crosscheck.commands.program.output_files import OutputFile
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
-    from crosscheck.commands.study.report import Repeat
     from crosscheck.study.running import Progress
     from crosscheck.study.settings.configuration import Configuration
     from crosscheck.study.settings.design import StudyDesign
@@ -156,47 +155,44 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     """Print it, and write study.html and study.json. Raises OSError."""
     from crosscheck.study.statistics.outcomes import read_outcomes
 
-    def repeat(scenario: str, run: int) -> list[str]:
-        allowed = ["--allow-code"] if study.own_methods or study.own_laws else []
-        return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
-
     robots = ", ".join(robot.name for robot in study.robots)
     simulated = [("robot", robots), ("seed", str(study.seed))] if study.robots else []
     facts = [("configuration", study.file), *simulated]
     labels = [recording.label for recording in study.recordings]
-    _deliver(folder, read_outcomes(folder), facts, repeat, study.design, labels)
+    _deliver(folder, read_outcomes(folder), facts, config, study.design, labels)
 
 
 def _report_so_far(folder: Path, tables: Path | None) -> None:
     """The same of a study that need not be finished. tables: folder for a paper. Raises InvalidInput, OSError."""
-    from crosscheck.study.folder import CONFIGURATION
     from crosscheck.study.so_far import read_so_far
 
-    def repeat(scenario: str, run: int) -> list[str]:
-        return ["graphdyn", "study", "--config", str(folder / CONFIGURATION), "--only", f"{scenario}:{run}"]
-
     found = read_so_far(folder)
-    _deliver(folder, found.outcomes, found.facts, repeat, found.design, found.recordings, tables)
+    _deliver(folder, found.outcomes, found.facts, None, found.design, found.recordings, tables)
 
 
 def _deliver(
     folder: Path,
     outcomes: StudyOutcomes,
     facts: Sequence[tuple[str, str]],
-    repeat: Repeat,
+    config: str | None,
     design: StudyDesign,
     labels: Sequence[str],
     tables: Path | None = None,
 ) -> None:
-    """labels: of the recordings"""
+    """config: for commands that repeat a run; None for that of the folder; labels: of the recordings"""
     from crosscheck.commands.study.recordings import read_recordings
     from crosscheck.commands.study.report import study_report
     from crosscheck.study.inputs import read_inputs
 
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
-    recorded = read_recordings(folder, labels)
+    recorded, inputs = read_recordings(folder, labels), read_inputs(folder)
+
+    def repeat(scenario: str, run: int) -> list[str]:
+        allowed = ["--allow-code"] if inputs.has_code else []
+        return ["graphdyn", "study", "--config", config or inputs.origin, *allowed, "--only", f"{scenario}:{run}"]
+
     with warnings_shown():
-        report = study_report(outcomes, facts, repeat, design, read_inputs(folder), recorded)
+        report = study_report(outcomes, facts, repeat, design, inputs, recorded)
     if tables is not None:
         from crosscheck.commands.study.paper_files import write_paper_files
         from crosscheck.study.statistics.summary import summarized

@@ -128,6 +128,12 @@ class Configuration:
     recordings: tuple[StudyRecording, ...]
 
     @property
+    def origin(self) -> str:
+        """Its whole path, or the name of a configuration of the package."""
+        path = self.folder / Path(self.file).name
+        return str(path) if path.is_file() else self.file
+
+    @property
     def recorded_files(self) -> dict[str, str]:
         """Hash of every file of the recordings."""
         return {file: hash_of(Path(file)) for recording in self.recordings for file in recording.files}

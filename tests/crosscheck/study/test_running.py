@@ -715,6 +715,8 @@ def test_the_command(program, words, folder, tmp_path, monkeypatch):
     assert "2 runs cannot decide 2 comparisons, however clear they are: give 7 runs or more" in words(done.err)
     so_far = program("study", "--report", out)
     assert (so_far.code, "so far 4 records of 2 scenarios" in words(so_far.out)) == (AGREED, True)
+    repeated = f"--config {config.resolve()} --only {name}:0"
+    assert repeated in (out / "study.html").read_text(), "whose robot is beside the configuration, not beside its copy"
     written = json.loads((out / "study.json").read_text())
     assert written["facts"]["so far"] == "4 records of 2 scenarios"
     assert written["files"]["results.parquet"] == hashlib.sha256((out / "results.parquet").read_bytes()).hexdigest()
