@@ -17,7 +17,7 @@ from urdf.document import toml_document, write_whole
 
 CONFIGURATION, DATABASE = "study.toml", "study.sqlite"
 
-TEXT, ORIGIN = "configuration", "configuration file"
+CONFIGURATION_TEXT, CONFIGURATION_ORIGIN = "configuration", "configuration file"
 """Inputs of a study that are neither a file nor a version: the text of its configuration, and where that came from."""
 
 
@@ -55,12 +55,12 @@ def begin_or_go_on(
     extend: runs, methods and scenarios may be more
     """
     begun = store.inputs()
-    before = begun or {**inputs, TEXT: _copy(folder) or study.text}
-    old, new = (tomllib.loads(text) for text in (before[TEXT], study.text))
+    before = begun or {**inputs, CONFIGURATION_TEXT: _copy(folder) or study.text}
+    old, new = (tomllib.loads(text) for text in (before[CONFIGURATION_TEXT], study.text))
     if extend:
         old, new = _without_growing(old), _without_growing(new)
     changes = _changes(old, new, "")
-    for name in sorted({*before, *inputs} - {TEXT, ORIGIN}):
+    for name in sorted({*before, *inputs} - {CONFIGURATION_TEXT, CONFIGURATION_ORIGIN}):
         if before.get(name) == MISSING and name in LIBRARIES:
             continue  # no result has needed it
         if extend and Path(name).is_absolute() and (name not in before or name not in inputs):

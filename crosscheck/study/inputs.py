@@ -6,7 +6,7 @@ import hashlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from crosscheck.study.folder import CONFIGURATION, DATABASE, ORIGIN, TEXT
+from crosscheck.study.folder import CONFIGURATION, DATABASE, CONFIGURATION_ORIGIN, CONFIGURATION_TEXT
 from crosscheck.study.settings.configuration import hash_of
 from crosscheck.study.store import copied
 from crosscheck.study.tables import RESULTS, SCENARIOS
@@ -36,7 +36,7 @@ def read_inputs(folder: Path) -> StudyInputs:
     """Raises InvalidInput where there is no study, OSError."""
     with copied(folder / DATABASE) as store:
         inputs = store.inputs()
-    text, origin = inputs.pop(TEXT, ""), inputs.pop(ORIGIN, str(folder / CONFIGURATION))
+    text, origin = inputs.pop(CONFIGURATION_TEXT, ""), inputs.pop(CONFIGURATION_ORIGIN, str(folder / CONFIGURATION))
     files = {name: value for name, value in inputs.items() if Path(name).is_absolute()}
     tables = {name: hash_of(folder / name) for name in (RESULTS, SCENARIOS) if (folder / name).is_file()}
     software = {name: value for name, value in inputs.items() if name not in files}

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers, Workers
 from crosscheck.identifying import ESTIMATORS
-from crosscheck.study.folder import DATABASE, ORIGIN, TEXT, begin, begin_or_go_on, is_new
+from crosscheck.study.folder import DATABASE, CONFIGURATION_ORIGIN, CONFIGURATION_TEXT, begin, begin_or_go_on, is_new
 from crosscheck.study.settings.configuration import Configuration, shown_name
 from crosscheck.study.simulated.plants import refuse_unfit
 from crosscheck.study.store import Key, Store, opened
@@ -81,7 +81,13 @@ def run_study(
     if new:
         before()
         begin(study, folder)
-    inputs = {TEXT: study.text, ORIGIN: study.origin, **study.own_files, **study.recorded_files, **(versions or {})}
+    inputs = {
+        CONFIGURATION_TEXT: study.text,
+        CONFIGURATION_ORIGIN: study.origin,
+        **study.own_files,
+        **study.recorded_files,
+        **(versions or {}),
+    }
     with opened(folder / DATABASE, tell) as store:
         begin_or_go_on(study, folder, store, inputs, extend=extend)
         if not new:

@@ -40,7 +40,7 @@ class RecordedResult:
 
 
 RecordedResults = Mapping[str, Sequence[RecordedResult]]
-"""By the label of the recording."""
+"""Results of all methods by the label of the recording."""
 
 
 def identify_recordings(study: Configuration, folder: Path, advance: Advance, *, allow_code: bool) -> None:
@@ -115,8 +115,9 @@ def _results(names: Sequence[str], record: Mapping[str, Any]) -> Iterator[Record
 
 def recordings_headline(found: RecordedResults) -> Verdict:
     """On how many recordings methods were compared, which ranks nothing."""
-    words = f"compared on {counted(len(found), 'real recording')}"
-    return Verdict("plain", words, sentence=f"Methods {words}: one split of one recording does not rank them.")
+    words = counted(len(found), "real recording")
+    sentence = f"Methods were compared on {words}: one split of one recording does not rank them."
+    return Verdict("plain", words, sentence=sentence)
 
 
 def recordings_section(found: RecordedResults) -> Iterator[Section]:

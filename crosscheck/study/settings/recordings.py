@@ -14,27 +14,27 @@ from crosscheck.study.settings.settings import Settings, texts, words, yes_or_no
 from crosscheck.user_code import imported_files
 from urdf.document import toml_document
 
-ONCE = (
+SINGLE_OPTIONS = (
     "robot", "mapping", "rate", "cutoff", "decimate", "min_speed", "torque_hold", "terms", "width",
     "stribeck_velocity", "stribeck_exponent", "models", "payload", "payload_on", "controller", "control_rate",
 )  # fmt: skip
 """Options of `graphdyn identify` with one value; a list is joined by commas."""
 
-REPEATED = ("term", "known_torque", "scaled_torque", "lock", "repair")
+REPEATED_OPTIONS = ("term", "known_torque", "scaled_torque", "lock", "repair")
 """Options that can be given several times."""
 
-TOGETHER = {"chain": 2, "gravity": 3, "split": 2, "split_rows": 2}
+TUPLE_OPTIONS = {"chain": 2, "gravity": 3, "split": 2, "split_rows": 2}
 """Options with so many values."""
 
-FLAGS = ("derive_velocity", "known_bodies")
+FLAG_OPTIONS = ("derive_velocity", "known_bodies")
 
-OF_CODE = ("term", "known_torque", "scaled_torque", "controller")
+CODE_OPTIONS = ("term", "known_torque", "scaled_torque", "controller")
 """Options whose values are FILE.py:NAME."""
 
-SPLITS = ("split", "split_rows")
+SPLIT_OPTIONS = ("split", "split_rows")
 """Options that say what is fitted and what is predicted; one is needed."""
 
-OF_A_SPLIT = 'say what is fitted and what is predicted, such as split = ["0:6", "6:9"]'
+SPLIT_REMEDY = 'say what is fitted and what is predicted, such as split = ["0:6", "6:9"]'
 
 
 @dataclass(frozen=True)
@@ -80,14 +80,14 @@ def _recording(table: Settings, folder: Path) -> StudyRecording:
         raise table.error("label", f"is '{label}', which is a path; give a name")
     arguments = [*files, *_options(table)]
     table.refuse_others()
-    splits = [key for key in SPLITS if key in table.values]
+    splits = [key for key in SPLIT_OPTIONS if key in table.values]
     if not splits:
-        raise table.error("split", f"is missing; {OF_A_SPLIT}")
+        raise table.error("split", f"is missing; {SPLIT_REMEDY}")
     if len(splits) > 1:
         raise table.error("split", "stands beside split_rows; give one of them")
-    for key in ("files", "mapping", "models", *OF_CODE):
+    for key in ("files", "mapping", "models", *CODE_OPTIONS):
         for text in _values(table.values.get(key, [])):
-            file = _code_file(text) if key in OF_CODE else text
+            file = _code_file(text) if key in CODE_OPTIONS else text
             if file and not (folder / file).is_file():
                 raise table.error(key, f"has {file}, which is no file in {folder}")
     for text in _values(table.values.get("models", [])):
@@ -117,21 +117,21 @@ def _refuse_several(table: Settings, file: Path) -> None:
 
 def _options(table: Settings) -> Iterator[str]:
     """The arguments of all options of the table, by their kinds."""
-    for option in (*ONCE, *REPEATED, *TOGETHER):
+    for option in (*SINGLE_OPTIONS, *REPEATED_OPTIONS, *TUPLE_OPTIONS):
         values = table.take(option, list[str](), _values)
         name = f"--{option.replace('_', '-')}"
-        if option in TOGETHER:
-            needed = TOGETHER[option]
+        if option in TUPLE_OPTIONS:
+            needed = TUPLE_OPTIONS[option]
             if values and len(values) != needed:
-                remedy = OF_A_SPLIT if option in SPLITS else f"give a list of {needed}"
+                remedy = SPLIT_REMEDY if option in SPLIT_OPTIONS else f"give a list of {needed}"
                 raise table.error(option, f"is {table.values[option]!r}; {remedy}")
             yield from [name, *values] if values else []
-        elif option in REPEATED:
+        elif option in REPEATED_OPTIONS:
             for value in values:
                 yield from (name, value)
         elif values:
             yield from (name, ",".join(values))
-    for flag in FLAGS:
+    for flag in FLAG_OPTIONS:
         if table.take(flag, False, yes_or_no):
             yield f"--{flag.replace('_', '-')}"
 

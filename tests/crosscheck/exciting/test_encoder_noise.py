@@ -8,7 +8,6 @@ from identified.small_study import ARM
 from robots.moving_robots import slider
 
 import urdf
-
 from crosscheck.exciting.encoder_noise import EncoderNoise, encoder_plan
 from crosscheck.identifying import Preparation
 from crosscheck.recordings import Recording

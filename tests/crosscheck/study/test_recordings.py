@@ -145,7 +145,7 @@ def test_recordings_alone(program, words, folder, tmp_path):
     one = '[study]\nmethods = ["wls"]\n' + RECORDING
     config.write_text(one)
     done = program("study", "--config", config, "--out", out)
-    assert (done.code, "compared on 1 real recording" in words(done.out)) == (AGREED, True)
+    assert (done.code, "compared: 1 real recording" in words(done.out)) == (AGREED, True)
     again = program("study", "--report", out, "--tables", tmp_path / "paper")
     assert again.code == AGREED
     lines = (tmp_path / "paper" / "recordings.csv").read_text().splitlines()
