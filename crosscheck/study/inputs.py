@@ -6,7 +6,7 @@ import hashlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from crosscheck.study.folder import CONFIGURATION, DATABASE, CONFIGURATION_ORIGIN, CONFIGURATION_TEXT
+from crosscheck.study.folder import CONFIGURATION, CONFIGURATION_ORIGIN, CONFIGURATION_TEXT, DATABASE
 from crosscheck.study.settings.configuration import hash_of
 from crosscheck.study.store import copied
 from crosscheck.study.tables import RESULTS, SCENARIOS

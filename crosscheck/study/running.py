@@ -17,7 +17,7 @@ from pathlib import Path
 
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers, Workers
 from crosscheck.identifying import ESTIMATORS
-from crosscheck.study.folder import DATABASE, CONFIGURATION_ORIGIN, CONFIGURATION_TEXT, begin, begin_or_go_on, is_new
+from crosscheck.study.folder import CONFIGURATION_ORIGIN, CONFIGURATION_TEXT, DATABASE, begin, begin_or_go_on, is_new
 from crosscheck.study.settings.configuration import Configuration, shown_name
 from crosscheck.study.simulated.plants import refuse_unfit
 from crosscheck.study.store import Key, Store, opened
