@@ -109,10 +109,10 @@ def run(options: StudyOptions) -> None:
         _show(study, only)
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
-    if study.scenarios:
-        _tell_few_runs(study)
     if study.own_methods or study.own_laws:
         own_process.enter(f"code {', '.join((*study.own_methods, *study.own_laws))}")
+    if study.scenarios:
+        _tell_few_runs(study)
     workers, shown = options.workers, _Shown()
     try:
         steps = len(study.recordings) + study.runs * len(study.scenarios)

@@ -132,7 +132,10 @@ def pair_count(methods: int, design: StudyDesign) -> int:
 
 
 def same_methods(errors: Array) -> NDArray[np.int64]:
-    """The number of the first method that each of M is one with (M,), from errors (R, S, M)."""
+    """The number of the first method that each of M is one with (M,), from errors (R, S, M).
+
+    Methods that have always failed are each their own.
+    """
     records = errors.reshape(-1, errors.shape[-1])
     first = np.arange(records.shape[1])
     for k in range(1, len(first)):
@@ -140,7 +143,7 @@ def same_methods(errors: Array) -> NDArray[np.int64]:
             one, other = records[:, j], records[:, k]
             with np.errstate(invalid="ignore"):
                 close = np.abs(one - other) <= SAME_METHOD_TOLERANCE * np.minimum(one, other)
-            if np.all(close | (one == other)):
+            if np.isfinite(one).any() and np.all(close | (one == other)):
                 first[k] = j
                 break
     return first

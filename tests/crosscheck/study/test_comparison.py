@@ -180,6 +180,8 @@ def test_methods_that_are_one():
     assert (found.ratio("m0").value, found.ratio("m4")) == (1.0, found.ratio("m1"))
     errors[0, 0, 4] = INF
     assert same_methods(errors).tolist() == [0, 1, 2, 0, 4], "a failure tells them apart"
+    errors[..., 1:3] = INF
+    assert same_methods(errors).tolist() == [0, 1, 2, 0, 4], "nothing is known of methods that always fail"
 
 
 def test_null_studies_call_nothing_better():
