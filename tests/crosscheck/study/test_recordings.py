@@ -2,18 +2,22 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 from identified import small_study as small
 from identified.small_study import ARM, InThisProcess
+from long_check import LONG
+from shared_data import DATA, REPOSITORY, existing
 
 import graphdyn
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT
 from crosscheck.commands.study.recordings import read_recordings
 from crosscheck.distributing import LocalProcesses
-from crosscheck.study.settings.configuration import configuration_of
+from crosscheck.study.settings.configuration import configuration_of, read_configuration
 from crosscheck.study.settings.settings import BadConfiguration
 from graphdyn.motion_laws import FourierSeries
 
@@ -158,3 +162,47 @@ def test_recordings_alone(program, words, folder, tmp_path):
     config.write_text(one)
     assert program("study", "--config", config, "--out", out, "--extend").code == AGREED
     assert json.loads((out / "study.json").read_text())["recordings"].keys() == {"log"}
+
+
+@pytest.fixture(scope="module")
+def industrial(tmp_path_factory):
+    """docs/studies and docs/recordings, with the public files beside the configuration; skipped without them."""
+    folder = tmp_path_factory.mktemp("industrial")
+    for name in ("studies", "recordings"):
+        (folder / name).mkdir()
+        for file in (REPOSITORY / "docs" / name).iterdir():
+            if file.is_file():
+                (folder / name / file.name).write_bytes(file.read_bytes())
+    for arm in ("ur10", "tx40", "kr300"):
+        for file in existing(DATA / "data" / arm).iterdir():
+            (folder / "studies" / file.name).symlink_to(file)
+    made = [sys.executable, "../recordings/kr300.py", "kr300.json", "kr300_150.urdf", "150"]
+    subprocess.run(made, cwd=folder / "studies", check=True)
+    return folder / "studies"
+
+
+def test_the_shipped_configuration(industrial):
+    """All methods that need no wrenches, on three recordings whose files are there."""
+    study = read_configuration(str(industrial / "recordings.toml"), allow_code=True)
+    assert [recording.label for recording in study.recordings] == ["UR10", "TX40", "KR300"]
+    assert [len(recording.files) for recording in study.recordings] == [2, 4, 4]
+    assert (study.robots, study.scenarios, "graph" in study.methods) == ((), (), False)
+
+
+@LONG
+@pytest.mark.usefixtures("unpictured")
+def test_the_table_of_the_document(program, industrial, tmp_path):
+    """Its rows of two methods and of the links of CAD, as printed."""
+    text = (industrial / "recordings.toml").read_text()
+    (industrial / "two.toml").write_text('[study]\nmethods = ["wls", "consistent"]\n' + text)
+    done = program("study", "--config", industrial / "two.toml", "--allow-code", "--out", tmp_path / "out")
+    assert done.code == AGREED
+    found = read_recordings(tmp_path / "out", ["UR10", "TX40", "KR300"])
+    lines = (REPOSITORY / "docs" / "benchmark.md").read_text(encoding="utf-8").partition("| UR10 |")[2].splitlines()
+    printed = {
+        cells[0]: cells[1:] for cells in ([part.strip() for part in line.split("|")[1:-1]] for line in lines) if cells
+    }
+    for k, name in enumerate(("wls, wls-pinocchio", "consistent", "CAD links: WLS")):
+        errors = [of[k] for of in found.values()]
+        assert [f"{100 * one.torque_error:.1f}" for one in errors] == [cell.strip("()") for cell in printed[name]]
+        assert [one.real for one in errors] == [not cell.startswith("(") for cell in printed[name]]
