@@ -537,6 +537,14 @@ class TestMissing:
             assert not database.done()
         assert not (tmp_path / "out" / RESULTS).exists()
 
+    def test_a_method_that_can_no_longer_be_made(self, folder):
+        """It could where the study began."""
+        (folder / "once.py").write_text("class Once:\n    def __init__(self): raise OSError('the disk is gone')\n")
+        study = small_study(folder)
+        task = computing.StudyTask(study.scenarios[0], 0, (f"{folder}/once.py:Once",))
+        answer = computing.computed(study, computing.Surroundings((), ()), task)
+        assert answer.reason.endswith("once.py:Once cannot be made: OSError: the disk is gone")
+
     @pytest.mark.parametrize(
         ("files", "libraries", "said"),
         [
