@@ -93,12 +93,12 @@ def _latex(found: StudySummary) -> Iterator[tuple[str, str]]:
         first = next(iter(of.values()))
         head = " & ".join(["method", *(ERRORS_IN_WORDS[error] for error in of), "by torque error"])
         lines = [rf"\begin{{tabular}}{{l{'r' * len(of)}l}}", r"\toprule", rf"{head} \\", r"\midrule"]
-        for pair in first.pairs:
-            alike = [next(one for one in table.pairs if one.method == pair.method) for table in of.values()]
-            said = of.get("torque_error", first)
-            verdict = next(one for one in said.pairs if one.method == pair.method)
-            cells = [_tex(pair.method), *(_tex_interval(one.ratio) for one in alike)]
-            lines.append(" & ".join([*cells, _tex(verdict_text(verdict, said, found.design.region))]) + r" \\")
+        said = of.get("torque_error", first)
+        for method in dict.fromkeys(name for comparison in of.values() for name in comparison.with_reference):
+            pair = said.with_reference.get(said.first(method))
+            verdict = f"one with {said.reference}" if pair is None else verdict_text(pair, said, found.design.region)
+            ratios = [_tex_interval(comparison.ratio(method)) for comparison in of.values()]
+            lines.append(" & ".join([_tex(method), *ratios, _tex(verdict)]) + r" \\")
         caption = f"% error / that of {first.reference}, geometric means over {first.runs} runs"
         yield measures, "\n".join([caption, *lines, r"\bottomrule", r"\end{tabular}", ""])
 

@@ -83,9 +83,13 @@ class PairedComparison:
         found = [pair for pair in self.with_reference.values() if pair.verdict == verdict]
         return tuple(sorted(found, key=lambda pair: pair.ratio.value))
 
+    def first(self, method: str) -> str:
+        """The method that is compared in place of this one."""
+        return next((group[0] for group in self.same if method in group), method)
+
     def ratio(self, method: str) -> Interval:
         """Ratio of any method's error to that of the reference, for those that are one with another too."""
-        first = next((group[0] for group in self.same if method in group), method)
+        first = self.first(method)
         if first == self.reference:
             return Interval(1.0, 1.0, 1.0)
         return self.with_reference[first].ratio
