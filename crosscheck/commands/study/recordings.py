@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from crosscheck.commands.program.console import Advance
+from crosscheck.commands.program.console import Advance, say
 from crosscheck.commands.study.words import listed
 from crosscheck.report.report import Column, Note, Notes, Row, Section, Table, Verdict
 from crosscheck.study.settings.configuration import Configuration, shown_name
@@ -82,6 +82,9 @@ def _found(study: Configuration, label: str, command: Sequence[str], folder: Pat
             errors = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
             reason = "; ".join(errors) or f"graphdyn identify ended with code {process.returncode}"
             raise InvalidInput(f"{study.file}: recording '{label}': {reason}")
+        for line in said:
+            if line.startswith("warning: "):
+                say(f"recording '{label}': {line}", "yellow")
         found: dict[str, Any] = json.loads(part.read_text(encoding="utf-8"))
     finally:
         part.unlink(missing_ok=True)

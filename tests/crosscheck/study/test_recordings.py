@@ -144,11 +144,14 @@ def test_methods_are_compared_on_them(program, words, folder, tmp_path, monkeypa
 
 
 def test_recordings_alone(program, words, folder, tmp_path):
-    """Without a robot nothing is simulated; what fails is named before, and a study can lose a recording again."""
+    """Without a robot nothing is simulated; warnings are told, what fails is named before, and a study can lose a
+    recording again."""
     config, out = folder / "alone.toml", tmp_path / "out"
-    one = '[study]\nmethods = ["wls"]\n' + RECORDING
+    one = '[study]\nmethods = ["wls"]\n' + RECORDING.replace("small.urdf", "long_axis.urdf")
+    (folder / "long_axis.urdf").write_text(ARM.replace('"0 1 0"', '"0 2 0"'), encoding="utf-8")
     config.write_text(one)
     done = program("study", "--config", config, "--out", out)
+    assert "recording 'log': warning: long_axis.urdf: axis not of unit length, normalized" in words(done.err)
     assert (done.code, "compared: 1 real recording" in words(done.out)) == (AGREED, True)
     again = program("study", "--report", out, "--tables", tmp_path / "paper")
     assert again.code == AGREED
