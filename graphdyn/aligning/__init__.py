@@ -4,6 +4,7 @@ align finds the map, differences compares what is left after it. Both take seria
 """
 
 from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
+from graphdyn.aligning.causes import Cause
 from graphdyn.aligning.fields import FrameDifference, JointDifference, LinkDifference, SettingDifference
 from graphdyn.aligning.joint_map import JointMap
 from graphdyn.aligning.model_differences import (
@@ -20,6 +21,7 @@ __all__ = [
     "VERDICTS",
     "Alignment",
     "BaseParameterDifference",
+    "Cause",
     "DifferenceVerdict",
     "FlangeDifference",
     "FrameDifference",

@@ -14,9 +14,10 @@ from itertools import product
 import numpy as np
 
 from graphdyn.aligning.axes import JointAxes
+from graphdyn.aligning.causes import explanations
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
-from graphdyn.aligning.trades import traded
+from graphdyn.aligning.trades import LaidRobot, laid_robot, traded
 from graphdyn.aligning.walk import Walk
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.display import short_repr
@@ -78,20 +79,10 @@ def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_F
     axes = JointAxes.of(first), JointAxes.of(second)
     inertias = LinkInertias.of((first, second), axes, tolerance)
     robots = first, second
-    found = []
-    for signs in _class_of_senses(*axes):
-        laid = []
-        for walk in _walks(*axes, signs, inertias):
-            laid.append(traded(walk, robots, inertias))
-            if not laid[-1].order[0]:
-                break  # no other walk can leave less
-        found.append((min(laid, key=lambda each: each.order), laid[0]))
-    best, by_axes = min(found, key=lambda pair: pair[0].order)
-    maps = [best.map]
-    for each in sorted((alone for _, alone in found), key=lambda laid: laid.order):
-        if abs(each.cost - by_axes.cost) <= tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
-            maps.append(each.map)
-    return Alignment(first, second, best.map, best.model, tuple(maps[1:]))
+    choices = list(_class_of_senses(*axes))
+    best = min((_best_laid(robots, axes, signs, inertias) for signs in choices), key=lambda laid: laid.order)
+    others = _others(best, second, [signs for signs in choices if (signs != best.map.signs).any()], inertias)
+    return Alignment(first, second, best.map, best.model, tuple(others))
 
 
 def check_comparable(first: RobotModel, second: RobotModel) -> None:
@@ -130,6 +121,31 @@ def _class_of_senses(first: JointAxes, second: JointAxes) -> Iterator[Array]:
     for chosen in np.argsort(costs, kind="stable")[:MOST_CHOICES]:
         if costs[chosen] <= COST_RATIO * costs.min() + COST_MARGIN:
             yield choices[chosen]
+
+
+def _best_laid(
+    robots: tuple[RobotModel, RobotModel], axes: tuple[JointAxes, JointAxes], signs: Array, inertias: LinkInertias
+) -> LaidRobot:
+    """B laid over A with these senses, so that least differs: one thing alone where that is possible."""
+    laid: list[LaidRobot] = []
+    for walk in _walks(*axes, signs, inertias):
+        laid.append(traded(walk, robots, inertias))
+        if not laid[-1].order[0]:
+            return laid[-1]  # nothing can leave less
+    start = min(laid, key=lambda each: each.order)
+    for each in explanations(robots, axes, start.map, inertias.tolerance):
+        laid.append(laid_robot(robots, walk, each.zeros, each.places, inertias))
+    return min(laid, key=lambda each: each.order)
+
+
+def _others(best: LaidRobot, second: RobotModel, choices: list[Array], inertias: LinkInertias) -> list[JointMap]:
+    """Other maps that move B's flange as the best one does, one for each of these choices of senses that has some."""
+    robots = best.model, second
+    axes = JointAxes.of(best.model), JointAxes.of(second)
+    walks = (Walk(*axes, signs) for signs in choices)
+    known = LinkInertias.of(robots, axes, inertias.tolerance)
+    laid = [traded(walk, robots, known) for walk in walks if walk.cost <= inertias.tolerance]
+    return [each.map for each in sorted(laid, key=lambda each: each.order)]
 
 
 def _walks(first: JointAxes, second: JointAxes, signs: Array, inertias: LinkInertias) -> Iterator[Walk]:

@@ -28,20 +28,40 @@ EQUAL_LIMITS = 1e-5
 class LaidRobot:
     """A map, B written like A with it, and where it stands among others.
 
-    cost: misfits of its walk; order: the smallest is the best
+    order: the smallest is the best
     """
 
     map: JointMap
     model: RobotModel
-    cost: float
     order: tuple[float, ...]
+
+
+def laid_robot(
+    robots: tuple[RobotModel, RobotModel], walk: Walk, zeros: Array, places: Array, inertias: LinkInertias
+) -> LaidRobot:
+    """B laid over A, with the senses of a walk.
+
+    zeros: positions of B's joints where those of A are zero                                   (n,)  [rad or m]
+    places: what moves ground and links of B, where they are at q = 0, over those of A         (n + 1, 4, 4)
+    """
+    ends = _ends(walk, robots)
+    base, tool = np.linalg.inv(ends[0]) @ places[[0, -1]] @ ends[1]
+    zeros = _by_limits(walk, zeros, robots)
+    joint_map = JointMap(walk.signs, zeros, placement_of(base), placement_of(tool))
+    model = reexpressed(*robots, joint_map, places, walk)
+    joints = joint_differences(robots[0], model, inertias.tolerance)
+    links = link_differences(robots[0], model, inertias.tolerance)
+    changes = joint_map.n_changes(inertias.tolerance, inertias.length)
+    limits = sum(_limits_differ(a.limits, b.limits) for a, b in zip(robots[0].joints, model.joints, strict=True))
+    order = (len(joints) + len(links), changes + limits, float(np.abs(zeros).sum()))
+    return LaidRobot(joint_map, model, order)
 
 
 def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkInertias) -> LaidRobot:
     """The best map of a walk: the zero of the last joint traded with the tool, then that of the first with the base."""
-    first, second = walk.first, walk.second
+    first = walk.first
     about = walk.signs[:, None] * first.directions
-    ends = np.array([[matrix(robot.base), axes.links[-1]] for robot, axes in zip(robots, (first, second), strict=True)])
+    ends = _ends(walk, robots)
 
     def laid(from_base: float, to_tool: float) -> LaidRobot:
         places, zeros = walk.places.copy(), walk.zeros.copy()
@@ -49,16 +69,7 @@ def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkIner
         places[-1] = _motion(walk, -1, to_tool) @ places[-1]
         zeros[0] += from_base
         zeros[-1] += to_tool
-        base, tool = np.linalg.inv(ends[0]) @ places[[0, -1]] @ ends[1]
-        zeros = _by_limits(walk, zeros, robots)
-        joint_map = JointMap(walk.signs, zeros, placement_of(base), placement_of(tool))
-        model = reexpressed(*robots, joint_map, places, walk)
-        joints = joint_differences(robots[0], model, inertias.tolerance)
-        links = link_differences(robots[0], model, inertias.tolerance)
-        changes = joint_map.n_changes(inertias.tolerance, inertias.length)
-        limits = sum(_limits_differ(a.limits, b.limits) for a, b in zip(robots[0].joints, model.joints, strict=True))
-        order = (len(joints) + len(links), changes + limits, float(np.abs(zeros).sum()))
-        return LaidRobot(joint_map, model, walk.cost, order)
+        return laid_robot(robots, walk, zeros, places, inertias)
 
     tool = np.linalg.inv(ends[0, 1]) @ walk.places[-1] @ ends[1, 1]
     fits = inertias.fits(len(about) - 1, walk.places[-1], about[-1], first.points[-1], 0.0)
@@ -68,6 +79,12 @@ def traded(walk: Walk, robots: tuple[RobotModel, RobotModel], inertias: LinkIner
     from_base = [0.0, _along(walk, 0, base, ends[0, 0]), *_zeros_of_limits(0, walk, robots)]
     chosen = min(dict.fromkeys(to_tool), key=lambda position: laid(0.0, position).order)
     return min((laid(position, chosen) for position in dict.fromkeys(from_base)), key=lambda each: each.order)
+
+
+def _ends(walk: Walk, robots: tuple[RobotModel, RobotModel]) -> Array:
+    """Ground frame and last link frame of A, and of B, in the world (2, 2, 4, 4)."""
+    axes = walk.first, walk.second
+    return np.array([[matrix(robot.base), lines.links[-1]] for robot, lines in zip(robots, axes, strict=True)])
 
 
 def _motion(walk: Walk, joint: int, position: float) -> Array:

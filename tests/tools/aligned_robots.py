@@ -9,7 +9,7 @@ named, and in which nothing differs; the last happens where the difference does 
 be moved along itself, a length before the first joint, which base and tool absorb.
 
 The robots are names or files, `tuned` or `aside`: arms on which the method was, or was not, tuned. --seed changes the
-random numbers, --list prints every case that is not named exactly.
+random numbers, --only planted leaves out the pairs, --list prints every case that is not named exactly.
 """
 
 import argparse
@@ -37,6 +37,7 @@ def main() -> None:
     parser.add_argument("pairs", type=int, nargs="?", default=200)
     parser.add_argument("robots", nargs="*", default=["tuned"])
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", choices=("pairs", "planted"))
     parser.add_argument("--list", action="store_true")
     asked = parser.parse_args()
     names = arms(*asked.robots) if asked.robots in (["tuned"], ["aside"]) else asked.robots
@@ -44,8 +45,10 @@ def main() -> None:
         warnings.simplefilter("ignore", urdf.URDFWarning)
         models = [urdf.load(name, mimic="locked") for name in names]
     rng = np.random.default_rng(asked.seed)
-    pairs(models, asked.pairs, rng, asked.list)
-    plants(models, asked.pairs, rng, asked.list)
+    if asked.only != "planted":
+        pairs(models, asked.pairs, rng, asked.list)
+    if asked.only != "pairs":
+        plants(models, asked.pairs, rng, asked.list)
 
 
 def arms(which: str) -> list[str]:
@@ -84,8 +87,7 @@ def errors_of(model, again, rng):
 
 def plants(models, number, rng, listed) -> None:
     """Planted differences."""
-    counts = Counter()
-    k = 0
+    counts, k, most, several = Counter(), 0, 0, 0
     while k < number:
         model, kind = models[k % len(models)], KINDS[int(rng.integers(len(KINDS)))]
         j = int(rng.integers(1, model.n_bodies + 1))
@@ -101,6 +103,8 @@ def plants(models, number, rng, listed) -> None:
         result = "nothing" if not told else "exactly" if all(true) else "with others" if any(true) else "others"
         counts[kind, result] += 1
         k += 1
+        named = max(map(len, told), default=0)
+        most, several = max(most, named), several + (result == "exactly" and named > 1)
         if listed and result != "exactly":
             print(
                 result,
@@ -117,13 +121,15 @@ def plants(models, number, rng, listed) -> None:
     total = Counter()
     for (_, name), one in counts.items():
         total[name] += one
-    print(f"{number} planted:", dict(total))
+    print(f"{number} planted:", dict(total), f"of these exactly, {several} with other causes, {most} at most")
 
 
 def told_of(model, found):
-    """Of everything that is named the joints that it may be at, or the link, with its kind."""
-    joints = [
-        {(joint, "length" if each.kind == "length" else "axis") for joint in (each.joint, each.or_joint)}
-        for each in found.joints
-    ]
-    return [*joints, *({(each.link, each.kind)} for each in found.links)]
+    """Of everything that is named the causes that it may have."""
+    told = [{(each.joint, each.kind), *causes(each)} for each in found.joints]
+    told += [{(each.link, each.kind), *causes(each)} for each in found.links]
+    return [{(name, "axis" if kind == "angle" else kind) for name, kind in each} for each in told]
+
+
+def causes(difference):
+    return {(each.element, each.kind) for each in difference.or_else}

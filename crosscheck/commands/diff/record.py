@@ -10,6 +10,7 @@ from crosscheck.commands.diff.robots import ComparedRobots
 from crosscheck.commands.diff.words import changes_in_words
 from crosscheck.report.records.record import CommandRecord, Count, Number, Numbers, Record, attribute, written
 from graphdyn.aligning import (
+    Cause,
     JointDifference,
     JointMap,
     LinkDifference,
@@ -36,23 +37,31 @@ class JointMapRecord(Record, of=JointMap, only=("signs", "zeros")):
     tool_translation: Numbers = attribute("tool.translation")
 
 
+class CauseRecord(Record, of=Cause):
+    """One change that alone would explain what differs at a joint or a link."""
+
+
 class JointDifferenceRecord(Record, of=JointDifference):
     """One thing that is different at a joint of A.
 
     unit: of the value
+    or_else: other changes, each of which would explain it as well
     """
 
     unit: str = attribute()
+    or_else: Sequence[CauseRecord] = attribute()
 
 
 class LinkDifferenceRecord(Record, of=LinkDifference):
     """One thing that is different in the inertia of a link.
 
     unit: of the value
+    or_else: other changes, each of which would explain it as well
     """
 
     relative: Number
     unit: str = attribute()
+    or_else: Sequence[CauseRecord] = attribute()
 
 
 class TorqueDifferenceRecord(Record, of=TorqueDifference):

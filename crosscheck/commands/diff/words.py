@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from graphdyn import Placement
-from graphdyn.aligning import Alignment, JointMap, ModelDifferences
+from graphdyn.aligning import Alignment, Cause, JointMap, ModelDifferences
 from graphdyn.layout import Array
 from graphdyn.model import rotation_vector
 
@@ -52,6 +52,11 @@ def map_in_words(alignment: Alignment, other: JointMap) -> str:
     if zeros:
         parts.append(f"zeros: {', '.join(zeros)}")
     return "; ".join(parts) or "no change of joints"
+
+
+def causes_in_words(causes: Sequence[Cause]) -> str:
+    """Other causes of a difference: \"the axis of 'joint_1', or the length of 'joint_3'\"."""
+    return ", or ".join(f"the {each.kind} of '{each.element}'" for each in causes)
 
 
 def degrees(angle: float) -> str:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from robots.disguised import AXIS, CENTER, LENGTH, MASS, TENSOR, disguised, planted
+from robots.ur5e_like import ur5e_like
 from shared_data import ARMS
 
 import graphdyn
@@ -53,20 +54,34 @@ def test_the_map_of_a_robot_onto_itself_changes_nothing_and_its_class_is_listed(
     assert flipped, "a wrist of three perpendicular axes can be written flipped"
 
 
-def test_a_length_before_or_after_a_link_without_inertia_is_at_either_joint(arm):
-    """A link without inertia may be moved along its axis: what follows it is as far away."""
-    bodies = [replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in arm.bodies]
-    light = replace(arm, bodies=tuple(bodies))
-    along = replace(arm.joints[4], placement=arm.joints[4].placement @ Placement(translation=[0, 0, 0.01]))
+def without_inertia(model):
+    return replace(model, bodies=tuple(replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in model.bodies))
 
-    def found(robot):
-        moved = replace(robot, joints=(*robot.joints[:4], along, robot.joints[5]))
-        return differences(robot, moved, samples=STATES).joints
 
-    (one,) = found(light)
-    assert arm.joint_names[4] in (one.joint, one.or_joint)
-    assert one.value == pytest.approx(0.01)
-    assert [(each.joint, each.or_joint) for each in found(arm)] == [(arm.joint_names[4], None)]
+@pytest.mark.parametrize(
+    ("kind", "joint", "causes", "without"),
+    [
+        # a first axis that is tilted: the base may be tilted back, and then all that follows is
+        ("axis", 1, {("pan_joint", "axis")}, {("pan_joint", "axis"), ("lift_joint", "angle")}),
+        # the last axis, and how the link before it is turned: the tool absorbs the rest
+        ("axis", 6, {("wrist_3_joint", "axis")}, {("wrist_3_joint", "axis"), ("wrist_3_joint", "angle")}),
+        # a length along the axis before it: a link without inertia may be moved along that
+        ("length", 5, {("wrist_2_joint", "length")}, {("wrist_2_joint", "length"), ("wrist_1_joint", "length")}),
+    ],
+)
+def test_inertia_tells_which_joint_differs_and_without_it_all_that_may_are_named(kind, joint, causes, without):
+    def named(model):
+        moved = planted(model, np.random.default_rng(1), kind, joint)
+        if kind == "length":
+            place = model.joints[joint - 1].placement @ Placement(translation=model.joints[joint - 2].axis * LENGTH)
+            moved = changed_joint(model, joint, place)
+        (found,) = differences(model, moved, samples=STATES).joints
+        assert found.value == pytest.approx({"length": LENGTH, "axis": AXIS}[kind], rel=1e-6)
+        return {(found.joint, found.kind), *((each.element, each.kind) for each in found.or_else)}
+
+    arm = ur5e_like()
+    assert named(arm) == causes
+    assert named(without_inertia(arm)) == without
 
 
 def test_a_sliding_joint_is_aligned():
