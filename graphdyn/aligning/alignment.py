@@ -8,7 +8,7 @@ the one with which most limits agree.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -18,7 +18,7 @@ from graphdyn.aligning.causes import explanations
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
 from graphdyn.aligning.trades import LaidRobot, laid_robot, traded
-from graphdyn.aligning.walk import Walk
+from graphdyn.aligning.walk import SNAP_ANGLE, Walk
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
@@ -56,6 +56,10 @@ class Alignment:
     map: JointMap
     model: RobotModel
     others: tuple[JointMap, ...]
+
+
+BY_INERTIAS = 1
+"""Number of the walk by axes and inertias, from which single changes are looked for."""
 
 
 def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_FROM) -> Alignment:
@@ -128,14 +132,30 @@ def _best_laid(
 ) -> LaidRobot:
     """B laid over A with these senses, so that least differs: one thing alone where that is possible."""
     laid: list[LaidRobot] = []
-    for walk in _walks(*axes, signs, inertias):
+    for number, walk in enumerate(_walks(*axes, signs, inertias)):
         laid.append(traded(walk, robots, inertias))
         if not laid[-1].order[0]:
             return laid[-1]  # nothing can leave less
-    start = min(laid, key=lambda each: each.order)
-    for each in explanations(robots, axes, start.map, inertias.tolerance):
-        laid.append(laid_robot(robots, walk, each.zeros, each.places, inertias))
+        if number == BY_INERTIAS and (explained := _explained(robots, walk, laid, inertias)):
+            return min(explained, key=lambda each: each.order)
     return min(laid, key=lambda each: each.order)
+
+
+def _explained(
+    robots: tuple[RobotModel, RobotModel], walk: Walk, laid: list[LaidRobot], inertias: LinkInertias
+) -> list[LaidRobot]:
+    """B laid over A so that one thing alone differs, for everything that may; with whole right angles, if it can."""
+    start = min(laid, key=lambda each: each.order).map
+    whole = np.round(start.zeros / (np.pi / 2)) * np.pi / 2
+    near = (np.abs(whole - start.zeros) < SNAP_ANGLE) & ~np.array(walk.first.slides)
+    snapped, none = replace(start, zeros=np.where(near, whole, start.zeros)), np.zeros_like(near)
+    axes = walk.first, walk.second
+    found = [
+        laid_robot(robots, walk, each.zeros, each.places, inertias)
+        for joint_map, kept in ((snapped, near), (start, none))
+        for each in explanations(robots, axes, joint_map, inertias.tolerance, kept)
+    ]
+    return [each for each in found if each.order[0] == 1]
 
 
 def _others(best: LaidRobot, second: RobotModel, choices: list[Array], inertias: LinkInertias) -> list[JointMap]:

@@ -62,14 +62,18 @@ class Explanation:
 
 
 def explanations(
-    robots: tuple[RobotModel, RobotModel], axes: tuple[JointAxes, JointAxes], joint_map: JointMap, tolerance: float
+    robots: tuple[RobotModel, RobotModel],
+    axes: tuple[JointAxes, JointAxes],
+    joint_map: JointMap,
+    tolerance: float,
+    kept: Array | None = None,
 ) -> list[Explanation]:
     """All single changes of A that make it B; empty where none does alone.
 
-    joint_map: nearly right
+    joint_map: nearly right; kept: which of its zeros are right, None for none                  (n,)
     tolerance: what does not count, as a part of reach, mass and tensor, and in radians
     """
-    fit = _Fit(robots, axes, joint_map, LinkInertias.of(robots, axes, tolerance))
+    fit = _Fit(robots, axes, joint_map, LinkInertias.of(robots, axes, tolerance), kept)
     changes = [(kind, number) for kind in (*JOINT_KINDS, *LINK_KINDS) for number in range(len(joint_map.signs))]
     return [found for change in fit.promising(changes) if (found := fit.explanation(change)) is not None]
 
@@ -129,7 +133,9 @@ class _Fit:
         axes: tuple[JointAxes, JointAxes],
         joint_map: JointMap,
         inertias: LinkInertias,
+        kept: Array | None,
     ) -> None:
+        self._varied = np.ones(len(joint_map.signs), bool) if kept is None else ~kept
         self._first, self._axes, self._signs, self._inertias = robots[0], axes, joint_map.signs, inertias
         self._ground = matrix(robots[0].base) @ matrix(joint_map.base) @ np.linalg.inv(matrix(robots[1].base))
         self._zeros, self._turns = joint_map.zeros, ~np.array(axes[0].slides)
@@ -226,6 +232,7 @@ class _Fit:
         """What turns and translations of the base, and zeros, do to the misfit (n · 19, 6 + n)."""
         n, unit, none = len(self._signs), np.eye(3), np.zeros((3, 3))
         about = self._signs[:, None] * parts.directions
+        about[~self._varied] = 0.0
         turning, sliding = about * self._turns[:, None], about * ~self._turns[:, None]
         everything, outside = np.ones((6, n), bool), np.tri(n, dtype=bool).T
         return self._columns_of_motions(

@@ -11,7 +11,6 @@ import numpy as np
 from graphdyn.aligning.axes import JointAxes, angle_between, rotation_angle
 from graphdyn.aligning.causes import Cause
 from graphdyn.display import short_repr
-from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
 TORQUE_SETTINGS = ("armature", "damping", "friction")
