@@ -14,6 +14,7 @@ from graphdyn.aligning.model_differences import (
     ModelDifferences,
     differences,
 )
+from graphdyn.aligning.names import same_names
 from graphdyn.aligning.torques import BaseParameterDifference, TorqueDifference
 
 __all__ = [
@@ -33,4 +34,5 @@ __all__ = [
     "TorqueDifference",
     "align",
     "differences",
+    "same_names",
 ]

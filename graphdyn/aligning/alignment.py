@@ -153,7 +153,7 @@ def _explained(
     found = [
         laid_robot(robots, walk, each.zeros, each.places, inertias)
         for joint_map, kept in ((snapped, near), (start, none))
-        for each in explanations(robots, axes, joint_map, inertias.tolerance, kept)
+        for each in explanations(robots, axes, joint_map, inertias.tolerance, kept).values()
     ]
     return [each for each in found if each.order[0] == 1]
 

@@ -3,37 +3,21 @@
 Data need not say which joint is to blame. Where the base may stand anywhere, a first axis that is tilted is a second
 one that is tilted the other way, unless the inertia of the link between tells. Every single change is therefore tried:
 a length, an angle or an axis at each joint; a mass, center or tensor of each link. With it, base and zeros are fitted
-so that all axes and inertias agree (Gauss-Newton). Every change for which they do is a cause that the data allow.
+so that all axes and inertias agree. Every change for which they do is a cause that the data allow.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
-from graphdyn.aligning.axes import JointAxes, matrix, moved_by, turned_about
+from graphdyn.aligning.axes import JointAxes
+from graphdyn.aligning.change_fit import JOINT_KINDS, LINK_KINDS, CauseKind, ChangeFit, Fitted, Flags
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
-from graphdyn.layout import Array
-from graphdyn.model import skew
 from graphdyn.model.robot_model import RobotModel
 from graphdyn.model.spatial import Placement
-
-CauseKind = Literal["length", "angle", "axis", "mass", "center", "tensor"]
-
-JOINT_KINDS: tuple[CauseKind, ...] = ("length", "angle", "axis")
-LINK_KINDS: tuple[CauseKind, ...] = ("mass", "center", "tensor")
-
-STEPS = 4
-"""Steps of Gauss-Newton, of which each squares what is left [rad, parts of the reach]."""
-
-PROMISING = 0.3
-"""Part of the misfit that a linear step may leave, of a change that is tried."""
-
-SMALLEST_SHARE = 1e-4
-"""Singular values, as a part of the largest, that count as zero: what axes say that are nearly parallel."""
 
 
 @dataclass(frozen=True)
@@ -48,34 +32,26 @@ class Cause:
     kind: CauseKind
 
 
-@dataclass(frozen=True, eq=False)
-class Explanation:
-    """A cause, with the base and the zeros for which it explains everything.
-
-    zeros: positions of B's joints where those of A are zero                                    (n,)  [rad or m]
-    places: what moves ground and links of B, where they are at q = 0, over those of A          (n + 1, 4, 4)
-    """
-
-    cause: Cause
-    zeros: Array
-    places: Array
-
-
 def explanations(
     robots: tuple[RobotModel, RobotModel],
     axes: tuple[JointAxes, JointAxes],
     joint_map: JointMap,
     tolerance: float,
-    kept: Array | None = None,
-) -> list[Explanation]:
-    """All single changes of A that make it B; empty where none does alone.
+    kept: Flags | None = None,
+) -> dict[Cause, Fitted]:
+    """All single changes of A that make it B, with base and zeros; empty where none does alone.
 
     joint_map: nearly right; kept: which of its zeros are right, None for none                  (n,)
     tolerance: what does not count, as a part of reach, mass and tensor, and in radians
     """
-    fit = _Fit(robots, axes, joint_map, LinkInertias.of(robots, axes, tolerance), kept)
+    fit = ChangeFit(robots, axes, joint_map, LinkInertias.of(robots, axes, tolerance), kept)
     changes = [(kind, number) for kind in (*JOINT_KINDS, *LINK_KINDS) for number in range(len(joint_map.signs))]
-    return [found for change in fit.promising(changes) if (found := fit.explanation(change)) is not None]
+    found = {}
+    for kind, number in fit.promising(changes):
+        if (fitted := fit.fitted((kind, number))) is not None:
+            names = robots[0].joint_names if kind in JOINT_KINDS else robots[0].body_names
+            found[Cause(names[number], kind)] = fitted
+    return found
 
 
 def other_causes(first: RobotModel, model: RobotModel, cause: Cause, tolerance: float) -> tuple[Cause, ...]:
@@ -93,206 +69,4 @@ def other_causes(first: RobotModel, model: RobotModel, cause: Cause, tolerance: 
     restored = replace(model, joints=tuple(joints), bodies=tuple(bodies))
     same = JointMap(np.ones(model.n_bodies), np.zeros(model.n_bodies), Placement(), Placement())
     axes = JointAxes.of(restored), JointAxes.of(model)
-    found = (each.cause for each in explanations((restored, model), axes, same, tolerance))
-    return tuple(each for each in found if each != cause)
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    """What the fit varies. ground: what moves B's world over A's (4, 4); zeros (n,); size of the change (k,)."""
-
-    ground: Array
-    zeros: Array
-    size: Array
-
-
-@dataclass(frozen=True, eq=False)
-class _Parts:
-    """Axes and links of B with its zeros, over A: (n, 3), (n, 3), (n, 3), (n, 3, 3)."""
-
-    directions: Array
-    points: Array
-    centers: Array
-    tensors: Array
-
-
-_Change = tuple[CauseKind, int]
-"""A kind, and the number of the joint or link, from 0."""
-
-_ROWS = {"mass": slice(6, 7), "center": slice(7, 10), "tensor": slice(10, 19)}
-_N_ROWS = 19
-"""Rows of a joint and its link: axis (3), its place (3), mass (1), center of mass (3), tensor (9)."""
-
-
-class _Fit:
-    """Base and zeros of B, fitted to A with one change."""
-
-    def __init__(
-        self,
-        robots: tuple[RobotModel, RobotModel],
-        axes: tuple[JointAxes, JointAxes],
-        joint_map: JointMap,
-        inertias: LinkInertias,
-        kept: Array | None,
-    ) -> None:
-        self._varied = np.ones(len(joint_map.signs), bool) if kept is None else ~kept
-        self._first, self._axes, self._signs, self._inertias = robots[0], axes, joint_map.signs, inertias
-        self._ground = matrix(robots[0].base) @ matrix(joint_map.base) @ np.linalg.inv(matrix(robots[1].base))
-        self._zeros, self._turns = joint_map.zeros, ~np.array(axes[0].slides)
-        masses, tensors = np.array(inertias.masses), np.array(inertias.tensors)
-        self._mass_scale, self._tensor_scale = masses.max(axis=0), np.abs(tensors).max(axis=(0, 2, 3))
-        for scale in (self._mass_scale, self._tensor_scale):
-            scale[scale == 0] = 1.0
-        self._have_centers = (masses > 0).all(axis=0)
-
-    def promising(self, changes: list[_Change]) -> list[_Change]:
-        """The changes with which a linear step explains most of the misfit."""
-        state = self._start(changes[0])
-        misfit, parts = self._misfit(state, changes[0]), self._parts(state)
-        left, values, _ = np.linalg.svd(self._columns_of_map(parts), full_matrices=False)
-        free = left[:, values > SMALLEST_SHARE * values[0]]
-        rest, found = misfit - free @ (free.T @ misfit), []
-        for change in changes:
-            columns = self._columns_of(change, parts)
-            columns = columns - free @ (free.T @ columns)
-            size = np.linalg.lstsq(columns, rest, rcond=SMALLEST_SHARE)[0]
-            if np.linalg.norm(rest - columns @ size) <= PROMISING * np.linalg.norm(misfit):
-                found.append(change)
-        return found
-
-    def explanation(self, change: _Change) -> Explanation | None:
-        """Base, zeros and size of the change with which all agrees; None where there are none."""
-        state = self._start(change)
-        for _ in range(STEPS):
-            parts = self._parts(state)
-            columns = np.hstack([self._columns_of_map(parts), self._columns_of(change, parts)])
-            step = -np.linalg.lstsq(columns, self._misfit(state, change), rcond=SMALLEST_SHARE)[0]
-            motion = moved_by(step[3:6]) @ _turned(step[:3], np.zeros(3))
-            n = 6 + len(self._signs)
-            state = _State(motion @ state.ground, state.zeros + step[6:n], state.size + step[n:])
-        if np.abs(self._misfit(state, change)).max() > self._inertias.tolerance:
-            return None
-        kind, number = change
-        names = self._first.joint_names if kind in JOINT_KINDS else self._first.body_names
-        inverse = np.linalg.inv(self._changed_links(state, change))
-        places = np.concatenate([state.ground[None], inverse @ self._motions(state)])
-        return Explanation(Cause(names[number], kind), state.zeros, places)
-
-    def _start(self, change: _Change) -> _State:
-        return _State(self._ground, self._zeros, np.zeros({"mass": 1, "tensor": 9}.get(change[0], 3)))
-
-    def _motions(self, state: _State) -> Array:
-        """What moves the links of B, where they are at q = 0, to where its zeros and its base put them (n, 4, 4)."""
-        links, here = [], state.ground
-        lines = zip(state.zeros, self._axes[1].directions, self._axes[1].points, self._turns, strict=True)
-        for zero, direction, point, turns in lines:
-            here = here @ (turned_about(direction, point, zero) if turns else moved_by(zero * direction))
-            links.append(here)
-        return np.array(links)
-
-    def _parts(self, state: _State) -> _Parts:
-        links, axes, inertias = self._motions(state), self._axes[1], self._inertias
-        turns = links[:, :3, :3]
-        directions = self._signs[:, None] * _times(turns, axes.directions)
-        points, centers = (_times(turns, each) + links[:, :3, 3] for each in (axes.points, inertias.centers[1]))
-        return _Parts(directions, points, centers, turns @ inertias.tensors[1] @ turns.transpose(0, 2, 1))
-
-    def _changed_links(self, state: _State, change: _Change) -> Array:
-        """What moves the links of A to where they are with the change (n, 4, 4)."""
-        kind, number = change
-        motion = np.eye(4)
-        if kind == "length":
-            motion = moved_by(state.size)
-        elif kind == "angle":
-            motion = _turned(state.size, self._axes[0].points[number])
-        return np.array([np.eye(4)] * number + [motion] * (len(self._signs) - number))
-
-    def _misfit(self, state: _State, change: _Change) -> Array:
-        """B minus A with the change, in parts of mass, reach and tensor (n · 19,)."""
-        parts, first, inertias = self._parts(state), self._axes[0], self._inertias
-        links, (kind, number) = self._changed_links(state, change), change
-        turns, shifts = links[:, :3, :3], links[:, :3, 3]
-        targets, points, centers = (
-            _times(turns, each) for each in (first.directions, first.points, inertias.centers[0])
-        )
-        if kind == "axis":
-            targets[number] = _turned(state.size, np.zeros(3))[:3, :3] @ targets[number]
-        rows = np.zeros((len(self._signs), _N_ROWS))
-        rows[:, :3] = parts.directions - targets
-        rows[self._turns, 3:6] = (_across(parts.directions, parts.points - points - shifts) / first.reach)[self._turns]
-        rows[:, 6] = (inertias.masses[1] - inertias.masses[0]) / self._mass_scale
-        rows[self._have_centers, 7:10] = ((parts.centers - centers - shifts) / first.reach)[self._have_centers]
-        tensors = parts.tensors - turns @ inertias.tensors[0] @ turns.transpose(0, 2, 1)
-        rows[:, 10:] = (tensors / self._tensor_scale[:, None, None]).reshape(-1, 9)
-        if kind in LINK_KINDS:
-            rows[number, _ROWS[kind]] -= state.size
-        return rows.ravel()
-
-    def _columns_of_map(self, parts: _Parts) -> Array:
-        """What turns and translations of the base, and zeros, do to the misfit (n · 19, 6 + n)."""
-        n, unit, none = len(self._signs), np.eye(3), np.zeros((3, 3))
-        about = self._signs[:, None] * parts.directions
-        about[~self._varied] = 0.0
-        turning, sliding = about * self._turns[:, None], about * ~self._turns[:, None]
-        everything, outside = np.ones((6, n), bool), np.tri(n, dtype=bool).T
-        return self._columns_of_motions(
-            parts,
-            np.concatenate([unit, none, turning]),
-            np.concatenate([none, unit, sliding - np.cross(turning, parts.points)]),
-            np.concatenate([everything, outside & ~np.eye(n, dtype=bool)]),
-            np.concatenate([everything, outside]),
-        )
-
-    def _columns_of(self, change: _Change, parts: _Parts) -> Array:
-        """What a change of A does to the misfit (n · 19, k)."""
-        kind, number = change
-        n, unit = len(self._signs), np.eye(3)
-        if kind in LINK_KINDS:
-            rows = range(n * _N_ROWS)[number * _N_ROWS : (number + 1) * _N_ROWS][_ROWS[kind]]
-            return -np.eye(n * _N_ROWS)[:, rows]
-        if kind == "axis":
-            columns = np.zeros((n, _N_ROWS, 3))
-            columns[number, :3] = np.cross(unit, parts.directions[number]).T
-            return -columns.reshape(-1, 3)
-        outside = np.tile(np.arange(n) >= number, (3, 1))
-        turns = unit if kind == "angle" else 0 * unit
-        shifts = unit if kind == "length" else -np.cross(unit, self._axes[0].points[number])
-        return -self._columns_of_motions(parts, turns, shifts, outside, outside)
-
-    def _columns_of_motions(self, parts: _Parts, turns: Array, shifts: Array, axes: Array, links: Array) -> Array:
-        """What small motions of axes and links do to the misfit (n · 19, m).
-
-        turns, shifts: each turns about the origin, and moves it                                (m, 3), (m, 3)
-        axes, links: which are moved                                                            (m, n), (m, n)
-        """
-        rows = np.zeros((*axes.shape, _N_ROWS))
-        reach, turns, shifts = self._axes[0].reach, turns[:, None], shifts[:, None]
-        along = ((parts.points - self._axes[0].points) * parts.directions).sum(axis=-1)
-        feet = parts.points - along[:, None] * parts.directions  # of B's axes, next to A's joints
-        rows[..., :3] = np.cross(turns, parts.directions) * axes[..., None]
-        gaps = _across(parts.directions, np.cross(turns, feet) + shifts) / reach
-        rows[..., 3:6] = gaps * (axes & self._turns)[..., None]
-        apart = (np.cross(turns, parts.centers) + shifts) / reach
-        rows[..., 7:10] = apart * (links & self._have_centers)[..., None]
-        spins = skew(turns)
-        spun = (spins @ parts.tensors - parts.tensors @ spins) / self._tensor_scale[:, None, None]
-        rows[..., 10:] = spun.reshape(*axes.shape, 9) * links[..., None]
-        return rows.reshape(len(axes), -1).T
-
-
-def _turned(vector: Array, point: Array) -> Array:
-    """The rotation about a point by a rotation vector [rad], as a homogeneous matrix (4, 4)."""
-    angle = float(np.linalg.norm(vector))
-    return turned_about(vector / angle, point, angle) if angle else np.eye(4)
-
-
-def _times(matrices: Array, vectors: Array) -> Array:
-    """Each matrix (n, 3, 3) times its vector (n, 3)."""
-    product: Array = (matrices @ vectors[..., None])[..., 0]
-    return product
-
-
-def _across(directions: Array, vectors: Array) -> Array:
-    """The parts of vectors (…, n, 3) that are perpendicular to unit vectors (n, 3)."""
-    part: Array = vectors - (vectors * directions).sum(axis=-1)[..., None] * directions
-    return part
+    return tuple(each for each in explanations((restored, model), axes, same, tolerance) if each != cause)

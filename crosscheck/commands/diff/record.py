@@ -104,6 +104,7 @@ class DiffRecord(
 
     robots: A and B as given; seed: of the random states
     joint_names: of A, then of B, in the order of positions
+    held: joints of A, then of B, that are held at 0, because the other robot has none of their names
     changes: what the map does, in sentences
     map: the map that was taken; other_maps: those that move the flange in the same way
     flange_distance: the largest one [m]; flange_q: where, of A (n,)
@@ -116,6 +117,7 @@ class DiffRecord(
     robots: Sequence[str]
     seed: Count
     joint_names: Sequence[Sequence[str]]
+    held: Sequence[Sequence[str]]
     changes: Sequence[str]
     map: JointMapRecord = attribute("alignment.map")
     other_maps: Sequence[JointMapRecord] = attribute("alignment.others")
@@ -138,6 +140,7 @@ def record(compared: ComparedRobots, command: Sequence[str]) -> dict[str, Any]:
         robots=[each.source for each in compared.robots],
         seed=compared.seed,
         joint_names=[found.alignment.first.joint_names, found.alignment.second.joint_names],
-        changes=changes_in_words(found),
+        held=[each.held for each in compared.robots],
+        changes=changes_in_words(compared),
         inertials_written=None if update is None else written(UpdateRecord, update, path=str(update.path)),
     )

@@ -11,7 +11,7 @@ import numpy as np
 from crosscheck.commands.diff.pictures import overlay_picture, torque_bars
 from crosscheck.commands.diff.record import record
 from crosscheck.commands.diff.robots import ComparedRobots
-from crosscheck.commands.diff.words import causes_in_words, changes_in_words, degrees, map_in_words
+from crosscheck.commands.diff.words import causes_in_words, changes_in_words, degrees, map_in_words, misplaced_names
 from crosscheck.report.report import (
     Block,
     Column,
@@ -42,14 +42,17 @@ NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
 def diff_report(compared: ComparedRobots) -> Report:
     """The report of a comparison."""
     found = compared.found
-    verdict = Verdict(STATES[found.verdict], found.verdict, reason(found), f"A and B: {found.verdict}.")
+    why = reason(found)
+    if misplaced_names(found.alignment):
+        why += "; joints of the same name are at other places"
+    verdict = Verdict(STATES[found.verdict], found.verdict, why, f"A and B: {found.verdict}.")
     names = [each.source for each in compared.robots]
     sections = (
         Section("alignment", "B laid over A", (*_alignment(compared), overlay_picture(found))),
         Section(
             "differences",
             "What differs",
-            (*_kinematics(found), *_links(found), _frames(found), _settings(found), _base(found)),
+            (*_kinematics(found), *_links(found), _frames(found), _settings(found), _unstated(found), _base(found)),
         ),
         Section("torques", "What shows in torque", (torque_table(found), torque_bars(found))),
     )
@@ -91,7 +94,7 @@ def _units(found: ModelDifferences) -> str:
 
 def _alignment(compared: ComparedRobots) -> tuple[Block, ...]:
     found = compared.found
-    done = changes_in_words(found) or ["nothing had to be changed but link frames"]
+    done = changes_in_words(compared) or ["nothing had to be changed but link frames"]
     others = [map_in_words(found.alignment, each) for each in found.alignment.others[:MAX_SHOWN_MAPS]]
     more = len(found.alignment.others) - len(others)
     if more:
@@ -156,11 +159,23 @@ def _frames(found: ModelDifferences) -> Table:
 
 
 def _settings(found: ModelDifferences) -> Table:
-    rows = tuple(Row((one.joint, one.name, one.first, one.second)) for one in found.settings)
+    rows = tuple(Row((one.joint, one.name, one.first, one.second)) for one in found.settings if one.counts)
     columns = (Column("joint", "name"), Column("setting"), Column("A", **NUMBER), Column("B", **NUMBER))
-    unstated = not all(each.counts for each in found.settings)
-    caption = "limits of velocity and effort that one robot does not state do not count" if unstated else ""
-    return Table(columns, rows, caption=caption, title="Drives and limits, for A's positions", failures_first=False)
+    title = "Drives and limits, for A's positions"
+    return Table(columns, rows, title=title, failures_first=False)
+
+
+def _unstated(found: ModelDifferences) -> Notes:
+    """Limits that one robot alone states."""
+    joints: dict[tuple[str, str], list[str]] = {}
+    for one in found.settings:
+        if not one.counts:
+            joints.setdefault(("B" if one.first is None else "A", one.name), []).append(one.joint)
+    n = found.alignment.first.n_bodies
+    words = {key: "all joints" if len(of) == n else ", ".join(of) for key, of in joints.items()}
+    return Notes(
+        tuple(Note(f"only {who} states limits of {name} ({of}): not counted") for (who, name), of in words.items())
+    )
 
 
 def _base(found: ModelDifferences) -> Table:
