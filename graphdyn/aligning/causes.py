@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graphdyn.aligning.axes import JointAxes
-from graphdyn.aligning.change_fit import JOINT_KINDS, LINK_KINDS, CauseKind, ChangeFit, Fitted, Flags
+from graphdyn.aligning.change_fit import JOINT_KINDS, LINK_KINDS, CauseKind, ChangeFit, FittedChange, Flags
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
 from graphdyn.model.robot_model import RobotModel
@@ -38,7 +38,7 @@ def explanations(
     joint_map: JointMap,
     tolerance: float,
     kept: Flags | None = None,
-) -> dict[Cause, Fitted]:
+) -> dict[Cause, FittedChange]:
     """All single changes of A that make it B, with base and zeros; empty where none does alone.
 
     joint_map: nearly right; kept: which of its zeros are right, None for none                  (n,)

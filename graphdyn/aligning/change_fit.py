@@ -36,7 +36,7 @@ SMALLEST_SHARE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedChange:
     """Base and zeros with which a change explains everything.
 
     zeros: positions of B's joints where those of A are zero                                    (n,)  [rad or m]
@@ -48,7 +48,7 @@ class Fitted:
 
 
 @dataclass(frozen=True, eq=False)
-class _State:
+class _FitState:
     """What the fit varies. ground: what moves B's world over A's (4, 4); zeros (n,); size of the change (k,)."""
 
     ground: Array
@@ -57,7 +57,7 @@ class _State:
 
 
 @dataclass(frozen=True, eq=False)
-class _Parts:
+class _FitParts:
     """Axes and links of B with its zeros, over A: (n, 3), (n, 3), (n, 3), (n, 3, 3)."""
 
     directions: Array
@@ -111,7 +111,7 @@ class ChangeFit:
                 found.append(change)
         return found
 
-    def fitted(self, change: Change) -> Fitted | None:
+    def fitted(self, change: Change) -> FittedChange | None:
         """Base and zeros with which all agrees after a change of the right size; None where there are none."""
         state = self._start(change)
         for _ in range(STEPS):
@@ -120,16 +120,16 @@ class ChangeFit:
             step = np.float64(-1.0) * np.linalg.lstsq(columns, self._misfit(state, change), rcond=SMALLEST_SHARE)[0]
             motion = moved_by(step[3:6]) @ _turned(step[:3], np.zeros(3))
             n = 6 + len(self._signs)
-            state = _State(motion @ state.ground, state.zeros + step[6:n], state.size + step[n:])
+            state = _FitState(motion @ state.ground, state.zeros + step[6:n], state.size + step[n:])
         if np.abs(self._misfit(state, change)).max() > self._inertias.tolerance:
             return None
         inverse = np.linalg.inv(self._changed_links(state, change))
-        return Fitted(state.zeros, np.concatenate([state.ground[None], inverse @ self._motions(state)]))
+        return FittedChange(state.zeros, np.concatenate([state.ground[None], inverse @ self._motions(state)]))
 
-    def _start(self, change: Change) -> _State:
-        return _State(self._ground, self._zeros, np.zeros({"mass": 1, "tensor": 9}.get(change[0], 3)))
+    def _start(self, change: Change) -> _FitState:
+        return _FitState(self._ground, self._zeros, np.zeros({"mass": 1, "tensor": 9}.get(change[0], 3)))
 
-    def _motions(self, state: _State) -> Array:
+    def _motions(self, state: _FitState) -> Array:
         """What moves the links of B, where they are at q = 0, to where its zeros and its base put them (n, 4, 4)."""
         links, here = [], state.ground
         lines = zip(state.zeros, self._axes[1].directions, self._axes[1].points, self._turns, strict=True)
@@ -138,14 +138,14 @@ class ChangeFit:
             links.append(here)
         return np.array(links)
 
-    def _parts(self, state: _State) -> _Parts:
+    def _parts(self, state: _FitState) -> _FitParts:
         links, axes, inertias = self._motions(state), self._axes[1], self._inertias
         turns = links[:, :3, :3]
         directions = self._signs[:, None] * _times(turns, axes.directions)
         points, centers = (_times(turns, each) + links[:, :3, 3] for each in (axes.points, inertias.centers[1]))
-        return _Parts(directions, points, centers, turns @ inertias.tensors[1] @ turns.transpose(0, 2, 1))
+        return _FitParts(directions, points, centers, turns @ inertias.tensors[1] @ turns.transpose(0, 2, 1))
 
-    def _changed_links(self, state: _State, change: Change) -> Array:
+    def _changed_links(self, state: _FitState, change: Change) -> Array:
         """What moves the links of A to where they are with the change (n, 4, 4)."""
         kind, number = change
         motion = np.eye(4)
@@ -155,7 +155,7 @@ class ChangeFit:
             motion = _turned(state.size, self._axes[0].points[number])
         return np.array([np.eye(4)] * number + [motion] * (len(self._signs) - number))
 
-    def _misfit(self, state: _State, change: Change) -> Array:
+    def _misfit(self, state: _FitState, change: Change) -> Array:
         """B minus A with the change, in parts of mass, reach and tensor (n · 19,)."""
         parts, first, inertias = self._parts(state), self._axes[0], self._inertias
         links, (kind, number) = self._changed_links(state, change), change
@@ -176,7 +176,7 @@ class ChangeFit:
             rows[number, _ROWS[kind]] -= state.size
         return rows.ravel()
 
-    def _columns_of_map(self, parts: _Parts) -> Array:
+    def _columns_of_map(self, parts: _FitParts) -> Array:
         """What turns and translations of the base, and zeros, do to the misfit (n · 19, 6 + n)."""
         n, unit, none = len(self._signs), np.eye(3), np.zeros((3, 3))
         about = self._signs[:, None] * parts.directions
@@ -192,7 +192,7 @@ class ChangeFit:
             np.concatenate([everything, outside]),
         )
 
-    def _columns_of(self, change: Change, parts: _Parts) -> Array:
+    def _columns_of(self, change: Change, parts: _FitParts) -> Array:
         """What a change of A does to the misfit (n · 19, k)."""
         kind, number = change
         n, unit = len(self._signs), np.eye(3)
@@ -208,7 +208,7 @@ class ChangeFit:
         shifts = unit if kind == "length" else -np.cross(unit, self._axes[0].points[number])
         return -self._columns_of_motions(parts, turns, shifts, outside, outside)
 
-    def _columns_of_motions(self, parts: _Parts, turns: Array, shifts: Array, axes: Flags, links: Flags) -> Array:
+    def _columns_of_motions(self, parts: _FitParts, turns: Array, shifts: Array, axes: Flags, links: Flags) -> Array:
         """What small motions of axes and links do to the misfit (n · 19, m).
 
         turns, shifts: each turns about the origin, and moves it                                (m, 3), (m, 3)

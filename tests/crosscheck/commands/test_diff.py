@@ -1,6 +1,8 @@
 """`graphdyn diff`: the words of the terminal, the JSON file, the page, a file with other inertials, and bad input."""
 
 import json
+import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
 from robots.ur5e_like import MASSES, NAMES, OTHER_MASSES, SHIFTS, ur5e_like
-from shared_data import ARMS, REPOSITORY, existing
+from shared_data import ARMS, DATA, REPOSITORY, existing
 
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
@@ -107,6 +109,17 @@ def test_a_makers_arm_in_a_cell(run, tmp_path):
     done = run(file, tmp_path / "cell.xml", "--samples", 10)
     assert "'shoulder_pan_joint' = 'shoulder_pan'" in " ".join(done.out.split())
     assert "Kinematics" not in done.out
+
+
+def test_the_table_of_an_arm_and_its_urdf_file_differ_as_the_guide_says(program, tmp_path, monkeypatch):
+    shutil.copy(existing(DATA / "data/tx40/tx40.urdf"), tmp_path)
+    shutil.copy(REPOSITORY / "crosscheck/study/configurations/tx40.toml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    shown = (REPOSITORY / "docs/dh.md").read_text(encoding="utf-8").split("$ graphdyn diff tx40.toml tx40.urdf\n")[1]
+    said = program("diff", "tx40.toml", "tx40.urdf").out.splitlines()
+    rounded = re.compile("parts by .*? m at")  # of lengths that are equal
+    missing = {rounded.sub("", line).strip() for line in shown.split("```")[0].splitlines()}
+    assert not missing - {rounded.sub("", line).strip() for line in said}
 
 
 def test_names_that_contradict_the_chain_are_told(run, tmp_path):
