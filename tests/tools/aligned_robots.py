@@ -8,7 +8,8 @@ the cases in which exactly that link and kind is named, in which it is named wit
 named, and in which nothing differs; the last happens where the difference does not show: the axis of a joint that may
 be moved along itself, a length before the first joint, which base and tool absorb.
 
-The robots are names or files, `tuned` or `aside`: arms on which the method was, or was not, tuned. --seed changes the
+The robots are names or files, with @LINK up to a tip; or `tuned` or `aside`: arms on which the method was, or was not,
+tuned; or `cut`: arms with grippers and one that slides up and down, up to their flanges. --seed changes the
 random numbers, --only planted leaves out the pairs, --list prints every case that is not named exactly.
 """
 
@@ -28,8 +29,10 @@ ASIDE = ("m1013", "kr16_r1610_2", "tx2_60l", "ur10e", "crx10ia_l", "vs060", "tal
 """Arms on which nothing was tuned."""
 
 BY_NAME = ("ur5", "ur10", "kr500", "panda")
-CUT = ("j2s6s200_standalone", "piper", "vx300s")
-"""Arms with grippers, which need a chain."""
+CUT = {"j2s6s200_standalone": "j2s6s200_link_6", "piper": "link6", "vx300s": "vx300s/gripper_link"}
+"""Arms with grippers, and the tips that cut these off."""
+
+CUT_BY_NAME = ("tiago@arm_7_link", "panda@panda_link8")
 
 
 def main() -> None:
@@ -40,10 +43,10 @@ def main() -> None:
     parser.add_argument("--only", choices=("pairs", "planted"))
     parser.add_argument("--list", action="store_true")
     asked = parser.parse_args()
-    names = arms(*asked.robots) if asked.robots in (["tuned"], ["aside"]) else asked.robots
+    names = arms(*asked.robots) if asked.robots in (["tuned"], ["aside"], ["cut"]) else asked.robots
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", urdf.URDFWarning)
-        models = [urdf.load(name, mimic="locked") for name in names]
+        models = [loaded(name) for name in names]
     rng = np.random.default_rng(asked.seed)
     if asked.only != "planted":
         pairs(models, asked.pairs, rng, asked.list)
@@ -51,8 +54,18 @@ def main() -> None:
         plants(models, asked.pairs, rng, asked.list)
 
 
+def loaded(name: str):
+    """A robot, up to the tip that stands behind @."""
+    robot, _, tip = name.partition("@")
+    if not tip:
+        return urdf.load(robot, mimic="locked")
+    return urdf.load(robot, chain=(urdf.load(robot).base_name, tip))
+
+
 def arms(which: str) -> list[str]:
-    """Names and files of robots that need no chain."""
+    """Names and files of the robots of a share."""
+    if which == "cut":
+        return [*(f"{ARMS / name}.urdf@{tip}" for name, tip in CUT.items()), *CUT_BY_NAME]
     known = [path for path in sorted(ARMS.glob("*.urdf")) if path.stem not in CUT]
     chosen = [str(path) for path in known if (path.stem in ASIDE) == (which == "aside")]
     return chosen + [name for name in BY_NAME if which == "tuned" and name != "panda"]
