@@ -155,7 +155,7 @@ def _explained(
         for joint_map, kept in ((snapped, near), (start, none))
         for each in explanations(robots, axes, joint_map, inertias.tolerance, kept).values()
     ]
-    return [each for each in found if each.order[0] == 1]
+    return [each for each in found if each.order[0] <= 1]
 
 
 def _others(best: LaidRobot, second: RobotModel, choices: list[Array], inertias: LinkInertias) -> list[JointMap]:

@@ -13,7 +13,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from graphdyn.aligning.axes import JointAxes
-from graphdyn.aligning.change_fit import JOINT_KINDS, LINK_KINDS, CauseKind, ChangeFit, FittedChange, Flags
+from graphdyn.aligning.change_fit import (
+    JOINT_KINDS,
+    LINK_KINDS,
+    NO_CHANGE,
+    CauseKind,
+    Change,
+    ChangeFit,
+    FittedChange,
+    Flags,
+)
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
 from graphdyn.model.robot_model import RobotModel
@@ -38,17 +47,24 @@ def explanations(
     joint_map: JointMap,
     tolerance: float,
     kept: Flags | None = None,
-) -> dict[Cause, FittedChange]:
-    """All single changes of A that make it B, with base and zeros; empty where none does alone.
+) -> dict[Cause | None, FittedChange]:
+    """All single changes of A that make it B, with base and zeros; None alone where no change is needed.
+
+    Empty where none of them does alone.
 
     joint_map: nearly right; kept: which of its zeros are right, None for none                  (n,)
     tolerance: what does not count, as a part of reach, mass and tensor, and in radians
     """
     fit = ChangeFit(robots, axes, joint_map, LinkInertias.of(robots, axes, tolerance), kept)
-    changes = [(kind, number) for kind in (*JOINT_KINDS, *LINK_KINDS) for number in range(len(joint_map.signs))]
-    found = {}
+    changes: list[Change] = [
+        (kind, number) for kind in (*JOINT_KINDS, *LINK_KINDS) for number in range(len(joint_map.signs))
+    ]
+    unchanged = fit.fitted(NO_CHANGE)
+    if unchanged is not None:
+        return {None: unchanged}
+    found: dict[Cause | None, FittedChange] = {}
     for kind, number in fit.promising(changes):
-        if (fitted := fit.fitted((kind, number))) is not None:
+        if kind is not None and (fitted := fit.fitted((kind, number))) is not None:
             names = robots[0].joint_names if kind in JOINT_KINDS else robots[0].body_names
             found[Cause(names[number], kind)] = fitted
     return found
@@ -69,4 +85,5 @@ def other_causes(first: RobotModel, model: RobotModel, cause: Cause, tolerance: 
     restored = replace(model, joints=tuple(joints), bodies=tuple(bodies))
     same = JointMap(np.ones(model.n_bodies), np.zeros(model.n_bodies), Placement(), Placement())
     axes = JointAxes.of(restored), JointAxes.of(model)
-    return tuple(each for each in explanations((restored, model), axes, same, tolerance) if each != cause)
+    found = explanations((restored, model), axes, same, tolerance)
+    return tuple(each for each in found if each not in (None, cause))

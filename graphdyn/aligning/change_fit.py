@@ -22,8 +22,10 @@ CauseKind = Literal["length", "angle", "axis", "mass", "center", "tensor"]
 JOINT_KINDS: tuple[CauseKind, ...] = ("length", "angle", "axis")
 LINK_KINDS: tuple[CauseKind, ...] = ("mass", "center", "tensor")
 
-Change = tuple[CauseKind, int]
+Change = tuple[CauseKind | None, int]
 """A kind, and the number of the joint or link, from 0."""
+
+NO_CHANGE: Change = (None, 0)
 
 STEPS = 4
 """Steps of Gauss-Newton, of which each squares what is left [rad, parts of the reach]."""
@@ -66,7 +68,17 @@ class _FitParts:
     tensors: Array
 
 
+@dataclass(frozen=True, eq=False)
+class _FitStep:
+    """map: turn and translation of the base, zeros (6 + n,); size: of the change (k,); left: of the misfit (n · 19,)"""
+
+    map: Array
+    size: Array
+    left: Array
+
+
 _ROWS = {"mass": slice(6, 7), "center": slice(7, 10), "tensor": slice(10, 19)}
+_SIZES = {None: 0, "mass": 1, "tensor": 9}
 _N_ROWS = 19
 """Rows of a joint and its link: axis (3), its place (3), mass (1), center of mass (3), tensor (9)."""
 
@@ -98,36 +110,39 @@ class ChangeFit:
 
     def promising(self, changes: list[Change]) -> list[Change]:
         """The changes with which a linear step explains most of the misfit."""
-        state = self._start(changes[0])
-        misfit, parts = self._misfit(state, changes[0]), self._parts(state)
-        left, values, _ = np.linalg.svd(self._columns_of_map(parts), full_matrices=False)
-        free = left[:, values > SMALLEST_SHARE * values[0]]
-        rest, found = misfit - free @ (free.T @ misfit), []
-        for change in changes:
-            columns = self._columns_of(change, parts)
-            columns = columns - free @ (free.T @ columns)
-            size = np.linalg.lstsq(columns, rest, rcond=SMALLEST_SHARE)[0]
-            if np.linalg.norm(rest - columns @ size) <= PROMISING * np.linalg.norm(misfit):
-                found.append(change)
-        return found
+        state = self._start(NO_CHANGE)
+        misfit, parts = self._misfit(state, NO_CHANGE), self._parts(state)
+        most = PROMISING * np.linalg.norm(misfit)
+        return [change for change in changes if np.linalg.norm(self._step(change, parts, misfit).left) <= most]
 
     def fitted(self, change: Change) -> FittedChange | None:
-        """Base and zeros with which all agrees after a change of the right size; None where there are none."""
+        """Base and zeros with which all agrees after the smallest such change; None where there are none."""
         state = self._start(change)
         for _ in range(STEPS):
-            parts = self._parts(state)
-            columns = np.hstack([self._columns_of_map(parts), self._columns_of(change, parts)])
-            step = np.float64(-1.0) * np.linalg.lstsq(columns, self._misfit(state, change), rcond=SMALLEST_SHARE)[0]
-            motion = moved_by(step[3:6]) @ _turned(step[:3], np.zeros(3))
-            n = 6 + len(self._signs)
-            state = _FitState(motion @ state.ground, state.zeros + step[6:n], state.size + step[n:])
+            step = self._step(change, self._parts(state), self._misfit(state, change))
+            motion = moved_by(step.map[3:6]) @ _turned(step.map[:3], np.zeros(3))
+            state = _FitState(motion @ state.ground, state.zeros + step.map[6:], state.size + step.size)
         if np.abs(self._misfit(state, change)).max() > self._inertias.tolerance:
             return None
         inverse = np.linalg.inv(self._changed_links(state, change))
         return FittedChange(state.zeros, np.concatenate([state.ground[None], inverse @ self._motions(state)]))
 
+    def _step(self, change: Change, parts: _FitParts, misfit: Array) -> _FitStep:
+        """A step of Gauss-Newton: the map explains what it can, the change the rest."""
+        of_map, of_change = self._columns_of_map(parts), self._columns_of(change, parts)
+        left, values, right = np.linalg.svd(of_map, full_matrices=False)
+        found = values > SMALLEST_SHARE * values[0]
+        free, back = left[:, found], right[found].T / values[found]
+        rest, alone = misfit - free @ (free.T @ misfit), of_change - free @ (free.T @ of_change)
+        size = np.zeros(of_change.shape[1])
+        if size.size:
+            left, values, right = np.linalg.svd(alone, full_matrices=False)
+            found = values > SMALLEST_SHARE * np.linalg.norm(of_change, axis=0).max()
+            size = -(right[found].T / values[found]) @ (left[:, found].T @ rest)
+        return _FitStep(-back @ (free.T @ (misfit + of_change @ size)), size, rest + alone @ size)
+
     def _start(self, change: Change) -> _FitState:
-        return _FitState(self._ground, self._zeros, np.zeros({"mass": 1, "tensor": 9}.get(change[0], 3)))
+        return _FitState(self._ground, self._zeros, np.zeros(_SIZES.get(change[0], 3)))
 
     def _motions(self, state: _FitState) -> Array:
         """What moves the links of B, where they are at q = 0, to where its zeros and its base put them (n, 4, 4)."""
@@ -172,7 +187,7 @@ class ChangeFit:
         rows[self._have_centers, 7:10] = ((parts.centers - centers - shifts) / first.reach)[self._have_centers]
         tensors = parts.tensors - turns @ inertias.tensors[0] @ turns.transpose(0, 2, 1)
         rows[:, 10:] = (tensors / self._tensor_scale[:, None, None]).reshape(-1, 9)
-        if kind in LINK_KINDS:
+        if kind in _ROWS:
             rows[number, _ROWS[kind]] -= state.size
         return rows.ravel()
 
@@ -196,7 +211,9 @@ class ChangeFit:
         """What a change of A does to the misfit (n · 19, k)."""
         kind, number = change
         n, unit = len(self._signs), np.eye(3)
-        if kind in LINK_KINDS:
+        if kind is None:
+            return np.zeros((n * _N_ROWS, 0))
+        if kind in _ROWS:
             rows = range(n * _N_ROWS)[number * _N_ROWS : (number + 1) * _N_ROWS][_ROWS[kind]]
             return -np.eye(n * _N_ROWS)[:, rows]
         if kind == "axis":

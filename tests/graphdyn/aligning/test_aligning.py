@@ -95,6 +95,15 @@ def test_a_sliding_joint_is_aligned():
     assert moves_alike(model, align(model, again).model)
 
 
+def test_a_length_along_a_joint_that_slides_is_its_zero():
+    model = sliding_arm()
+    place = model.joints[1].placement @ Placement(translation=[0, 0, LENGTH])
+    longer = replace(model, joints=(model.joints[0], replace(model.joints[1], placement=place), *model.joints[2:]))
+    found = differences(model, longer, samples=STATES)
+    assert (found.joints, found.links) == ((), ())
+    assert found.alignment.map.zeros == pytest.approx([0, -LENGTH, 0, 0, 0])
+
+
 def sliding_arm():
     """Turns about z, slides along z and x, turns about x, slides along y."""
     x, y, z = np.eye(3)
