@@ -171,6 +171,7 @@ def test_a_model_of_export_and_the_arm_before_a_gripper(run, program, tmp_path):
         (("arm.urdf", "cut.urdf"), "cut.urdf"),
         (("arm.urdf", "wrong.json"), "not in the format 'graphdyn export 1'; give a file that"),
         (("arm.urdf", "text.json"), "not a JSON file"),
+        (("arm.urdf", "deep.json"), "deep.json: not a JSON file (maximum recursion depth exceeded"),
         (("arm.urdf", "heavy.json"), "heavy.json: a value has the wrong type"),
         (("arm.urdf", "unnamed.json"), "unnamed.json: a value has the wrong type (7 is no name)"),
         (("arm.urdf", "light.json"), "light.json: body 'b': mass -1.0 kg is negative"),
@@ -199,6 +200,7 @@ def test_bad_input(run, folder, words, arguments, message):
     (folder / "heavy.json").write_text(json.dumps(heavy | {"bodies": None}), encoding="utf-8")
     (folder / "wrong.json").write_text("{}", encoding="utf-8")
     (folder / "text.json").write_text("{", encoding="utf-8")
+    (folder / "deep.json").write_text("[" * 100_000, encoding="utf-8")
     (folder / "cut.urdf").write_text((folder / "arm.urdf").read_text(encoding="utf-8")[:900], encoding="utf-8")
     ball = f'<mujoco><worldbody>{BODY}<joint type="ball"/></body></worldbody></mujoco>'
     (folder / "ball.xml").write_text(ball, encoding="utf-8")

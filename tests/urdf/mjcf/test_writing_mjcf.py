@@ -201,6 +201,16 @@ def test_utf_16_is_read_and_not_patched(tmp_path):
         urdf.patch_mjcf(model, tmp_path / "odd.xml", tmp_path / "new.xml")
 
 
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(ODD[:200], "not well-formed XML"), ("", "the file is empty"), ("a = 1", "Start tag expected")],
+)
+def test_a_patch_of_a_file_that_is_no_xml(tmp_path, content, message):
+    (tmp_path / "bad.xml").write_text(content)
+    with pytest.raises(urdf.MalformedXML, match=message):
+        urdf.patch_mjcf(urdf.load("ur5"), tmp_path / "bad.xml", tmp_path / "new.xml")
+
+
 def test_numbers_that_are_the_same_stay_as_they_are_written(tmp_path):
     for name in ("forms", "several_joints", "including"):
         path = written(tmp_path, name)
