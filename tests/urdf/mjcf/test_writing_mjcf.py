@@ -203,7 +203,7 @@ def test_utf_16_is_read_and_not_patched(tmp_path):
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(ODD[:200], "not well-formed XML"), ("", "the file is empty"), ("a = 1", "Start tag expected")],
+    [(ODD[:200], "not well-formed XML"), ("", "the file is empty"), ("a = 1", "the file has no XML element")],
 )
 def test_a_patch_of_a_file_that_is_no_xml(tmp_path, content, message):
     (tmp_path / "bad.xml").write_text(content)
