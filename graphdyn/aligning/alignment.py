@@ -17,7 +17,7 @@ from graphdyn.aligning.axes import JointAxes
 from graphdyn.aligning.causes import explanations
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
-from graphdyn.aligning.trades import LaidRobot, laid_robot, traded
+from graphdyn.aligning.trades import LaidRobot, traded
 from graphdyn.aligning.walk import SNAP_ANGLE, Walk
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.display import short_repr
@@ -133,7 +133,7 @@ def _best_laid(
     """B laid over A with these senses, so that least differs: one thing alone where that is possible."""
     laid: list[LaidRobot] = []
     for number, walk in enumerate(_walks(*axes, signs, inertias)):
-        laid.append(traded(walk, robots, inertias))
+        laid.append(traded(robots, walk, walk.zeros, walk.places, inertias))
         if not laid[-1].order[0]:
             return laid[-1]  # nothing can leave less
         if number == BY_INERTIAS and (explained := _explained(robots, walk, laid, inertias)):
@@ -151,7 +151,7 @@ def _explained(
     snapped, none = replace(start, zeros=np.where(near, whole, start.zeros)), np.zeros_like(near)
     axes = walk.first, walk.second
     found = [
-        laid_robot(robots, walk, each.zeros, each.places, inertias)
+        traded(robots, walk, each.zeros, each.places, inertias)
         for joint_map, kept in ((snapped, near), (start, none))
         for each in explanations(robots, axes, joint_map, inertias.tolerance, kept).values()
     ]
@@ -164,7 +164,7 @@ def _others(best: LaidRobot, second: RobotModel, choices: list[Array], inertias:
     axes = JointAxes.of(best.model), JointAxes.of(second)
     walks = (Walk(*axes, signs) for signs in choices)
     known = LinkInertias.of(robots, axes, inertias.tolerance)
-    laid = [traded(walk, robots, known) for walk in walks if walk.cost <= inertias.tolerance]
+    laid = [traded(robots, walk, walk.zeros, walk.places, known) for walk in walks if walk.cost <= inertias.tolerance]
     return [each.map for each in sorted(laid, key=lambda each: each.order)]
 
 

@@ -27,8 +27,11 @@ Change = tuple[CauseKind | None, int]
 
 NO_CHANGE: Change = (None, 0)
 
-STEPS = 4
+MOST_STEPS = 10
 """Steps of Gauss-Newton, of which each squares what is left [rad, parts of the reach]."""
+
+LAST_STEP = 1e-12
+"""Length of a step that is rounding [rad, m, parts of what is fitted]."""
 
 PROMISING = 0.3
 """Part of the misfit that a linear step may leave, of a change that is tried."""
@@ -118,10 +121,12 @@ class ChangeFit:
     def fitted(self, change: Change) -> FittedChange | None:
         """Base and zeros with which all agrees after the smallest such change; None where there are none."""
         state = self._start(change)
-        for _ in range(STEPS):
+        for _ in range(MOST_STEPS):
             step = self._step(change, self._parts(state), self._misfit(state, change))
             motion = moved_by(step.map[3:6]) @ _turned(step.map[:3], np.zeros(3))
             state = _FitState(motion @ state.ground, state.zeros + step.map[6:], state.size + step.size)
+            if np.linalg.norm(step.map) + np.linalg.norm(step.size) <= LAST_STEP:
+                break
         if np.abs(self._misfit(state, change)).max() > self._inertias.tolerance:
             return None
         inverse = np.linalg.inv(self._changed_links(state, change))
