@@ -248,4 +248,6 @@ def _show(study: Configuration, only: str) -> None:
 
 def _refuse_unknown(study: Configuration, only: str, known: Iterable[str]) -> None:
     if only not in known:
-        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; it has {', '.join([*known][:3])}, …")
+        some = [*known][:3]
+        there = f"it has {', '.join(some)}, …" if some else "it simulates nothing"
+        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; {there}")

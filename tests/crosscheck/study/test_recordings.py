@@ -153,6 +153,8 @@ def test_recordings_alone(program, words, folder, tmp_path):
     done = program("study", "--config", config, "--out", out)
     assert "recording 'log': warning: long_axis.urdf: axis not of unit length, normalized" in words(done.err)
     assert (done.code, "compared: 1 real recording" in words(done.out)) == (AGREED, True)
+    only = program("study", "--config", config, "--only", "a:0")
+    assert (only.code, "alone.toml has no such run; it simulates nothing" in words(only.err)) == (BAD_INPUT, True)
     again = program("study", "--report", out, "--tables", tmp_path / "paper")
     assert again.code == AGREED
     lines = (tmp_path / "paper" / "recordings.csv").read_text().splitlines()

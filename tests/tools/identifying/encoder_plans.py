@@ -59,14 +59,10 @@ WRIST = ("wrist_1_joint", "wrist_2_joint", "wrist_3_joint")
 FINGERS = ("panda_finger_joint1", "panda_finger_joint2")
 
 CASES = {
-    "ur10": Case("ur10", 500, "20", 1e-4),
-    "ur10-exact": Case("ur10", 500, "20", 0.0),
     "ur10-residual": Case("ur10", 125, "residual", 1e-4),
     "ur10-random": Case("ur10", 250, "12", 1e-4, 8.0, random=3),
-    "tx40": Case("tx40.urdf", 1000, "50", 2e-5, 6.0, "--noise 0.3 --torque 60 --acceleration 20"),
     "tx40-raw": Case("tx40.urdf", 500, "none", 1e-5, 6.0, "--noise 0.3 --torque 60 --acceleration 20"),
     "kr300": Case("kr300.urdf", 250, "8", 1e-4, 12.0, SLOW),
-    "kr300-random": Case("kr300.urdf", 250, "15", 5e-5, 10.0, SLOW, random=5),
     "panda": Case("panda", 1000, "40", 2e-5, 6.0, lock=FINGERS),
     "three-joints": Case("ur5", 200, "10", 1e-4, 6.0, lock=WRIST),
     "three-joints-raw": Case("ur5", 200, "none", 1e-4, 6.0, lock=WRIST),
