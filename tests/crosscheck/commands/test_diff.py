@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
 from lxml import etree
+from robots.disguised import planted
 from robots.ur5e_like import MASSES, NAMES, OTHER_MASSES, SHIFTS, ur5e_like
 from shared_data import ARMS, DATA, REPOSITORY, existing
 
@@ -78,6 +79,21 @@ def test_an_mjcf_file_with_a_turned_base_displaced_axes_and_other_masses(run, tm
     expected = {f"{name}_link": gain for name, gain in gains.items() if gain}
     assert masses == pytest.approx(expected)
     assert "one over the other" in (tmp_path / "d.html").read_text(encoding="utf-8")
+
+
+def test_all_that_may_be_the_cause_is_told(run, tmp_path):
+    """Without inertia, a first axis that is tilted is as well a base and all that follows."""
+    arm = ur5e_like()
+    light = replace(arm, bodies=tuple(Body(one.name, 0.0, np.zeros(3), np.zeros((3, 3))) for one in arm.bodies))
+    urdf.save(light, tmp_path / "light.urdf")
+    urdf.save(planted(light, np.random.default_rng(0), "axis", 1), tmp_path / "tilted.urdf")
+    files = tmp_path / "light.urdf", tmp_path / "tilted.urdf"
+    done = run(*files, "--samples", 10, "--json", tmp_path / "d.json")
+    said = " ".join(done.out.split())
+    assert "its axis differs by 0.1° in link 'base', or the angle of 'lift_joint'" in said
+    assert "│ pan_joint │ axis │ base │ 0.1° │ the angle of 'lift_joint' │" in said
+    (joint,) = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))["joints"]
+    assert joint["or_else"] == [{"element": "lift_joint", "kind": "angle"}]
 
 
 def cell(arm):
