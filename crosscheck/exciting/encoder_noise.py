@@ -11,13 +11,19 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from crosscheck.recordings import Recording, differentiated, samples_of
 from crosscheck.recordings.preparation.derivatives import Cutoff
-from graphdyn.excitation import ExcitationPlan, ExcitationProblem, FiniteMotion, JointMotion, sample_times
+from graphdyn.excitation import (
+    ExcitationPlan,
+    ExcitationProblem,
+    FiniteMotion,
+    expected_parameters,
+    sample_times,
+)
 from graphdyn.identification import Problem, Samples, WeightedLeastSquares, one_thread
 from graphdyn.layout import Array
 
@@ -29,10 +35,14 @@ ENCODER_DRAWS, TRIAL_DRAWS = 200, 30
 
 @dataclass(frozen=True)
 class EncoderNoise:
-    """position: standard deviation of measured positions [rad or m]; cutoff: low-pass, as in differentiated"""
+    """position: standard deviation of measured positions [rad or m]; cutoff: low-pass, as in differentiated
+
+    others: recordings that are fitted together with the planned ones, with v and a
+    """
 
     position: float
     cutoff: Cutoff
+    others: tuple[Recording, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,14 +65,14 @@ def encoder_plan(
     draws: int = ENCODER_DRAWS,
     seed: int = 0,
 ) -> EncoderPlan:
-    """The plan of recordings of all motions together.
+    """The plan of recordings of all motions, and of the others, together.
 
     The robot is that of the file; drives, of which it says nothing, have the size that is expected of them. Raises
     InvalidInput where the filter leaves no rows.
     """
     model, rng = problem.torque_model, np.random.default_rng([seed, 3])
-    truth = np.where(plan.prior != 0, plan.prior, plan.spread * _is_drive(plan))
-    exact = [course.motion(sample_times(course.duration, problem.rate)) for course in courses]
+    truth = plan.base.values(expected_parameters(model))
+    exact = [*(without_noise(problem, course) for course in courses), *noise.others]
     torques = [_torque(plan, motion, truth) for motion in exact]
     found = list[Array]()
     with one_thread():
@@ -71,34 +81,30 @@ def encoder_plan(
             pieces = [
                 sample
                 for motion, tau in zip(exact, torques, strict=True)
-                for sample in samples_of(_recorded(problem, noise, motion, tau, rng))
+                for sample in samples_of(_measured(problem, noise, motion, tau, rng))
             ]
-            of_draw = Problem(replace(model, noise=problem.noise), pieces)
+            of_draw = Problem(model, pieces)  # whose weights come from the residual, as those of a recording do
             found.append(of_draw.structure.base.values(WeightedLeastSquares().estimate(of_draw).parameters))
     values = np.array(found)
     return EncoderPlan(np.std(values, axis=0, ddof=1), values.mean(axis=0) - truth)
 
 
-def _is_drive(plan: ExcitationPlan) -> Array:
-    """1 for base parameters that are a drive's alone (b,)."""
-    units = np.array(plan.units)
-    return np.where(np.isin(units, ("kg m", "kg m²", "kg")), 0.0, 1.0)
+def without_noise(problem: ExcitationProblem, course: FiniteMotion) -> Recording:
+    """A recording of the motion itself, without torques."""
+    times = sample_times(course.duration, problem.rate)
+    motion = course.motion(times)
+    return Recording(problem.torque_model.model.independent_joints, times, motion.q, motion.v, motion.a)
 
 
-def _torque(plan: ExcitationPlan, motion: JointMotion, truth: Array) -> Array:
-    samples = Samples(motion.q, motion.v, motion.a, np.zeros_like(motion.q))
+def _torque(plan: ExcitationPlan, motion: Recording, truth: Array) -> Array:
+    q, v, a = (motion.channel(name) for name in "qva")
+    samples = Samples(q, v, a, np.zeros_like(q))
     return np.asarray(plan.torque_model.rows(samples, plan.base.independent) @ truth)
 
 
-def _recorded(
-    problem: ExcitationProblem,
-    noise: EncoderNoise,
-    motion: JointMotion,
-    tau: Array,
-    rng: np.random.Generator,
+def _measured(
+    problem: ExcitationProblem, noise: EncoderNoise, motion: Recording, tau: Array, rng: np.random.Generator
 ) -> Recording:
-    names = problem.torque_model.model.independent_joints
     q = motion.q + noise.position * rng.standard_normal(motion.q.shape)
     noisy = tau + problem.noise * rng.standard_normal(tau.shape)
-    times = np.arange(len(q)) / problem.rate
-    return differentiated(Recording(names, times, q, tau=noisy), noise.cutoff)
+    return differentiated(Recording(motion.joint_names, motion.t, q, tau=noisy, block=motion.block), noise.cutoff)

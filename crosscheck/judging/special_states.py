@@ -24,9 +24,13 @@ NEAREST_TO_ZERO = "every position is the one nearest to zero"
 OTHER_STATES = "another state with these positions"
 ONE_JOINT = "one joint moves alone"
 AT_LIMITS = "every joint is at a limit of its positions"
+ONE_AT_LIMIT = "a joint is at a limit of its positions"
 WHOLE_TURNS = "every angle is a whole turn"
 PARALLEL = "axes of neighboring joints are as parallel as they can be"
 FULL_SPEED = "every joint is at the limit of its velocity"
+
+LIMIT_DIGITS = 1e-6
+"""Relative error of limits in files, which may be whole turns of seven digits."""
 
 N_SPECIAL_STATES = 18
 """Number of the states that special_states gives."""
@@ -160,6 +164,8 @@ def conditions(
     for label in dict.fromkeys(labels.tolist()):
         if label not in (ORDINARY, OTHER_STATES):
             yield str(label), np.isin(labels, [label])
+    limits = states["q"][labels == AT_LIMITS]
+    yield ONE_AT_LIMIT, np.isclose(states["q"][:, None], limits, rtol=LIMIT_DIGITS, atol=0).any(axis=(1, 2))
     near = [NEAREST_TO_ZERO, *map(_below, SMALL_ANGLES)]
     yield from ((near[k], np.isin(labels, near[: k + 1])) for k in range(1, len(near)))
     if known:

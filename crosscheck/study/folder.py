@@ -17,6 +17,9 @@ from urdf.document import toml_document, write_whole
 
 CONFIGURATION, DATABASE = "study.toml", "study.sqlite"
 
+CONFIGURATION_TEXT, CONFIGURATION_ORIGIN = "configuration", "configuration file"
+"""Inputs of a study that are neither a file nor a version: the text of its configuration, and where that came from."""
+
 
 def is_new(folder: Path, resume: bool, extend: bool = False) -> bool:
     """Whether the folder is new or empty. Raises InvalidInput where no study can begin, go on or grow in it."""
@@ -52,16 +55,16 @@ def begin_or_go_on(
     extend: runs, methods and scenarios may be more
     """
     begun = store.inputs()
-    before = begun or {**inputs, "configuration": _copy(folder) or study.text}
-    old, new = (tomllib.loads(text) for text in (before["configuration"], study.text))
+    before = begun or {**inputs, CONFIGURATION_TEXT: _copy(folder) or study.text}
+    old, new = (tomllib.loads(text) for text in (before[CONFIGURATION_TEXT], study.text))
     if extend:
         old, new = _without_growing(old), _without_growing(new)
     changes = _changes(old, new, "")
-    for name in sorted({*before, *inputs} - {"configuration"}):
+    for name in sorted({*before, *inputs} - {CONFIGURATION_TEXT, CONFIGURATION_ORIGIN}):
         if before.get(name) == MISSING and name in LIBRARIES:
             continue  # no result has needed it
-        if extend and Path(name).is_absolute() and name not in before:
-            continue  # of a method that is new
+        if extend and Path(name).is_absolute() and (name not in before or name not in inputs):
+            continue  # of a method or recording that is new, or of a recording that is left out
         if before.get(name) != inputs.get(name):
             what = "has changed" if Path(name).is_absolute() else f"was {before.get(name)}, is {inputs.get(name)}"
             changes.append(f"{name} {what}")

@@ -17,9 +17,9 @@ from pathlib import Path
 
 from crosscheck.distributing import DaskWorkers, Lost, NoWorkers, Workers
 from crosscheck.identifying import ESTIMATORS
-from crosscheck.study.folder import DATABASE, begin, begin_or_go_on, is_new
+from crosscheck.study.folder import CONFIGURATION_ORIGIN, CONFIGURATION_TEXT, DATABASE, begin, begin_or_go_on, is_new
 from crosscheck.study.settings.configuration import Configuration, shown_name
-from crosscheck.study.simulated.plants import plant_of
+from crosscheck.study.simulated.plants import refuse_unfit
 from crosscheck.study.store import Key, Store, opened
 from crosscheck.study.tables import write_results, write_scenarios
 from crosscheck.study.tasks import (
@@ -58,21 +58,21 @@ def run_study(
     progress: Callable[[Progress], None] | None = None,
     tell: Callable[[str], None] | None = None,
     before: Callable[[], None] | None = None,
+    first: Callable[[], None] | None = None,
 ) -> None:
     """Compute every task that is not done, and write the tables.
 
     folder: new or empty; with `resume` that of the same study, or new; with `extend` that of a part of it
     versions: of the libraries, which must be those the study was begun with
     progress: called after every task; tell: with a line about every process that died
-    before: called before the first task, when nothing else is wrong
+    before: called before the first task, when nothing else is wrong; first: called after it, with the folder begun
 
     After any interruption, what was done is in the folder.
 
     Raises BadConfiguration for settings that do not fit the robot; InvalidInput for a folder that is something else, or
     of a study with another configuration; NoWorkers for processes that lack what it needs; OSError; urdf's errors.
     """
-    for robot in study.robots:
-        plant_of(robot)  # which refuses what does not fit it
+    refuse_unfit(study)
     refuse_missing_packages(study)
     if isinstance(workers, DaskWorkers):
         workers = replace(workers, libraries=LIBRARIES)
@@ -81,12 +81,20 @@ def run_study(
     if new:
         before()
         begin(study, folder)
-    inputs = {"configuration": study.text, **study.own_files, **study.recorded_files, **(versions or {})}
+    inputs = {
+        CONFIGURATION_TEXT: study.text,
+        CONFIGURATION_ORIGIN: study.origin,
+        **study.own_files,
+        **study.recorded_files,
+        **(versions or {}),
+    }
     with opened(folder / DATABASE, tell) as store:
         begin_or_go_on(study, folder, store, inputs, extend=extend)
         if not new:
             before()
         write_scenarios(study, folder)
+        if first is not None:
+            first()
         _compute(study, store, workers, progress or (lambda _: None), tell or (lambda _: None))
         write_results(store.outcomes(), folder)
 

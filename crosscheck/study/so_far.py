@@ -12,6 +12,7 @@ import pyarrow.parquet as parquet
 from crosscheck.study.folder import CONFIGURATION, DATABASE
 from crosscheck.study.settings.configuration import shown_name
 from crosscheck.study.settings.design import StudyDesign, study_design
+from crosscheck.study.settings.recordings import recording_labels
 from crosscheck.study.settings.settings import Settings, words
 from crosscheck.study.statistics.outcomes import StudyOutcomes, outcomes
 from crosscheck.study.store import copied
@@ -23,34 +24,40 @@ from urdf.document import toml_document
 
 @dataclass(frozen=True, eq=False)
 class StudySoFar:
-    """outcomes: of whole records; facts: names and words of what all scenarios share; design: of the study"""
+    """outcomes: of whole records; facts: names and words of what all scenarios share; design: of the study
+
+    recordings: labels of the real ones, done or not
+    """
 
     outcomes: StudyOutcomes
     facts: tuple[tuple[str, str], ...]
     design: StudyDesign
+    recordings: tuple[str, ...]
 
 
 def read_so_far(folder: Path) -> StudySoFar:
     """What is in a folder. Raises InvalidInput where there is no study, or no finished run; OSError."""
     with copied(folder / DATABASE) as store:
         rows, times = result_rows(store.outcomes())
-    if not rows:
-        raise InvalidInput(f"{folder} has no finished run yet; wait for one")
     document = toml_document((folder / CONFIGURATION).read_bytes())
     study = Settings(str(folder / CONFIGURATION), "study", document.get("study", {}))
-    robots = document["robot"] if isinstance(document["robot"], list) else [document["robot"]]
+    given = document.get("robot", [])
+    robots = given if isinstance(given, list) else [given]
+    if robots and not rows:
+        raise InvalidInput(f"{folder} has no finished run yet; wait for one")
     waiting = _waiting(rows)
     records = {(row["scenario"], row["run"]) for row in rows}
     scenarios = parquet.read_table(folder / SCENARIOS).to_pylist()
-    facts = [
-        ("folder", str(folder)),
+    simulated = [
         ("robot", ", ".join(robot["name"] for robot in robots)),
         ("seed", str(study.values.get("seed", 0))),
         ("so far", f"{counted(len(records), 'record')} of {counted(len(scenarios), 'scenario')}"),
         *([("not yet everywhere", ", ".join(waiting))] if waiting else []),
     ]
+    facts = [("folder", str(folder)), *(simulated if robots else [])]
     found = outcomes([row for row in rows if row["method"] not in waiting], scenarios, times)
-    return StudySoFar(found, tuple(facts), study_design(study, lambda name: shown_name(words(name))))
+    design = study_design(study, lambda name: shown_name(words(name)))
+    return StudySoFar(found, tuple(facts), design, tuple(recording_labels(document)))
 
 
 def _waiting(rows: Rows) -> Sequence[str]:

@@ -34,7 +34,7 @@ def table(found, robot):
         cells = [found.outcomes.methods[k].name]
         for one in chosen:
             comparison = one.comparisons["torques", "torque_error"]
-            name = next((group[0] for group in comparison.same if cells[0] in group), cells[0])
+            name = comparison.first(cells[0])
             verdict = next((pair.verdict for pair in comparison.pairs if pair.method == name), "undecided")
             method = one.methods[k]
             failed = f", {method.runs - method.found} failed" if method.found < method.runs else ""

@@ -4,6 +4,7 @@ align finds the map, differences compares what is left after it. Both take seria
 """
 
 from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
+from graphdyn.aligning.causes import Cause
 from graphdyn.aligning.fields import FrameDifference, JointDifference, LinkDifference, SettingDifference
 from graphdyn.aligning.joint_map import JointMap
 from graphdyn.aligning.model_differences import (
@@ -13,6 +14,7 @@ from graphdyn.aligning.model_differences import (
     ModelDifferences,
     differences,
 )
+from graphdyn.aligning.names import same_names
 from graphdyn.aligning.torques import BaseParameterDifference, TorqueDifference
 
 __all__ = [
@@ -20,6 +22,7 @@ __all__ = [
     "VERDICTS",
     "Alignment",
     "BaseParameterDifference",
+    "Cause",
     "DifferenceVerdict",
     "FlangeDifference",
     "FrameDifference",
@@ -31,4 +34,5 @@ __all__ = [
     "TorqueDifference",
     "align",
     "differences",
+    "same_names",
 ]

@@ -8,16 +8,17 @@ the one with which most limits agree.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
 from graphdyn.aligning.axes import JointAxes
+from graphdyn.aligning.causes import explanations
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.aligning.joint_map import JointMap
-from graphdyn.aligning.trades import traded
-from graphdyn.aligning.walk import Walk
+from graphdyn.aligning.trades import LaidRobot, traded
+from graphdyn.aligning.walk import SNAP_ANGLE, Walk
 from graphdyn.arguments.arrays import as_floats
 from graphdyn.display import short_repr
 from graphdyn.errors import InvalidInput
@@ -57,6 +58,10 @@ class Alignment:
     others: tuple[JointMap, ...]
 
 
+BY_INERTIAS = 1
+"""Number of the walk by axes and inertias, from which single changes are looked for."""
+
+
 def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_FROM) -> Alignment:
     """Lay a serial robot over another with as many joints of the same kinds.
 
@@ -78,20 +83,10 @@ def align(first: RobotModel, second: RobotModel, *, tolerance: float = COUNTED_F
     axes = JointAxes.of(first), JointAxes.of(second)
     inertias = LinkInertias.of((first, second), axes, tolerance)
     robots = first, second
-    found = []
-    for signs in _class_of_senses(*axes):
-        laid = []
-        for walk in _walks(*axes, signs, inertias):
-            laid.append(traded(walk, robots, inertias))
-            if not laid[-1].order[0]:
-                break  # no other walk can leave less
-        found.append((min(laid, key=lambda each: each.order), laid[0]))
-    best, by_axes = min(found, key=lambda pair: pair[0].order)
-    maps = [best.map]
-    for each in sorted((alone for _, alone in found), key=lambda laid: laid.order):
-        if abs(each.cost - by_axes.cost) <= tolerance and not any(each.map.is_like(known, tolerance) for known in maps):
-            maps.append(each.map)
-    return Alignment(first, second, best.map, best.model, tuple(maps[1:]))
+    choices = list(_class_of_senses(*axes))
+    best = min((_best_laid(robots, axes, signs, inertias) for signs in choices), key=lambda laid: laid.order)
+    others = _others(best, second, [signs for signs in choices if (signs != best.map.signs).any()], inertias)
+    return Alignment(first, second, best.map, best.model, tuple(others))
 
 
 def check_comparable(first: RobotModel, second: RobotModel) -> None:
@@ -130,6 +125,47 @@ def _class_of_senses(first: JointAxes, second: JointAxes) -> Iterator[Array]:
     for chosen in np.argsort(costs, kind="stable")[:MOST_CHOICES]:
         if costs[chosen] <= COST_RATIO * costs.min() + COST_MARGIN:
             yield choices[chosen]
+
+
+def _best_laid(
+    robots: tuple[RobotModel, RobotModel], axes: tuple[JointAxes, JointAxes], signs: Array, inertias: LinkInertias
+) -> LaidRobot:
+    """B laid over A with these senses, so that least differs: one thing alone where that is possible."""
+    laid: list[LaidRobot] = []
+    for number, walk in enumerate(_walks(*axes, signs, inertias)):
+        laid.append(traded(robots, walk, walk.zeros, walk.places, inertias))
+        if not laid[-1].order[0]:
+            return laid[-1]  # nothing can leave less
+        if number == BY_INERTIAS and (explained := _explained(robots, walk, laid, inertias)):
+            return min(explained, key=lambda each: each.order)
+    return min(laid, key=lambda each: each.order)
+
+
+def _explained(
+    robots: tuple[RobotModel, RobotModel], walk: Walk, laid: list[LaidRobot], inertias: LinkInertias
+) -> list[LaidRobot]:
+    """B laid over A so that one thing alone differs, for everything that may; with whole right angles, if it can."""
+    start = min(laid, key=lambda each: each.order).map
+    whole = np.round(start.zeros / (np.pi / 2)) * np.pi / 2
+    near = (np.abs(whole - start.zeros) < SNAP_ANGLE) & ~np.array(walk.first.slides)
+    snapped, none = replace(start, zeros=np.where(near, whole, start.zeros)), np.zeros_like(near)
+    axes = walk.first, walk.second
+    found = [
+        traded(robots, walk, each.zeros, each.places, inertias)
+        for joint_map, kept in ((snapped, near), (start, none))
+        for each in explanations(robots, axes, joint_map, inertias.tolerance, kept).values()
+    ]
+    return [each for each in found if each.order[0] <= 1]
+
+
+def _others(best: LaidRobot, second: RobotModel, choices: list[Array], inertias: LinkInertias) -> list[JointMap]:
+    """Other maps that move B's flange as the best one does, one for each of these choices of senses that has some."""
+    robots = best.model, second
+    axes = JointAxes.of(best.model), JointAxes.of(second)
+    walks = (Walk(*axes, signs) for signs in choices)
+    known = LinkInertias.of(robots, axes, inertias.tolerance)
+    laid = [traded(robots, walk, walk.zeros, walk.places, known) for walk in walks if walk.cost <= inertias.tolerance]
+    return [each.map for each in sorted(laid, key=lambda each: each.order)]
 
 
 def _walks(first: JointAxes, second: JointAxes, signs: Array, inertias: LinkInertias) -> Iterator[Walk]:

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from graphdyn.aligning.axes import JointAxes, angle_between, rotation_angle
+from graphdyn.aligning.causes import Cause
 from graphdyn.display import short_repr
-from graphdyn.layout import Array
 from graphdyn.model.robot_model import RobotModel
 
 TORQUE_SETTINGS = ("armature", "damping", "friction")
@@ -28,15 +28,14 @@ class JointDifference:
     link: the link before it, in which the difference is; where a length lies along the axis before it, link and
         inertia are what said so
     value: size                                             [m or rad]
-    or_joint: the joint before it, where the length lies along its axis and no inertia of the link between tells which
-        of the two it is; None otherwise
+    or_else: other changes, each of which would explain the differences of this joint as well
     """
 
     joint: str
     kind: Literal["length", "angle", "axis"]
     link: str
     value: float
-    or_joint: str | None = None
+    or_else: tuple[Cause, ...] = ()
 
     @property
     def unit(self) -> str:
@@ -53,12 +52,14 @@ class LinkDifference:
     kind: "mass", "center" or "tensor" (about the center of mass)
     value: B's mass minus A's [kg]; distance of the centers [m]; largest difference of an entry [kg m²]
     relative: value as a part of A's mass, the reach, A's largest entry; infinite where that is zero
+    or_else: other changes, each of which would explain the differences of this link as well
     """
 
     link: str
     kind: Literal["mass", "center", "tensor"]
     value: float
     relative: float
+    or_else: tuple[Cause, ...] = ()
 
     @property
     def unit(self) -> str:
@@ -120,21 +121,12 @@ def joint_differences(first: RobotModel, model: RobotModel, tolerance: float) ->
         turned = rotation_angle(one.placement.rotation.T @ other.placement.rotation)
         tilted = angle_between(one.axis, other.axis)
         if length > tolerance * reach:
-            before = _joint_before(first, model, one.inside, apart, tolerance * reach)
-            found.append(JointDifference(one.name, "length", link, length, before))
+            found.append(JointDifference(one.name, "length", link, length))
         if turned > tolerance:
             found.append(JointDifference(one.name, "angle", link, turned))
         if tilted > tolerance:
             found.append(JointDifference(one.name, "axis", link, tilted))
     return tuple(found)
-
-
-def _joint_before(first: RobotModel, model: RobotModel, inside: int, apart: Array, tolerance: float) -> str | None:
-    """The joint of a link without inertia, if a length lies along its axis: the link may be moved along it as well."""
-    if inside == 0 or any(x.mass or x.inertia.any() for x in (first.bodies[inside - 1], model.bodies[inside - 1])):
-        return None
-    joint = first.joints[inside - 1]
-    return joint.name if np.linalg.norm(np.cross(joint.axis, apart)) <= tolerance else None
 
 
 def link_differences(first: RobotModel, model: RobotModel, tolerance: float) -> tuple[LinkDifference, ...]:

@@ -43,8 +43,3 @@ class JointMap:
             )
         ]
         return int((self.signs < 0).sum() + (np.abs(self.zeros) > tolerance).sum() + sum(frames))
-
-    def is_like(self, other: JointMap, tolerance: float) -> bool:
-        """Whether senses and zeros are the same, up to whole turns."""
-        apart = np.abs(np.exp(1j * self.zeros) - np.exp(1j * other.zeros))
-        return np.array_equal(self.signs, other.signs) and bool(apart.max() <= tolerance)

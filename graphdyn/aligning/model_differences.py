@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
 from graphdyn.aligning.alignment import COUNTED_FROM, Alignment, align
+from graphdyn.aligning.causes import Cause, other_causes
 from graphdyn.aligning.fields import (
     FrameDifference,
     JointDifference,
@@ -106,8 +107,14 @@ def differences(
     alignment = align(first, second, tolerance=tolerance)
     model = alignment.model
     q, v = first.random_state(np.random.default_rng(seed), samples)
-    joints = joint_differences(first, model, tolerance)
-    links = link_differences(first, model, tolerance)
+    joints = tuple(
+        replace(each, or_else=other_causes(first, model, Cause(each.joint, each.kind), tolerance))
+        for each in joint_differences(first, model, tolerance)
+    )
+    links = tuple(
+        replace(each, or_else=other_causes(first, model, Cause(each.link, each.kind), tolerance))
+        for each in link_differences(first, model, tolerance)
+    )
     frames = frame_differences(first, model, tolerance)
     settings = setting_differences(first, model, tolerance)
     torques = torque_differences(first, model, q, v, tolerance)

@@ -25,7 +25,6 @@ from graphdyn.aligning.axes import (
 from graphdyn.aligning.free_translations import FreeTranslations
 from graphdyn.aligning.inertias import LinkInertias
 from graphdyn.layout import Array
-from graphdyn.model import cross
 
 PARALLEL_ANGLE = 0.02
 """Angle [rad] below which two axes count as parallel, and the distance of the axes, not their directions, gives the
@@ -211,8 +210,6 @@ class Walk:
                 self.zeros[free] += float(vector @ self._directions[free])
             if self._before is not None:
                 self._before = moved_by(vector) @ self._before
-        if owner >= 0:
-            self._shift_inner(joint)
         gap = self._gap(joint)
         if owner >= 0:
             self.distances[joint] = float(np.linalg.norm(gap))
@@ -222,28 +219,6 @@ class Walk:
         """The vector from an axis of B to that of A, across it."""
         _, point = carried(self.places[-1], self.second.directions[joint], self.second.points[joint])
         return across(self._directions[joint], self.first.points[joint] - point)
-
-    def _shift_inner(self, joint: int) -> None:
-        """Ascribe a gap along the axis before to a joint that has a misfit already, if links of no known place shift
-        with it: one displacement rather than two."""
-        if joint == 0 or self.inertias is None:
-            return
-        along = self._directions[joint - 1]
-        slanted = across(self._directions[joint], along)
-        size = float(np.linalg.norm(slanted))
-        if size < PARALLEL_ANGLE:
-            return
-        shift = float(slanted @ self._gap(joint)) / size**2
-        for inner in range(joint - 1, -1, -1):
-            parallel = np.linalg.norm(cross(along, self._directions[inner])) < PARALLEL_ANGLE
-            if not parallel or self.inertias.agree(inner, self.places[inner + 1]):
-                return
-            if self.distances[inner] > self.inertias.tolerance * self.first.reach:
-                self._move(inner, moved_by(shift * along))
-                self.distances[inner] = float(np.hypot(self.distances[inner], shift))
-                if self._before is not None:
-                    self._before = moved_by(shift * along) @ self._before
-                return
 
 
 def _snapped(angle: float) -> float:

@@ -8,7 +8,7 @@ from graphdyn.excitation.constraints import smallest_distances
 from graphdyn.excitation.information import ConditionNumber, Criterion, log_det, mean_sigma
 from graphdyn.excitation.limits import LIMIT_KINDS, Clearance, MotionLimits, Plane, Poses, Sphere, frame_origins
 from graphdyn.excitation.optimizing import CHECK_RATE, ExcitationProblem, NoFeasibleMotion, OptimizedMotion, optimized
-from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, prior_spread
+from graphdyn.excitation.plan import ExcitationPlan, excitation_plan, expected_parameters, prior_spread
 from graphdyn.excitation.random_motions import random_trajectory
 from graphdyn.excitation.trajectory import FiniteMotion, JointMotion, TabulatedCourse, Trajectory, Usage, sample_times
 
@@ -35,6 +35,7 @@ __all__ = [
     "Trajectory",
     "Usage",
     "excitation_plan",
+    "expected_parameters",
     "frame_origins",
     "log_det",
     "mean_sigma",

@@ -13,6 +13,7 @@ from graphdyn.excitation.information import covariance
 from graphdyn.identification.algebra.base_parameters import BaseParameters
 from graphdyn.identification.problem.prior import model_prior
 from graphdyn.identification.problem.torque_model import STATES_PER_PARAMETER, TorqueModel, random_samples, structure
+from graphdyn.identification.terms import RigidBodies
 from graphdyn.layout import Array
 
 DRIVE_SHARE = 0.1
@@ -102,9 +103,11 @@ def excitation_plan(torque_model: TorqueModel, information: Array) -> Excitation
     base = structure(torque_model).base
     if information.shape != (base.rank, base.rank):
         raise InvalidInput(f"the information matrix has shape {information.shape}; {(base.rank,) * 2} needed")
-    spread = prior_spread(torque_model)
-    prior = base.values(torque_model.prior())
+    spread, known = prior_spread(torque_model), torque_model.prior()
+    prior = base.values(known)
     prior[np.abs(prior) < ZERO_PARAMETER_SHARE * spread] = 0.0
+    alone = np.isin(base.independent, base.alone)
+    prior[alone] = known[base.independent[alone]]  # without what rounding groups with them
     return ExcitationPlan(torque_model, base, prior, spread, information)
 
 
@@ -114,15 +117,28 @@ def prior_spread(torque_model: TorqueModel) -> Array:
     It is that of identification.model_prior for bodies (m, m l, m l²), and that of DRIVE_SHARE for the rest. The
     summands of a base parameter count as independent.
     """
+    return np.asarray(np.linalg.norm(structure(torque_model).base.matrix * _spreads(torque_model), axis=1))
+
+
+def expected_parameters(torque_model: TorqueModel) -> Array:
+    """Standard parameters (p,) of a robot whose bodies are those of the model, and whose drives are as large as their
+    prior spread."""
+    x, bodies = _spreads(torque_model), torque_model.slice_of(RigidBodies)
+    if bodies is not None:
+        x[bodies] = torque_model.prior()[bodies]
+    return x
+
+
+def _spreads(torque_model: TorqueModel) -> Array:
+    """Expected distance of the standard parameters from the model (p,)."""
     scale = model_prior(torque_model).scale
     unknown = np.flatnonzero(~np.isfinite(scale))
     if unknown.size:
         samples = random_samples(torque_model, STATES_PER_PARAMETER * len(scale), 0)
         rows = torque_model.rows(samples)
         torques = rows @ torque_model.prior()
-        scale = scale.copy()
         scale[unknown] = _drive_spread(rows[..., unknown], torques)
-    return np.asarray(np.linalg.norm(structure(torque_model).base.matrix * scale, axis=1))
+    return scale
 
 
 def _drive_spread(rows: Array, torques: Array) -> Array:

@@ -104,7 +104,7 @@ def parsed(
     name = etree.QName(robot).localname
     if robot.prefix is not None or name != "robot":
         written = name if robot.prefix is None else f"{robot.prefix}:{name}"
-        problem, remedy = f"the root element is <{written}>, not <robot>", "give a URDF file"
+        problem, remedy = f"the root element is <{written}>, not <robot>", "give a URDF or MJCF file"
         raise MalformedXML(problem, remedy, code="not-a-robot", path=path, line=line_of(robot))
     return Document(path, content, robot)
 
@@ -143,9 +143,9 @@ def _syntax_error(path: Path, content: bytes, error: etree.XMLSyntaxError) -> Ma
         remedy = "give an ordinary URDF file, without entities, deep nesting and very long texts"
         return MalformedXML(problem, remedy, code="xml-limits", path=path, line=error.lineno)
     if not content.strip():
-        return MalformedXML("the file is empty", "give a URDF file", code="empty-file", path=path)
+        return MalformedXML("the file is empty", "give a URDF or MJCF file", code="empty-file", path=path)
     if b"<" not in content.replace(b"\0", b""):
-        return MalformedXML("the file has no XML element", "give a URDF file", code="not-a-robot", path=path)
+        return MalformedXML("the file has no XML element", "give a URDF or MJCF file", code="not-a-robot", path=path)
     code = "malformed-xml"
     if number == _EMPTY:
         code = "text-before-xml"

@@ -78,7 +78,7 @@ def open_document(given: Given, xacro: Xacro | None = None, use_geoms: bool = Fa
         raise InvalidXacro(problem, remedy, path=path)
     if path.suffix.lower() == DH_SUFFIX:
         return _of_expansion(path, expand_dh(path, content))
-    if MJCF_TAG in content:
+    if _may_be_mjcf(content):
         root = root_of(path, content, encoding)
         if is_mjcf(root):
             return _of_expansion(path, expand_mjcf(path, content, root, use_geoms))
@@ -97,9 +97,14 @@ def is_expanded(path: Path) -> bool:
     with path.open("rb") as file:
         content = file.read(MAX_URDF_BYTES + 1)
     try:
-        return MJCF_TAG in content and is_mjcf(root_of(path, content))
+        return _may_be_mjcf(content) and is_mjcf(root_of(path, content))
     except URDFError:  # which reading it reports
         return False
+
+
+def _may_be_mjcf(content: bytes) -> bool:
+    """Whether it is worth looking at the root element, in UTF-16 too."""
+    return MJCF_TAG in content.replace(b"\0", b"")
 
 
 def content_of(path: Path, xacro: Xacro | None = None) -> bytes:

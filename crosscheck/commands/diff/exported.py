@@ -21,7 +21,7 @@ def exported_robot(source: str) -> RobotModel:
     remedy = "give a file that `graphdyn export --to FILE.json` wrote"
     try:
         data = json.loads(Path(source).read_bytes())
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InvalidInput(f"{source}: not a JSON file ({error}); {remedy}") from None
     if not has_form(ExportRecord, data) or data.get("format") != ExportRecord.format:
         raise InvalidInput(f"{source}: not in the format '{ExportRecord.format}'; {remedy}")

@@ -10,6 +10,7 @@ from crosscheck.commands.diff.robots import ComparedRobots
 from crosscheck.commands.diff.words import changes_in_words
 from crosscheck.report.records.record import CommandRecord, Count, Number, Numbers, Record, attribute, written
 from graphdyn.aligning import (
+    Cause,
     JointDifference,
     JointMap,
     LinkDifference,
@@ -36,23 +37,31 @@ class JointMapRecord(Record, of=JointMap, only=("signs", "zeros")):
     tool_translation: Numbers = attribute("tool.translation")
 
 
+class CauseRecord(Record, of=Cause):
+    """One change that alone would explain what differs at a joint or a link."""
+
+
 class JointDifferenceRecord(Record, of=JointDifference):
     """One thing that is different at a joint of A.
 
     unit: of the value
+    or_else: other changes, each of which would explain it as well
     """
 
     unit: str = attribute()
+    or_else: Sequence[CauseRecord] = attribute()
 
 
 class LinkDifferenceRecord(Record, of=LinkDifference):
     """One thing that is different in the inertia of a link.
 
     unit: of the value
+    or_else: other changes, each of which would explain it as well
     """
 
     relative: Number
     unit: str = attribute()
+    or_else: Sequence[CauseRecord] = attribute()
 
 
 class TorqueDifferenceRecord(Record, of=TorqueDifference):
@@ -95,6 +104,7 @@ class DiffRecord(
 
     robots: A and B as given; seed: of the random states
     joint_names: of A, then of B, in the order of positions
+    held: joints of A, then of B, that are held at 0, because the other robot has none of their names
     changes: what the map does, in sentences
     map: the map that was taken; other_maps: those that move the flange in the same way
     flange_distance: the largest one [m]; flange_q: where, of A (n,)
@@ -107,6 +117,7 @@ class DiffRecord(
     robots: Sequence[str]
     seed: Count
     joint_names: Sequence[Sequence[str]]
+    held: Sequence[Sequence[str]]
     changes: Sequence[str]
     map: JointMapRecord = attribute("alignment.map")
     other_maps: Sequence[JointMapRecord] = attribute("alignment.others")
@@ -129,6 +140,7 @@ def record(compared: ComparedRobots, command: Sequence[str]) -> dict[str, Any]:
         robots=[each.source for each in compared.robots],
         seed=compared.seed,
         joint_names=[found.alignment.first.joint_names, found.alignment.second.joint_names],
-        changes=changes_in_words(found),
+        held=[each.held for each in compared.robots],
+        changes=changes_in_words(compared),
         inertials_written=None if update is None else written(UpdateRecord, update, path=str(update.path)),
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from crosscheck.commands.diff.pictures import overlay_picture, torque_bars
 from crosscheck.commands.diff.record import record
 from crosscheck.commands.diff.robots import ComparedRobots
-from crosscheck.commands.diff.words import changes_in_words, degrees, map_in_words
+from crosscheck.commands.diff.words import causes_in_words, changes_in_words, degrees, map_in_words, misplaced_names
 from crosscheck.report.report import (
     Block,
     Column,
@@ -24,7 +25,7 @@ from crosscheck.report.report import (
     Table,
     Verdict,
 )
-from graphdyn.aligning import VERDICTS, JointDifference, ModelDifferences
+from graphdyn.aligning import VERDICTS, JointDifference, LinkDifference, ModelDifferences
 from graphdyn.errors import counted
 from graphdyn.model import unit_of
 
@@ -33,20 +34,25 @@ MAX_SHOWN_MAPS = 4
 
 STATES: dict[str, State] = dict(zip(VERDICTS, ("agrees", "undecided", "undecided", "disagrees"), strict=True))
 
+OR_ELSE = Column("or", meaning="a change of this alone would explain it as well")
+
 NUMBER: dict[str, Any] = {"kind": "number", "form": ".4g"}
 
 
 def diff_report(compared: ComparedRobots) -> Report:
     """The report of a comparison."""
     found = compared.found
-    verdict = Verdict(STATES[found.verdict], found.verdict, reason(found), f"A and B: {found.verdict}.")
+    why = reason(found)
+    if misplaced_names(found.alignment):
+        why += "; joints of the same name are at other places"
+    verdict = Verdict(STATES[found.verdict], found.verdict, why, f"A and B: {found.verdict}.")
     names = [each.source for each in compared.robots]
     sections = (
         Section("alignment", "B laid over A", (*_alignment(compared), overlay_picture(found))),
         Section(
             "differences",
             "What differs",
-            (*_kinematics(found), *_links(found), _frames(found), _settings(found), _base(found)),
+            (*_kinematics(found), *_links(found), _frames(found), _settings(found), _unstated(found), _base(found)),
         ),
         Section("torques", "What shows in torque", (torque_table(found), torque_bars(found))),
     )
@@ -57,9 +63,10 @@ def reason(found: ModelDifferences) -> str:
     """What decides, in a sentence."""
     if found.first_cause is not None:
         cause = found.first_cause
-        size = f"{cause.value:.4g} m" if cause.kind == "length" else f"{degrees(cause.value)}°"
         flange = f"the flanges part by up to {found.flange.largest:.3g} m"
-        return f"{flange}, from joint '{cause.joint}' on: its {cause.kind} differs by {size} in link '{cause.link}'"
+        differs = f"its {cause.kind} differs by {_size(cause)} in link '{cause.link}'"
+        other = f", or {causes_in_words(cause.or_else)}" if cause.or_else else ""
+        return f"{flange}, from joint '{cause.joint}' on: {differs}{other}"
     counting = [each for each in found.torques if each.counts]
     if counting:
         worst = max(counting, key=lambda each: abs(each.difference))
@@ -77,13 +84,17 @@ def reason(found: ModelDifferences) -> str:
     return f"nothing differs by more than {found.tolerance:g}"
 
 
+def _size(one: JointDifference) -> str:
+    return f"{one.value:.4g} m" if one.unit == "m" else f"{degrees(one.value)}°"
+
+
 def _units(found: ModelDifferences) -> str:
     return unit_of(found.alignment.first.joints, "N m", "N")
 
 
 def _alignment(compared: ComparedRobots) -> tuple[Block, ...]:
     found = compared.found
-    done = changes_in_words(found) or ["nothing had to be changed but link frames"]
+    done = changes_in_words(compared) or ["nothing had to be changed but link frames"]
     others = [map_in_words(found.alignment, each) for each in found.alignment.others[:MAX_SHOWN_MAPS]]
     more = len(found.alignment.others) - len(others)
     if more:
@@ -99,27 +110,16 @@ def _alignment(compared: ComparedRobots) -> tuple[Block, ...]:
 
 
 def _kinematics(found: ModelDifferences) -> tuple[Block, ...]:
-    rows = [
-        Row((_at(one), one.kind, one.link, f"{one.value:.4g} m" if one.unit == "m" else f"{degrees(one.value)}°"))
-        for one in found.joints
-    ]
     pose = ", ".join(f"{x:.4g}" for x in found.flange.q)
     facts = Facts(
         (("flange", f"parts by {found.flange.largest:.3g} m at most over {found.n_states} states, at q = {pose}"),)
     )
     columns = (Column("joint", "name"), Column("differs in"), Column("link before it", "name"), Column("by", "number"))
-    return facts, Table(columns, tuple(rows), title="Kinematics", failures_first=False)
-
-
-def _at(one: JointDifference) -> str:
-    return one.joint if one.or_joint is None else f"{one.joint}, or {one.or_joint}"
+    cells = [(one.joint, one.kind, one.link, _size(one)) for one in found.joints]
+    return facts, _caused("Kinematics", columns, cells, found.joints)
 
 
 def _links(found: ModelDifferences) -> tuple[Block, ...]:
-    rows = [
-        Row((one.link, one.kind, one.value, one.unit, None if np.isinf(one.relative) else 100 * one.relative))
-        for one in found.links
-    ]
     columns = (
         Column("link", "name"),
         Column("differs in"),
@@ -127,7 +127,24 @@ def _links(found: ModelDifferences) -> tuple[Block, ...]:
         Column("unit"),
         Column("part", "number", "%", ".3g", meaning="of A's mass, of the reach, of A's largest entry"),
     )
-    return (Table(columns, tuple(rows), title="Links, in A's frames", failures_first=False),)
+    cells = [
+        (one.link, one.kind, one.value, one.unit, None if np.isinf(one.relative) else 100 * one.relative)
+        for one in found.links
+    ]
+    return (_caused("Links, in A's frames", columns, cells, found.links),)
+
+
+def _caused(
+    title: str,
+    columns: tuple[Column, ...],
+    cells: list[tuple[Any, ...]],
+    of: Sequence[JointDifference | LinkDifference],
+) -> Table:
+    """A table with a further column where a difference may have other causes."""
+    if any(one.or_else for one in of):
+        columns = (*columns, OR_ELSE)
+        cells = [(*row, causes_in_words(one.or_else)) for row, one in zip(cells, of, strict=True)]
+    return Table(columns, tuple(map(Row, cells)), title=title, failures_first=False)
 
 
 def _frames(found: ModelDifferences) -> Table:
@@ -142,11 +159,23 @@ def _frames(found: ModelDifferences) -> Table:
 
 
 def _settings(found: ModelDifferences) -> Table:
-    rows = tuple(Row((one.joint, one.name, one.first, one.second)) for one in found.settings)
+    rows = tuple(Row((one.joint, one.name, one.first, one.second)) for one in found.settings if one.counts)
     columns = (Column("joint", "name"), Column("setting"), Column("A", **NUMBER), Column("B", **NUMBER))
-    unstated = not all(each.counts for each in found.settings)
-    caption = "limits of velocity and effort that one robot does not state do not count" if unstated else ""
-    return Table(columns, rows, caption=caption, title="Drives and limits, for A's positions", failures_first=False)
+    title = "Drives and limits, for A's positions"
+    return Table(columns, rows, title=title, failures_first=False)
+
+
+def _unstated(found: ModelDifferences) -> Notes:
+    """Limits that one robot alone states."""
+    joints: dict[tuple[str, str], list[str]] = {}
+    for one in found.settings:
+        if not one.counts:
+            joints.setdefault(("B" if one.first is None else "A", one.name), []).append(one.joint)
+    n = found.alignment.first.n_bodies
+    words = {key: "all joints" if len(of) == n else ", ".join(of) for key, of in joints.items()}
+    return Notes(
+        tuple(Note(f"only {who} states limits of {name} ({of}): not counted") for (who, name), of in words.items())
+    )
 
 
 def _base(found: ModelDifferences) -> Table:

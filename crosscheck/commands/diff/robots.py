@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import typer
@@ -11,7 +11,7 @@ import typer
 import urdf
 from crosscheck.commands.diff.exported import exported_robot
 from graphdyn import RobotModel
-from graphdyn.aligning import ModelDifferences
+from graphdyn.aligning import ModelDifferences, same_names
 from urdf import Reading
 
 UNCUT = "-"
@@ -20,11 +20,16 @@ UNCUT = "-"
 
 @dataclass(frozen=True, eq=False)
 class Described:
-    """A robot of the command line. source: as given; reading: how it was read"""
+    """A robot of the command line.
+
+    source: as given; reading: how it was read
+    held: joints that stand still at 0, because the other robot has none of their names
+    """
 
     source: str
     model: RobotModel
     reading: Reading
+    held: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +47,34 @@ class ComparedRobots:
 
 
 def robots_of(sources: tuple[str, str], tips: Sequence[str]) -> tuple[Described, Described]:
-    """Robots A and B, up to their tips. Raises the errors of urdf.load, InvalidInput, and typer.BadParameter for more
-    than two tips."""
+    """Robots A and B, up to their tips, without joints that only one of them has by name.
+
+    Raises the errors of urdf.load, InvalidInput, and typer.BadParameter for more than two tips.
+    """
     if len(tips) > 2:
         raise typer.BadParameter(f"--tip is given {len(tips)} times; give it once, or for A and for B")
     ends = [*tips, *tips] if len(tips) == 1 else list(tips) or [UNCUT, UNCUT]
     first, second = (_described(source, tip) for source, tip in zip(sources, ends, strict=True))
-    return first, second
+    return _without_further_joints(first, second), _without_further_joints(second, first)
+
+
+def _without_further_joints(robot: Described, other: Described) -> Described:
+    """The robot with all joints held at 0 that the other one has not, if it has all of the other one's by name."""
+    joints = robot.model.independent_joints
+    wanted = same_names(other.model.joint_names, joints)
+    held = tuple(name for name in joints if name not in wanted.values())
+    if not held or len(wanted) < other.model.n_bodies or _is_exported(robot.source):
+        return robot
+    reading = replace(robot.reading, lock=held)
+    return Described(robot.source, urdf.load(robot.source, reading=reading), reading, held)
+
+
+def _is_exported(source: str) -> bool:
+    return Path(source).suffix.lower() == ".json"
 
 
 def _described(source: str, tip: str) -> Described:
-    if Path(source).suffix.lower() == ".json":
+    if _is_exported(source):
         if tip != UNCUT:
             raise typer.BadParameter(f"--tip {tip}: {source} is a model that is cut already; give - for it")
         return Described(source, exported_robot(source), Reading())

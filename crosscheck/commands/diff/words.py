@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from crosscheck.commands.diff.robots import ComparedRobots
 from graphdyn import Placement
-from graphdyn.aligning import Alignment, JointMap, ModelDifferences
+from graphdyn.aligning import Alignment, Cause, JointMap, same_names
 from graphdyn.layout import Array
 from graphdyn.model import rotation_vector
 
@@ -15,11 +16,18 @@ AXIS_WORD_TOLERANCE = 1e-6
 """Entry of a unit vector below which it counts as zero: the axis is then called x, y or z."""
 
 
-def changes_in_words(found: ModelDifferences) -> list[str]:
-    """Each change that the map makes, as a sentence; none where B is written like A but for names and link frames."""
-    alignment = found.alignment
+def changes_in_words(compared: ComparedRobots) -> list[str]:
+    """What was done to lay B over A, as sentences; none where B is written like A but for names and link frames."""
+    found, alignment = compared.found, compared.found.alignment
     joints = alignment.second.joint_names
-    words = [f"B's joint '{name}' turns or slides the other way" for name in _reversed(alignment.map, joints)]
+    words = []
+    for robot, who, other in zip(compared.robots, "AB", "BA", strict=True):
+        if robot.held:
+            words.append(f"{who}'s joints {_quoted(robot.held)} are held at 0: {other} has none of these names")
+    if moved := misplaced_names(alignment):
+        places = ", ".join(f"'{name}' at {here} in A and at {there} in B" for name, here, there in moved)
+        words.append(f"names contradict the order from the base, which is followed: {places}")
+    words += [f"B's joint '{name}' turns or slides the other way" for name in _reversed(alignment.map, joints)]
     for joint, zero in zip(alignment.second.joints, alignment.map.zeros, strict=True):
         if abs(zero) > found.tolerance:
             size = f"{zero:.6g} m" if joint.is_prismatic else f"{degrees(zero)}°"
@@ -38,6 +46,14 @@ def changes_in_words(found: ModelDifferences) -> list[str]:
     return words
 
 
+def misplaced_names(alignment: Alignment) -> list[tuple[str, int, int]]:
+    """Names that both robots have, at other places: A's, and the numbers of the two joints from the base, from 1."""
+    names = [robot.joint_names for robot in (alignment.first, alignment.second)]
+    same = same_names(*names)
+    places = [(one, names[0].index(one) + 1, names[1].index(other) + 1) for one, other in same.items()]
+    return [each for each in places if each[1] != each[2]]
+
+
 def map_in_words(alignment: Alignment, other: JointMap) -> str:
     """Another map of the class, in a line."""
     names = alignment.second.joint_names
@@ -54,9 +70,18 @@ def map_in_words(alignment: Alignment, other: JointMap) -> str:
     return "; ".join(parts) or "no change of joints"
 
 
+def causes_in_words(causes: Sequence[Cause]) -> str:
+    """Other causes of a difference: \"the axis of 'joint_1', or the length of 'joint_3'\"."""
+    return ", or ".join(f"the {each.kind} of '{each.element}'" for each in causes)
+
+
 def degrees(angle: float) -> str:
     """An angle [rad] in degrees, without a digit that rounding made."""
     return f"{round(float(np.degrees(angle)), 4) + 0.0:g}"
+
+
+def _quoted(names: Sequence[str]) -> str:
+    return ", ".join(f"'{name}'" for name in names)
 
 
 def _reversed(joint_map: JointMap, names: tuple[str, ...]) -> Iterator[str]:

@@ -72,9 +72,12 @@ def run(options: ExciteOptions) -> None:
         compared = _recordings(options, "--against", options.against, model)
     if earlier:
         problem = replace(problem, known=recorded_information(problem, earlier)[0])
+    noise = options.encoder
+    if noise is not None:
+        noise = replace(noise, others=tuple(earlier))
     failures: list[str] = []
     if options.motion is None:
-        problem, made, failures = _searched(problem, known, options)
+        problem, made, failures = _searched(problem, known, noise, options)
     else:
         with warnings_shown():
             examined = read_motion(options.motion, model, settings)
@@ -92,8 +95,7 @@ def run(options: ExciteOptions) -> None:
             samples = sum(options.rate * one.course.duration for one in made)
             recorded = excitation_plan(problem.torque_model, information * (samples / rows))
         best, median = random_plans(problem, len(made), drawn, known) if drawn else (None, None)
-    plan, noise = excitation_plan(problem.torque_model, total.known), options.encoder
-    encoder = None
+    plan, encoder = excitation_plan(problem.torque_model, total.known), None
     if noise is not None:
         with progress("encoder"):
             encoder = noise, encoder_plan(problem, [one.course for one in made], plan, noise)
@@ -107,10 +109,11 @@ def run(options: ExciteOptions) -> None:
 
 
 def _searched(
-    problem: ExcitationProblem, collisions: SelfCollision | None, options: ExciteOptions
+    problem: ExcitationProblem, collisions: SelfCollision | None, noise: EncoderNoise | None, options: ExciteOptions
 ) -> tuple[ExcitationProblem, list[PlannedMotion], list[str]]:
     """Search as many motions as asked for, each chosen for what the others do not show; the problem has the number of
     harmonics that was chosen with the first one. Raises typer.Exit if there is none."""
+    from crosscheck.exciting.encoder_noise import without_noise
     from crosscheck.exciting.excited import planned
     from graphdyn.compiler import cores
 
@@ -121,12 +124,14 @@ def _searched(
         for _ in range(options.motions):
             tried = [] if made else _more_harmonics(problem, options)
             problem, found = _best_of_bases(
-                [problem, *tried], known, collisions, seeds, options, advance, options.jobs or cores()
+                [problem, *tried], known, collisions, noise, seeds, advance, options.jobs or cores()
             )
             failures += found.failures
             if found.best is None:
                 break
             made.append(planned(problem, found.best.trajectory, collisions, found.best.seed))
+            if noise is not None:
+                noise = replace(noise, others=(*noise.others, without_noise(problem, found.best.trajectory)))
             known = replace(problem, known=known).total_information(found.best.trajectory)
             if found.interrupted:
                 break
@@ -156,8 +161,8 @@ def _best_of_bases(
     problems: Sequence[ExcitationProblem],
     known: Array | None,
     collisions: SelfCollision | None,
+    noise: EncoderNoise | None,
     seeds: range,
-    options: ExciteOptions,
     advance: Callable[[str, int], None],
     jobs: int,
 ) -> tuple[ExcitationProblem, SearchSummary]:
@@ -166,7 +171,7 @@ def _best_of_bases(
     for k, problem in enumerate(problems):
         trial = replace(problem, known=known)
         count = (lambda what, steps: None) if k else advance
-        found = best_of(trial, collisions, seeds, jobs, count, options.encoder)
+        found = best_of(trial, collisions, seeds, jobs, count, noise)
         before = None if best is None else best[1]
         gained = (
             before is None

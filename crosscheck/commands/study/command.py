@@ -18,7 +18,6 @@ from crosscheck.commands.program.output_files import OutputFile
 from graphdyn.errors import counted
 
 if TYPE_CHECKING:
-    from crosscheck.commands.study.report import Repeat
     from crosscheck.study.running import Progress
     from crosscheck.study.settings.configuration import Configuration
     from crosscheck.study.settings.design import StudyDesign
@@ -79,11 +78,12 @@ def run(options: StudyOptions) -> None:
     from crosscheck.recordings.arrow import check_arrow
 
     check_arrow("the tables of a study")  # before the modules that import it
+    from crosscheck.commands.study.recordings import identify_recordings
     from crosscheck.distributing import versions as computing_versions
     from crosscheck.report.records.record import versions
     from crosscheck.study.running import run_study
     from crosscheck.study.settings.configuration import read_configuration
-    from crosscheck.study.simulated.plants import plant_of
+    from crosscheck.study.simulated.plants import refuse_unfit
     from crosscheck.study.tasks import LIBRARIES
 
     config, only, resume, extend = options.config, options.only, options.resume, options.extend
@@ -100,8 +100,7 @@ def run(options: StudyOptions) -> None:
     if only is not None and computing:
         raise typer.BadParameter("--only computes one run and writes nothing; omit the other options beside --config")
     study = read_configuration(config, allow_code=options.allow_code)
-    for robot in study.robots:
-        plant_of(robot)  # which refuses what does not fit it, before any code of others runs
+    refuse_unfit(study)  # before any code of others runs
     if only is not None:
         _refuse_unknown(
             study, only, [f"{scenario.name}:{k}" for scenario in study.scenarios for k in range(study.runs)]
@@ -110,12 +109,14 @@ def run(options: StudyOptions) -> None:
         _show(study, only)
         raise typer.Exit(AGREED)
     folder = options.folder or Path(Path(config).stem)
-    _tell_few_runs(study)
     if study.own_methods or study.own_laws:
         own_process.enter(f"code {', '.join((*study.own_methods, *study.own_laws))}")
+    if study.scenarios:
+        _tell_few_runs(study)
     workers, shown = options.workers, _Shown()
     try:
-        with progress("study", study.runs * len(study.scenarios)) as advance:
+        steps = len(study.recordings) + study.runs * len(study.scenarios)
+        with progress("study", steps) as advance:
             shown.advance = advance
             run_study(
                 study,
@@ -127,13 +128,12 @@ def run(options: StudyOptions) -> None:
                 progress=shown,
                 tell=lambda line: say(line, "yellow"),
                 before=lambda: _check_own(study),
+                first=lambda: identify_recordings(study, folder, advance, allow_code=options.allow_code),
             )
     except (KeyboardInterrupt, Ended):
-        say(f"interrupted: {shown.done} of {shown.total} runs are kept in {folder}; go on with --resume", "yellow")
+        kept = f"{shown.done} of {shown.total} runs are" if shown.total else "what is done is"
+        say(f"interrupted: {kept} kept in {folder}; go on with --resume", "yellow")
         raise
-    from crosscheck.commands.study.recordings import identify_recordings
-
-    identify_recordings(study, folder, allow_code=options.allow_code)
     _report(study, config, folder)
     raise typer.Exit(AGREED)
 
@@ -155,47 +155,49 @@ def _report(study: Configuration, config: str, folder: Path) -> None:
     """Print it, and write study.html and study.json. Raises OSError."""
     from crosscheck.study.statistics.outcomes import read_outcomes
 
-    def repeat(scenario: str, run: int) -> list[str]:
-        allowed = ["--allow-code"] if study.own_methods or study.own_laws else []
-        return ["graphdyn", "study", "--config", config, *allowed, "--only", f"{scenario}:{run}"]
-
     robots = ", ".join(robot.name for robot in study.robots)
-    facts = [("configuration", study.file), ("robot", robots), ("seed", str(study.seed))]
-    _deliver(folder, read_outcomes(folder), facts, repeat, study.design)
+    simulated = [("robot", robots), ("seed", str(study.seed))] if study.robots else []
+    facts = [("configuration", study.file), *simulated]
+    labels = [recording.label for recording in study.recordings]
+    _deliver(folder, read_outcomes(folder), facts, config, study.design, labels)
 
 
 def _report_so_far(folder: Path, tables: Path | None) -> None:
     """The same of a study that need not be finished. tables: folder for a paper. Raises InvalidInput, OSError."""
-    from crosscheck.study.folder import CONFIGURATION
     from crosscheck.study.so_far import read_so_far
 
-    def repeat(scenario: str, run: int) -> list[str]:
-        return ["graphdyn", "study", "--config", str(folder / CONFIGURATION), "--only", f"{scenario}:{run}"]
-
     found = read_so_far(folder)
-    _deliver(folder, found.outcomes, found.facts, repeat, found.design, tables)
+    _deliver(folder, found.outcomes, found.facts, None, found.design, found.recordings, tables)
 
 
 def _deliver(
     folder: Path,
     outcomes: StudyOutcomes,
     facts: Sequence[tuple[str, str]],
-    repeat: Repeat,
+    config: str | None,
     design: StudyDesign,
+    labels: Sequence[str],
     tables: Path | None = None,
 ) -> None:
+    """config: for commands that repeat a run; None for that of the folder; labels: of the recordings"""
     from crosscheck.commands.study.recordings import read_recordings
     from crosscheck.commands.study.report import study_report
     from crosscheck.study.inputs import read_inputs
 
     page, numbers = (OutputFile(str(folder / name)) for name in ("study.html", "study.json"))
+    recorded, inputs = read_recordings(folder, labels), read_inputs(folder)
+
+    def repeat(scenario: str, run: int) -> list[str]:
+        allowed = ["--allow-code"] if inputs.has_code else []
+        return ["graphdyn", "study", "--config", config or inputs.origin, *allowed, "--only", f"{scenario}:{run}"]
+
     with warnings_shown():
-        report = study_report(outcomes, facts, repeat, design, read_inputs(folder), read_recordings(folder))
+        report = study_report(outcomes, facts, repeat, design, inputs, recorded)
     if tables is not None:
         from crosscheck.commands.study.paper_files import write_paper_files
         from crosscheck.study.statistics.summary import summarized
 
-        written = write_paper_files(summarized(outcomes, design), report, tables)
+        written = write_paper_files(summarized(outcomes, design), recorded, report, tables)
         say(f"{counted(len(written), 'file')} for a paper in {tables}: {', '.join(written)}")
     deliver(report, ReportOptions(html_file=page, json_file=numbers))
 
@@ -246,4 +248,6 @@ def _show(study: Configuration, only: str) -> None:
 
 def _refuse_unknown(study: Configuration, only: str, known: Iterable[str]) -> None:
     if only not in known:
-        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; it has {', '.join([*known][:3])}, …")
+        some = [*known][:3]
+        there = f"it has {', '.join(some)}, …" if some else "it simulates nothing"
+        raise typer.BadParameter(f"--only {only}: {study.file} has no such run; {there}")

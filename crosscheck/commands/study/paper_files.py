@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from crosscheck.commands.study.comparison_report import verdict_text
+from crosscheck.commands.study.recordings import RecordedResults
 from crosscheck.commands.study.words import ERRORS_IN_WORDS
 from crosscheck.report.report import Picture, Report
 from crosscheck.study.statistics.intervals import Interval
@@ -28,15 +29,20 @@ ALL_SCENARIOS = "all"
 """Stands for the comparison over all scenarios."""
 
 
-def write_paper_files(found: StudySummary, report: Report, folder: Path) -> list[str]:
+def write_paper_files(found: StudySummary, recorded: RecordedResults, report: Report, folder: Path) -> list[str]:
     """Write them, and answer their names. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    files = {
-        "comparisons.csv": _csv(COMPARISON_COLUMNS, list(_comparisons(found))),
-        "errors.csv": _csv(*_errors(found)),
-        **{f"comparisons-{measures}.tex": text for measures, text in _latex(found)},
-        **dict(_pictures(report)),
-    }
+    files = dict[str, str]()
+    if found.scenarios:
+        files = {
+            "comparisons.csv": _csv(COMPARISON_COLUMNS, list(_comparisons(found))),
+            "errors.csv": _csv(*_errors(found)),
+            **{f"comparisons-{measures}.tex": text for measures, text in _latex(found)},
+            **dict(_pictures(report)),
+        }
+    if recorded:
+        rows = [[label, *vars(one).values()] for label, of in recorded.items() for one in of]
+        files["recordings.csv"] = _csv(("recording", "method", "torque_error", "real", "failure"), rows)
     for name, text in files.items():
         write_whole(folder / name, text.encode())
     return list(files)
@@ -87,12 +93,12 @@ def _latex(found: StudySummary) -> Iterator[tuple[str, str]]:
         first = next(iter(of.values()))
         head = " & ".join(["method", *(ERRORS_IN_WORDS[error] for error in of), "by torque error"])
         lines = [rf"\begin{{tabular}}{{l{'r' * len(of)}l}}", r"\toprule", rf"{head} \\", r"\midrule"]
-        for pair in first.pairs:
-            alike = [next(one for one in table.pairs if one.method == pair.method) for table in of.values()]
-            said = of.get("torque_error", first)
-            verdict = next(one for one in said.pairs if one.method == pair.method)
-            cells = [_tex(pair.method), *(_tex_interval(one.ratio) for one in alike)]
-            lines.append(" & ".join([*cells, _tex(verdict_text(verdict, said, found.design.region))]) + r" \\")
+        said = of.get("torque_error", first)
+        for method in dict.fromkeys(name for comparison in of.values() for name in comparison.with_reference):
+            pair = said.with_reference.get(said.first(method))
+            verdict = f"one with {said.reference}" if pair is None else verdict_text(pair, said, found.design.region)
+            ratios = [_tex_interval(comparison.ratio(method)) for comparison in of.values()]
+            lines.append(" & ".join([_tex(method), *ratios, _tex(verdict)]) + r" \\")
         caption = f"% error / that of {first.reference}, geometric means over {first.runs} runs"
         yield measures, "\n".join([caption, *lines, r"\bottomrule", r"\end{tabular}", ""])
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, get_args
 
 from crosscheck.commands.study.comparison_report import headline
-from crosscheck.commands.study.recordings import RecordedErrors
+from crosscheck.commands.study.recordings import RecordedResult, RecordedResults, recordings_headline
 from crosscheck.report.records.record import CommandRecord, Count, Keywords, Number, Numbers, Record, attribute, written
 from crosscheck.study.inputs import StudyInputs
 from crosscheck.study.statistics.comparison import MethodPair, PairedComparison, Verdict
@@ -150,6 +150,10 @@ class StudyScenarioRecord(Record, of=ScenarioSummary, only=()):
     comparisons: Sequence[StudyComparisonRecord]
 
 
+class StudyRecordedRecord(Record, of=RecordedResult):
+    """A method on a real recording."""
+
+
 class StudyRecord(CommandRecord, format="graphdyn study 1"):
     """A study of identification methods, summarized; every run is in results.parquet.
 
@@ -166,7 +170,7 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     comparisons: over all scenarios
     rankings: over all scenarios
     scenarios: all of them
-    recordings: held-out torque error on real recordings, by their label and the method; null where it has failed
+    recordings: what every method has reached on real recordings, by their label
     """
 
     confidence: float
@@ -182,16 +186,17 @@ class StudyRecord(CommandRecord, format="graphdyn study 1"):
     comparisons: Sequence[StudyComparisonRecord]
     rankings: Sequence[StudyRankingRecord]
     scenarios: Sequence[StudyScenarioRecord]
-    recordings: Mapping[str, Mapping[str, Number]]
+    recordings: Mapping[str, Sequence[StudyRecordedRecord]]
 
 
 def study_record(
     found: StudySummary,
     facts: Sequence[tuple[str, str]],
     inputs: StudyInputs,
-    recorded: RecordedErrors,
+    recorded: RecordedResults,
     command: Sequence[str],
 ) -> dict[str, Any]:
+    verdict = headline(found) if found.scenarios else recordings_headline(recorded)
     return written(
         StudyRecord,
         command=command,
@@ -199,7 +204,7 @@ def study_record(
         software=inputs.software,
         files=inputs.files,
         facts=dict(facts),
-        headline=headline(found).reason,
+        headline=verdict.reason or verdict.sentence,
         vary=found.design.vary,
         repeats=found.design.repeats,
         pairs=found.design.pairs,
@@ -208,10 +213,7 @@ def study_record(
         comparisons=_comparisons(found.comparisons),
         rankings=_rankings(found.rankings),
         scenarios=[_scenario(scenario) for scenario in found.scenarios],
-        recordings={
-            label: {method: None if one is None else one[0] for method, one in errors.items()}
-            for label, errors in recorded.items()
-        },
+        recordings={label: [written(StudyRecordedRecord, one) for one in of] for label, of in recorded.items()},
     )
 
 

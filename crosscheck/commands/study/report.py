@@ -15,7 +15,7 @@ from crosscheck.commands.study.distances_report import distances_section
 from crosscheck.commands.study.errors_report import errors_section
 from crosscheck.commands.study.ranking_report import ranks, trades
 from crosscheck.commands.study.record import study_record
-from crosscheck.commands.study.recordings import RecordedErrors, recordings_section
+from crosscheck.commands.study.recordings import RecordedResults, recordings_headline, recordings_section
 from crosscheck.commands.study.scenarios_report import ShownRuns, scenario_sections, shown_runs
 from crosscheck.commands.study.words import METHOD_CLASSES, SOURCES_IN_WORDS, listed, percent_text
 from crosscheck.report.plain_text import time_text
@@ -97,20 +97,25 @@ def study_report(
     repeat: Repeat,
     design: StudyDesign = DEFAULT_DESIGN,
     inputs: StudyInputs = NO_INPUTS,
-    recorded: RecordedErrors | None = None,
+    recorded: RecordedResults | None = None,
 ) -> Report:
     """The report of what is there of a study.
 
-    facts: names and words of what all scenarios share; inputs: for the numbers in JSON; recorded: errors on real
-        recordings
+    facts: names and words of what all scenarios share; inputs: for the numbers in JSON; recorded: results on real
+        recordings, besides or alone
     """
-    found = summarized(outcomes, design)
+    found, recorded = summarized(outcomes, design), recorded or {}
+    record = partial(study_record, found, facts, inputs, recorded)
+    if not outcomes.scenarios:
+        verdict = recordings_headline(recorded)
+        sections = Section("study", "", (Facts(tuple(facts)),)), *recordings_section(recorded)
+        return Report("Identification methods compared", verdict, sections, record=record)
     grid = grid_of(found.outcomes.scenarios)
     on_page = shown_runs(found)
     sections = (
         Section("study", "", (*_overview(found, grid, facts), *overview(found))),
         *(section for measures in METHOD_CLASSES for section in _class_sections(found, grid, measures, on_page)),
-        *recordings_section(recorded or {}),
+        *recordings_section(recorded),
         *_failures(found, grid, on_page),
         *scenario_sections(found, grid, on_page, repeat),
     )
@@ -118,7 +123,7 @@ def study_report(
         "Identification methods compared",
         headline(found),
         sections,
-        record=partial(study_record, found, facts, inputs, recorded or {}),
+        record=record,
     )
 
 

@@ -97,7 +97,9 @@ MAX_RUNS = 1_000_000
 DEFAULT_RUNS = 12
 """Runs of every scenario: with fewer than ten, twenty methods cannot be told from the reference."""
 
-CONFIGURATION_TABLES = ("study", "robot", "errors", "scenario", "grid", "recordings")
+SIMULATION_TABLES = ("robot", "errors", "scenario", "grid")
+
+CONFIGURATION_TABLES = ("study", *SIMULATION_TABLES, "recordings")
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ class Configuration:
     seed: of all random numbers; runs: of every scenario
     design: what each run draws anew, and which methods are compared
     methods: names (METHODS), or FILE.py:NAME with the whole path of the file
-    robots: each with a label of its own
+    robots: each with a label of its own; without robots there are no scenarios, and real recordings alone
     folder: in which paths of the configuration begin
     recordings: real ones
     """
@@ -124,6 +126,12 @@ class Configuration:
     scenarios: tuple[Scenario, ...]
     folder: Path
     recordings: tuple[StudyRecording, ...]
+
+    @property
+    def origin(self) -> str:
+        """Its whole path, or the name of a configuration of the package."""
+        path = self.folder / Path(self.file).name
+        return str(path) if path.is_file() else self.file
 
     @property
     def recorded_files(self) -> dict[str, str]:
@@ -200,11 +208,12 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     grids = document.get("grid", [{}])
     if not isinstance(grids, list):
         raise BadConfiguration(f"{file}: [grid] must be [[grid]], which can be given several times")
-    given = document.get("robot", {})
-    robots = given if isinstance(given, list) and given else [given]
     recorded = document.get("recordings", [])
     if not isinstance(recorded, list):
         raise BadConfiguration(f"{file}: [recordings] must be [[recordings]], which can be given several times")
+    alone = bool(recorded) and not set(document) & set(SIMULATION_TABLES)
+    given = document.get("robot", [] if alone else {})
+    robots = given if isinstance(given, list) and (given or alone) else [given]
     tables = {name: document.get(name, {}) for name in ("study", "errors", "scenario")}
     lists = {"robot": robots, "grid": grids, "recordings": recorded}
     several = [*tables.items(), *((name, one) for name, found in lists.items() for one in found)]
@@ -214,7 +223,7 @@ def configuration_of(content: bytes, file: str, folder: Path, *, allow_code: boo
     study, errors, common = (Settings(file, name, table) for name, table in tables.items())
     machines, numbered = _numbered(file, "robot", robots), _numbered(file, "grid", grids)
     arms = all_robots(machines, folder)
-    points = scenarios(common, numbered, [robot.label for robot in arms])
+    points = scenarios(common, numbered, [robot.label for robot in arms]) if arms else ()
     everything = measurable_methods(points)
     found = Configuration(
         file,

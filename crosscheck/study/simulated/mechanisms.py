@@ -150,7 +150,8 @@ def _with_springs(model: RobotModel) -> RobotModel:
                 JointLimits(0.0, 0.0),
             ),
         ]
-    return RobotModel(f"{model.name}, flexible", tuple(bodies), tuple(joints), gravity=model.gravity)
+    name = f"{model.name}, flexible"
+    return RobotModel(name, tuple(bodies), tuple(joints), gravity=model.gravity, base=model.base)
 
 
 def _alternating(motors: ArrayLike, springs: ArrayLike | None = None) -> Array:

@@ -38,6 +38,9 @@ QUINTIC_SPEED, QUINTIC_ACCELERATION = 1.875, 5.7735
 """Largest |v| T / Δ and |a| T² / Δ of the quintic from rest to rest over Δ in the time T: 15/8 and 10/√3."""
 
 
+CHECKED_TIMES = 3
+"""Times at which a law of one's own is looked at."""
+
 MOTION_STREAM = 2
 """Number of a random stream of a study."""
 
@@ -59,6 +62,11 @@ def reference(
         laws = tuple(own(kind)(plant.model, plant.limits, rng, duration))
         if len(laws) != plant.model.nv or not all(callable(law) for law in laws):
             raise InvalidInput(f"{kind} gives {len(laws)} laws for {plant.model.nv} joints; give one function for each")
+        times = np.linspace(0.0, duration, CHECKED_TIMES)
+        for joint, law in zip(plant.model.independent_joints, laws, strict=True):
+            course = [np.asarray(part) for part in law(times)]
+            if [part.shape for part in course] != 3 * [times.shape] or not np.isfinite(course).all():
+                raise InvalidInput(f"{kind}: the law of '{joint}' gives no q, v and a (N,) of times (N,), finite")
         return laws
     rng = generator(seed, MOTION_STREAM, MOTION_KINDS.index(kind), number, *stream)
     return _MOTION_MAKERS[kind](plant, rng, duration)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 import urdf
 from crosscheck.identifying.virtual import as_in_cad
+from crosscheck.study.settings.configuration import Configuration
 from crosscheck.study.settings.design import Stream
 from crosscheck.study.settings.settings import BadConfiguration, Numbers, RobotSettings
 from graphdyn import (
@@ -116,6 +117,18 @@ def plant_of(settings: RobotSettings) -> ControlledRobot:
         settings.velocity_noise,
         limits,
     )
+
+
+def refuse_unfit(study: Configuration) -> None:
+    """Raise BadConfiguration for settings, or errors of the model, that do not fit a robot; urdf's errors."""
+    for robot in study.robots:
+        joints = plant_of(robot).model.nv
+        for name, value in vars(study.errors).items():
+            if isinstance(value, tuple) and name != "payload_center" and len(value) != joints:
+                raise BadConfiguration(
+                    f"{study.file}: {name} in [errors] has {counted(len(value), 'number')}; robot '{robot.name}' has "
+                    f"{counted(joints, 'joint')}: give one for all joints, or one each"
+                )
 
 
 CAD_STREAM, START_STREAM = 1, 4

@@ -41,7 +41,7 @@ class MethodPair:
         its simultaneous interval; an end is infinite, or zero, where one alone has failed in some run
     probability: of signed ranks as uneven if the two were alike, with Holm's correction
     runs: that enter the ratio
-    failed, other_failed: runs in which it has no error where the other has one, and the reverse
+    failed, other_failed: runs with a scenario in which it has no error where the other has one, and the reverse
     verdict: of the method; equivalent where the whole interval is within the region
     detectable: ratio that this study can show; None where nothing is known of the scatter
     more_runs: that would show the ratio of the region, about; None where nothing is known, or nothing is needed
@@ -83,9 +83,13 @@ class PairedComparison:
         found = [pair for pair in self.with_reference.values() if pair.verdict == verdict]
         return tuple(sorted(found, key=lambda pair: pair.ratio.value))
 
+    def first(self, method: str) -> str:
+        """The method that is compared in place of this one."""
+        return next((group[0] for group in self.same if method in group), method)
+
     def ratio(self, method: str) -> Interval:
         """Ratio of any method's error to that of the reference, for those that are one with another too."""
-        first = next((group[0] for group in self.same if method in group), method)
+        first = self.first(method)
         if first == self.reference:
             return Interval(1.0, 1.0, 1.0)
         return self.with_reference[first].ratio
@@ -109,11 +113,12 @@ def compared(
     pairs = [(one, 0) for one in distinct[1:]]
     if design.pairs == "all":
         pairs += [(one, other) for k, one in enumerate(distinct[1:], start=1) for other in distinct[1:k]]
-    differences = [run_differences(errors[:, :, one], errors[:, :, other]) for one, other in pairs]
+    every = [(errors[:, :, one], errors[:, :, other]) for one, other in pairs]
+    differences = [run_differences(*both) for both in every]
     adjusted = holm(probabilities(np.reshape(differences, (len(pairs), len(errors))).T))
     found = [
-        _compared(names[one], names[other], values, float(p), len(pairs), design.region, level)
-        for (one, other), values, p in zip(pairs, differences, adjusted, strict=True)
+        _compared(names[one], names[other], values, failed_alone(*both), float(p), len(pairs), design.region, level)
+        for (one, other), both, values, p in zip(pairs, every, differences, adjusted, strict=True)
     ]
     fewest = fewest_runs(max(1, len(pairs)), level)
     same = tuple(group for group in groups if len(group) > 1)
@@ -131,7 +136,10 @@ def pair_count(methods: int, design: StudyDesign) -> int:
 
 
 def same_methods(errors: Array) -> NDArray[np.int64]:
-    """The number of the first method that each of M is one with (M,), from errors (R, S, M)."""
+    """The number of the first method that each of M is one with (M,), from errors (R, S, M).
+
+    Methods that have always failed are each their own.
+    """
     records = errors.reshape(-1, errors.shape[-1])
     first = np.arange(records.shape[1])
     for k in range(1, len(first)):
@@ -139,7 +147,7 @@ def same_methods(errors: Array) -> NDArray[np.int64]:
             one, other = records[:, j], records[:, k]
             with np.errstate(invalid="ignore"):
                 close = np.abs(one - other) <= SAME_METHOD_TOLERANCE * np.minimum(one, other)
-            if np.all(close | (one == other)):
+            if np.isfinite(one).any() and np.all(close | (one == other)):
                 first[k] = j
                 break
     return first
@@ -161,12 +169,26 @@ def run_differences(one: Array, other: Array) -> Array:
     return mean
 
 
+def failed_alone(one: Array, other: Array) -> tuple[int, int]:
+    """Runs with a scenario in which one has failed alone, and the same of the other, from errors (R, S)."""
+    lost, other_lost = np.isinf(one), np.isinf(other)
+    return int((lost & ~other_lost).any(axis=1).sum()), int((other_lost & ~lost).any(axis=1).sum())
+
+
 def _compared(
-    method: str, other: str, values: Array, adjusted: float, pairs: int, region: float, level: float
+    method: str,
+    other: str,
+    values: Array,
+    failures: tuple[int, int],
+    adjusted: float,
+    pairs: int,
+    region: float,
+    level: float,
 ) -> MethodPair:
+    """values: differences of the runs (R,); failures: as failed_alone"""
     finite = values[np.isfinite(values)]
-    failed, other_failed = int(np.isposinf(values).sum()), int(np.isneginf(values).sum())
-    uneven = failed + other_failed + int(np.isnan(values).sum()) > 0
+    failed, other_failed = failures
+    uneven = len(finite) < len(values)
     ratio = _ratio(finite, failed, other_failed, pairs, level)
     spread = float(finite.std(ddof=1)) if len(finite) > 1 else 0.0
     detectable = more = None

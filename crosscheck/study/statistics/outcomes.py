@@ -84,7 +84,7 @@ class ScenarioOutcomes:
 
 @dataclass(frozen=True, eq=False)
 class StudyOutcomes:
-    """methods: in the order of the columns of all scenarios"""
+    """methods: in the order of the columns of all scenarios, of which a study of real recordings alone has none"""
 
     methods: tuple[Method, ...]
     scenarios: tuple[ScenarioOutcomes, ...]
@@ -130,7 +130,7 @@ def outcomes(
         for row in scenarios
         if of[row["scenario"]]
     )
-    if not found:
+    if scenarios and not found:
         raise InvalidInput("results.parquet has no rows: the study has no run to report")
     return StudyOutcomes(methods, found)
 

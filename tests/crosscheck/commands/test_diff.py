@@ -1,17 +1,21 @@
 """`graphdyn diff`: the words of the terminal, the JSON file, the page, a file with other inertials, and bad input."""
 
 import json
+import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from jsonschema import Draft202012Validator
+from lxml import etree
+from robots.disguised import planted
 from robots.ur5e_like import MASSES, NAMES, OTHER_MASSES, SHIFTS, ur5e_like
-from shared_data import REPOSITORY
+from shared_data import ARMS, DATA, REPOSITORY, existing
 
 import urdf
 from crosscheck.commands.program.exits import AGREED, BAD_INPUT, DISAGREED
-from graphdyn import Placement
+from graphdyn import Body, Joint, JointLimits, Placement, RobotModel
 from graphdyn.model import rotation_about
 
 SCHEMA = json.loads((REPOSITORY / "docs/schemas/diff-1.schema.json").read_text(encoding="utf-8"))
@@ -55,8 +59,7 @@ def test_another_gravity_is_told(run, tmp_path):
 def test_a_limit_that_a_format_cannot_state_does_not_count(run, tmp_path):
     urdf.save_mjcf(ur5e_like(), tmp_path / "same.xml")
     done = run("arm.urdf", tmp_path / "same.xml", "--samples", 10)
-    assert "velocity" in done.out
-    assert "that one robot does not state do not count" in done.out
+    assert "only A states limits of velocity (all joints): not counted" in done.out
     assert done.code == AGREED
 
 
@@ -76,6 +79,82 @@ def test_an_mjcf_file_with_a_turned_base_displaced_axes_and_other_masses(run, tm
     expected = {f"{name}_link": gain for name, gain in gains.items() if gain}
     assert masses == pytest.approx(expected)
     assert "one over the other" in (tmp_path / "d.html").read_text(encoding="utf-8")
+
+
+def test_all_that_may_be_the_cause_is_told(run, tmp_path):
+    """Without inertia, a first axis that is tilted is as well a base and all that follows."""
+    arm = ur5e_like()
+    light = replace(arm, bodies=tuple(Body(one.name, 0.0, np.zeros(3), np.zeros((3, 3))) for one in arm.bodies))
+    urdf.save(light, tmp_path / "light.urdf")
+    urdf.save(planted(light, np.random.default_rng(0), "axis", 1), tmp_path / "tilted.urdf")
+    files = tmp_path / "light.urdf", tmp_path / "tilted.urdf"
+    done = run(*files, "--samples", 10, "--json", tmp_path / "d.json")
+    said = " ".join(done.out.split())
+    assert "its axis differs by 0.1° in link 'base', or the angle of 'lift_joint'" in said
+    assert "│ pan_joint │ axis │ base │ 0.1° │ the angle of 'lift_joint' │" in said
+    (joint,) = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))["joints"]
+    assert joint["or_else"] == [{"element": "lift_joint", "kind": "angle"}]
+
+
+def cell(arm):
+    """The arm on a rail, with a gripper, and names without `_joint`."""
+    x, y, z = np.eye(3)
+    joints = [Joint("rail", "prismatic", 0, Placement(), y, JointLimits(-1, 1))]
+    joints += [replace(one, name=one.name.removesuffix("_joint"), inside=one.inside + 1) for one in arm.joints]
+    hand = arm.n_bodies + 1
+    joints += [Joint(f"finger_{k}", "prismatic", hand, Placement(translation=0.1 * z), k * x) for k in (-1, 1)]
+    bodies = [Body(name, 1.0, np.zeros(3), np.eye(3)) for name in ("sled", "left", "right")]
+    return RobotModel("cell", (bodies[0], *arm.bodies, *bodies[1:]), tuple(joints))
+
+
+def test_joints_that_only_one_robot_has_by_name_are_held(run, tmp_path):
+    urdf.save_mjcf(cell(ur5e_like()), tmp_path / "cell.xml")
+    done = run("arm.urdf", tmp_path / "cell.xml", "--samples", 10, "--json", tmp_path / "d.json")
+    said = " ".join(done.out.split())
+    assert "B's joints 'rail', 'finger_-1', 'finger_1' are held at 0: A has none of these names" in said
+    data = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
+    assert data["held"] == [[], ["rail", "finger_-1", "finger_1"]]
+    assert {each["link"] for each in data["links"]} == {"wrist_3_link"}  # which the fingers are now part of
+    turned = run(tmp_path / "cell.xml", "arm.urdf", "--samples", 10)
+    assert "A's joints 'rail', 'finger_-1', 'finger_1' are held at 0" in " ".join(turned.out.split())
+
+
+def test_a_makers_arm_in_a_cell(run, tmp_path):
+    file = existing(ARMS / "ur5e.urdf")
+    urdf.save_mjcf(cell(urdf.load(file)), tmp_path / "cell.xml")
+    done = run(file, tmp_path / "cell.xml", "--samples", 10)
+    assert "'shoulder_pan_joint' = 'shoulder_pan'" in " ".join(done.out.split())
+    assert "Kinematics" not in done.out
+
+
+def test_the_table_of_an_arm_and_its_urdf_file_differ_as_the_guide_says(program, tmp_path, monkeypatch):
+    shutil.copy(existing(DATA / "data/tx40/tx40.urdf"), tmp_path)
+    shutil.copy(REPOSITORY / "crosscheck/study/configurations/tx40.toml", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    shown = (REPOSITORY / "docs/dh.md").read_text(encoding="utf-8").split("$ graphdyn diff tx40.toml tx40.urdf\n")[1]
+    said = program("diff", "tx40.toml", "tx40.urdf").out.splitlines()
+    rounded = re.compile("parts by .*? m at")  # of lengths that are equal
+    missing = {rounded.sub("", line).strip() for line in shown.split("```")[0].splitlines()}
+    assert not missing - {rounded.sub("", line).strip() for line in said}
+
+
+def test_names_that_contradict_the_chain_are_told(run, tmp_path):
+    arm = ur5e_like()
+    order = [0, 2, 1, 3, 4, 5]
+    joints = tuple(replace(one, name=arm.joint_names[k]) for one, k in zip(arm.joints, order, strict=True))
+    urdf.save(replace(arm, joints=joints), tmp_path / "exchanged.urdf")
+    said = " ".join(run("arm.urdf", tmp_path / "exchanged.urdf", "--samples", 10).out.split())
+    assert "; joints of the same name are at other places" in said
+    assert "'lift_joint' at 2 in A and at 3 in B, 'elbow_joint' at 3 in A and at 2 in B" in said
+
+
+def test_the_order_of_the_elements_of_a_file_does_not_matter(run, folder, tmp_path):
+    root = etree.parse(folder / "arm.urdf").getroot()
+    root[:] = reversed(root)
+    (tmp_path / "reversed.urdf").write_bytes(etree.tostring(root))
+    done = run("arm.urdf", tmp_path / "reversed.urdf", "--samples", 10)
+    assert done.code == AGREED
+    assert "nothing had to be changed but link frames" in done.out
 
 
 def test_the_inertials_of_the_other_robot(run, tmp_path):
@@ -108,12 +187,13 @@ def test_a_model_of_export_and_the_arm_before_a_gripper(run, program, tmp_path):
         (("arm.urdf", "cut.urdf"), "cut.urdf"),
         (("arm.urdf", "wrong.json"), "not in the format 'graphdyn export 1'; give a file that"),
         (("arm.urdf", "text.json"), "not a JSON file"),
+        (("arm.urdf", "deep.json"), "deep.json: not a JSON file (maximum recursion depth exceeded"),
         (("arm.urdf", "heavy.json"), "heavy.json: a value has the wrong type"),
         (("arm.urdf", "unnamed.json"), "unnamed.json: a value has the wrong type (7 is no name)"),
         (("arm.urdf", "light.json"), "light.json: body 'b': mass -1.0 kg is negative"),
         (("arm.urdf", "ball.xml"), "ball.xml"),
         (("arm.urdf", "arm.urdf", "--tip", "nothing"), "nothing"),
-        (("arm.urdf", "arm.urdf", "--tip", "-", "--tip", "wrist_1_link"), "robot 'ur5e_like' has 6 joints"),
+        (("arm.urdf", "TwoDofs"), "robot 'ur5e_like' has 6 joints"),
         (("arm.urdf", "arm.urdf", *("--tip", "-") * 3), "--tip is given 3 times; give it once, or for A and for B"),
         (("light.json", "arm.urdf", "--tip", "b"), "--tip b: light.json is a model that is cut already"),
         (("arm.urdf", "arm.urdf", "--tolerance", "0"), "tolerance is 0; give a number above zero"),
@@ -136,6 +216,7 @@ def test_bad_input(run, folder, words, arguments, message):
     (folder / "heavy.json").write_text(json.dumps(heavy | {"bodies": None}), encoding="utf-8")
     (folder / "wrong.json").write_text("{}", encoding="utf-8")
     (folder / "text.json").write_text("{", encoding="utf-8")
+    (folder / "deep.json").write_text("[" * 100_000, encoding="utf-8")
     (folder / "cut.urdf").write_text((folder / "arm.urdf").read_text(encoding="utf-8")[:900], encoding="utf-8")
     ball = f'<mujoco><worldbody>{BODY}<joint type="ball"/></body></worldbody></mujoco>'
     (folder / "ball.xml").write_text(ball, encoding="utf-8")

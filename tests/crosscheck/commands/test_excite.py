@@ -294,6 +294,18 @@ def test_noise_of_positions(program, words, small_arm, tmp_path):
 
 
 @pytest.mark.usefixtures("unpictured")
+def test_noise_of_positions_of_what_was_recorded(program, small_arm, tmp_path):
+    """The deviations with the encoder are those of both recordings together, as σ is: alone they were 1.4 times σ."""
+    file, log, noisy = tmp_path / "r.json", tmp_path / "log.csv", ("--position-noise", 1e-7, "--cutoff", 20)
+    options = (*SHORT, *LIMITS, "--no-collisions", "--out-rate", 500)
+    assert program("excite", "--robot", small_arm, *options, "--out", log).code == AGREED
+    done = program("excite", "--robot", small_arm, *options, *noisy, "--next", log, "--json", file)
+    assert done.code == AGREED, done.err
+    rows = json.loads(file.read_text(encoding="utf-8"))["parameters"]
+    assert np.exp(np.mean([np.log(row["encoder_sigma"] / row["sigma"]) for row in rows])) == pytest.approx(1, abs=0.15)
+
+
+@pytest.mark.usefixtures("unpictured")
 def test_harmonics_choose_themselves(program, words, small_arm, monkeypatch):
     """More as long as the error falls by 2 %; as many as are asked for otherwise."""
     tried = []

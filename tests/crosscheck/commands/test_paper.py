@@ -56,7 +56,7 @@ def folder(tmp_path_factory):
         patch.chdir(folder)
         patch.setattr("sys.argv", COMMAND)
         done = CliRunner().invoke(app, COMMAND[1:])
-    assert (done.exit_code, done.stderr) == (0, "")
+    assert done.exit_code == 0, done.stderr
     (folder / "said").write_text(done.stdout, encoding="utf-8")
     return folder
 

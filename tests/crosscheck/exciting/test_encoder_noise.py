@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from identified.small_study import ARM
 from robots.moving_robots import slider
 
+import urdf
 from crosscheck.exciting.encoder_noise import EncoderNoise, encoder_plan
 from crosscheck.identifying import Preparation
 from crosscheck.recordings import Recording
@@ -14,11 +16,13 @@ from graphdyn.excitation import (
     FourierBasis,
     MotionLimits,
     excitation_plan,
+    expected_parameters,
     frame_origins,
+    prior_spread,
     random_trajectory,
 )
-from graphdyn.identification import TorqueModel
-from graphdyn.identification.terms import RigidBodies, Viscous
+from graphdyn.identification import Problem, Samples, TorqueModel, WeightedLeastSquares
+from graphdyn.identification.terms import RigidBodies, RotorInertia, Viscous
 
 MASS = 2.0
 """[kg] Of the slide."""
@@ -72,3 +76,37 @@ def test_other_draws_agree(planned):
     assert found.sigma / promised.sigma == pytest.approx(np.ones(2), abs=0.4)
     assert found.bias == pytest.approx(promised.bias, abs=0.8 * promised.sigma.max())
     assert promised.mean_error(plan.spread) > np.log(plan.sigma / plan.spread).mean()
+
+
+def test_joints_weigh_what_their_residuals_say():
+    """As in identify, which knows no noise of the torques: the noise of one encoder fills the torque of one joint alone
+    where the motion of the other is filtered away, and the bias depends on the weights."""
+    model = urdf.load(ARM)
+    limits = MotionLimits.of_model(model, lower=-2.0, upper=2.0, velocity=2.0, acceleration=10.0)
+    torque_model = TorqueModel(model, (RigidBodies(), Viscous()))
+    problem = ExcitationProblem(torque_model, limits, FourierBasis(3.0, 3), np.array([0.01, 5.0]), 200.0)
+    course = random_trajectory(model, limits, frame_origins(model), problem.basis, np.random.default_rng(0))
+    plan = excitation_plan(torque_model, problem.total_information(course))
+    promised = encoder_plan(problem, [course], plan, EncoderNoise(1e-4, None), draws=30)
+    truth = expected_parameters(torque_model)
+    exact = course.motion(np.arange(601) / 200.0)
+    tau = torque_model.torque(Samples(exact.q, exact.v, exact.a, 0 * exact.q), truth)
+    rng, found = np.random.default_rng(1), []
+    for _ in range(30):
+        q, measured = (x + s * rng.standard_normal(x.shape) for x, s in ((exact.q, 1e-4), (tau, problem.noise)))
+        recording = Recording(model.independent_joints, np.arange(601) / 200.0, q, tau=measured)
+        fit = Problem(torque_model, Preparation(None).samples(Preparation(None).differentiated(recording)))
+        found.append(fit.structure.base.values(WeightedLeastSquares().estimate(fit).parameters))
+    bias = np.mean(found, axis=0) - plan.base.values(truth)
+    assert np.abs(bias / promised.sigma).max() > 5, "bias that matters"
+    assert (bias - promised.bias) / promised.sigma == pytest.approx(np.zeros(len(bias)), abs=4 * np.sqrt(2 / 30))
+
+
+def test_drives_are_as_large_as_expected():
+    """Rotors too, though their unit is that of bodies; bodies are those of the model."""
+    torque_model = TorqueModel(slider(), (RigidBodies(), Viscous(), RotorInertia()))
+    x = expected_parameters(torque_model)
+    assert np.array_equal(x[:10], slider().inertial_parameters)
+    assert np.all(x[10:] > 0)
+    plan = excitation_plan(torque_model, np.eye(len(prior_spread(torque_model))))
+    assert plan.prior[plan.names.index("FV_1")] == 0.0

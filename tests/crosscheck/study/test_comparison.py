@@ -160,6 +160,15 @@ def test_failures_count_as_the_largest_difference():
     assert np.isnan(never.ratio.value)
 
 
+def test_each_fails_alone_in_the_same_run():
+    """The run says nothing of the ratio, counts as a failure of both, and leaves both ends of the interval open."""
+    errors = table(1.0, 1.0, scatter=0.001)
+    errors[3, 0, 0], errors[3, 1, 1] = INF, INF
+    (pair,) = compared(errors, names(errors), StudyDesign(reference="m0")).pairs
+    assert (pair.failed, pair.other_failed, pair.runs, pair.verdict) == (1, 1, 11, "undecided")
+    assert (pair.ratio.low, pair.ratio.high) == (0.0, INF)
+
+
 def test_methods_that_are_one():
     """They are told, and compared once; the reference stands for its group wherever it is."""
     errors = table(1.0, 0.5, 0.5)
@@ -171,6 +180,8 @@ def test_methods_that_are_one():
     assert (found.ratio("m0").value, found.ratio("m4")) == (1.0, found.ratio("m1"))
     errors[0, 0, 4] = INF
     assert same_methods(errors).tolist() == [0, 1, 2, 0, 4], "a failure tells them apart"
+    errors[..., 1:3] = INF
+    assert same_methods(errors).tolist() == [0, 1, 2, 0, 4], "nothing is known of methods that always fail"
 
 
 def test_null_studies_call_nothing_better():

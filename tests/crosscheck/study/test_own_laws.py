@@ -30,6 +30,12 @@ def magnets(q, v, a):
 def one(model, limits, rng, duration):
     return waves(model, limits, rng, duration)[:1]
 
+def two(model, limits, rng, duration):
+    return [lambda times: (times, times)] * model.nv
+
+def lost(model, limits, rng, duration):
+    return [lambda times: (times, times, np.nan * times)] * model.nv
+
 def short(rng, tau):
     return rng.standard_normal(3)
 """
@@ -111,6 +117,8 @@ def test_code_that_is_not_allowed(folder):
     ("further", "said"),
     [
         ('motion = "laws.py:one"\n', r"laws\.py:one gives 1 laws for 2 joints; give one function for each"),
+        ('motion = "laws.py:two"\n', r"laws\.py:two: the law of 'shoulder' gives no q, v and a \(N,\) of times"),
+        ('motion = "laws.py:lost"\n', r"laws\.py:lost: the law of 'shoulder' gives no q, v and a \(N,\) of times"),
         ('torque_noise_law = "laws.py:short"\n', r"laws\.py:short gives noise of shape \(3,\); \(801, 2\) is needed"),
     ],
 )

@@ -537,6 +537,14 @@ class TestMissing:
             assert not database.done()
         assert not (tmp_path / "out" / RESULTS).exists()
 
+    def test_a_method_that_can_no_longer_be_made(self, folder):
+        """It could where the study began."""
+        (folder / "once.py").write_text("class Once:\n    def __init__(self): raise OSError('the disk is gone')\n")
+        study = small_study(folder)
+        task = computing.StudyTask(study.scenarios[0], 0, (f"{folder}/once.py:Once",))
+        answer = computing.computed(study, computing.Surroundings((), ()), task)
+        assert answer.reason.endswith("once.py:Once cannot be made: OSError: the disk is gone")
+
     @pytest.mark.parametrize(
         ("files", "libraries", "said"),
         [
@@ -661,6 +669,9 @@ def test_what_only_the_robot_shows(folder):
         BadConfiguration, match=r"study\.toml: limits in \[robot\]: joint 'sh.*' may move from 1 to -1;"
     ):
         run_study(study_of(folder, small.ROBOT, "lower = 1\nupper = -1\n"), folder / "never", InThisProcess())
+    errors = "[errors]\ngain_factor = [1.1, 1.2, 1.3]\n"
+    with pytest.raises(BadConfiguration, match=r"gain_factor in \[errors\] has 3 numbers; .* has 2 joints: give one f"):
+        run_study(study_of(folder, small.ROBOT, errors), folder / "never", InThisProcess())
     with pytest.raises(BadConfiguration, match=r"'panda' has joints that drive others, .*; lock them"):
         run_study(study_of(folder, "[robot]\nname = 'panda'\n"), folder / "never", InThisProcess())
     assert not (folder / "never").exists()
@@ -712,6 +723,8 @@ def test_the_command(program, words, folder, tmp_path, monkeypatch):
     assert "2 runs cannot decide 2 comparisons, however clear they are: give 7 runs or more" in words(done.err)
     so_far = program("study", "--report", out)
     assert (so_far.code, "so far 4 records of 2 scenarios" in words(so_far.out)) == (AGREED, True)
+    repeated = f"--config {config.resolve()} --only {name}:0"
+    assert repeated in (out / "study.html").read_text(), "whose robot is beside the configuration, not beside its copy"
     written = json.loads((out / "study.json").read_text())
     assert written["facts"]["so far"] == "4 records of 2 scenarios"
     assert written["files"]["results.parquet"] == hashlib.sha256((out / "results.parquet").read_bytes()).hexdigest()

@@ -352,3 +352,11 @@ def test_tables_that_do_not_fit():
     results[0]["base"] = [1.0]
     with pytest.raises(InvalidInput, match=r"'base' of 'ols', run 0 of .* has 1 value, .* names 6 base parameters"):
         outcomes(results, scenarios, times)
+
+
+def test_scenarios_without_a_run():
+    """A study of real recordings alone has no scenarios; scenarios without rows are no study yet."""
+    _, scenarios, _ = study_tables(1)
+    assert outcomes([], [], []).scenarios == ()
+    with pytest.raises(InvalidInput, match=r"results\.parquet has no rows: the study has no run to report"):
+        outcomes([], scenarios, [])

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from robots.disguised import AXIS, CENTER, LENGTH, MASS, TENSOR, disguised, planted
+from robots.ur5e_like import ur5e_like
 from shared_data import ARMS
 
 import graphdyn
@@ -53,26 +54,67 @@ def test_the_map_of_a_robot_onto_itself_changes_nothing_and_its_class_is_listed(
     assert flipped, "a wrist of three perpendicular axes can be written flipped"
 
 
-def test_a_length_before_or_after_a_link_without_inertia_is_at_either_joint(arm):
-    """A link without inertia may be moved along its axis: what follows it is as far away."""
-    bodies = [replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in arm.bodies]
-    light = replace(arm, bodies=tuple(bodies))
-    along = replace(arm.joints[4], placement=arm.joints[4].placement @ Placement(translation=[0, 0, 0.01]))
-
-    def found(robot):
-        moved = replace(robot, joints=(*robot.joints[:4], along, robot.joints[5]))
-        return differences(robot, moved, samples=STATES).joints
-
-    (one,) = found(light)
-    assert arm.joint_names[4] in (one.joint, one.or_joint)
-    assert one.value == pytest.approx(0.01)
-    assert [(each.joint, each.or_joint) for each in found(arm)] == [(arm.joint_names[4], None)]
+def without_inertia(model):
+    return replace(model, bodies=tuple(replace(body, mass=0.0, inertia=np.zeros((3, 3))) for body in model.bodies))
 
 
-def test_a_sliding_joint_is_aligned():
+PARALLEL = {(f"{name}_joint", "length") for name in ("lift", "elbow", "wrist_1", "wrist_2")}
+"""Where a length along an axis may be, with links without inertia: that axis has parallel ones before it."""
+
+
+@pytest.mark.parametrize(
+    ("kind", "joint", "causes", "without"),
+    [
+        # a first axis that is tilted: the base may be tilted back, and then all that follows is
+        ("axis", 1, {("pan_joint", "axis")}, {("pan_joint", "axis"), ("lift_joint", "angle")}),
+        # the last axis, and how the link before it is turned: the tool absorbs the rest
+        ("axis", 6, {("wrist_3_joint", "axis")}, {("wrist_3_joint", "axis"), ("wrist_3_joint", "angle")}),
+        # a length along the axis before it: a link without inertia may be moved along that
+        ("length", 5, {("wrist_2_joint", "length")}, PARALLEL),
+    ],
+)
+def test_inertia_tells_which_joint_differs_and_without_it_all_that_may_are_named(kind, joint, causes, without):
+    def named(model):
+        moved = planted(model, np.random.default_rng(1), kind, joint)
+        if kind == "length":
+            along, here = Placement(translation=model.joints[joint - 2].axis * LENGTH), model.joints[joint - 1]
+            longer = replace(here, placement=along @ here.placement)
+            moved = replace(model, joints=(*model.joints[: joint - 1], longer, *model.joints[joint:]))
+        (found,) = differences(model, moved, samples=STATES).joints
+        assert found.value == pytest.approx({"length": LENGTH, "axis": AXIS}[kind], rel=1e-6)
+        return {(found.joint, found.kind), *((each.element, each.kind) for each in found.or_else)}
+
+    arm = ur5e_like()
+    assert named(arm) == causes
+    assert named(without_inertia(arm)) == without
+
+
+@pytest.mark.parametrize("lifted", [False, True])
+def test_a_sliding_joint_is_aligned(lifted):
+    model = lifted_arm() if lifted else sliding_arm()
+    again, *_ = disguised(model, np.random.default_rng(1), ("signs", "zeros", "base", "frames"))
+    found = differences(model, again, samples=STATES)
+    assert moves_alike(model, found.alignment.model)
+    assert found.verdict == VERDICTS[0]
+
+
+def lifted_arm():
+    """Slides along z, turns about z, x, y: zero of the second joint and base trade but for the inertia of the first."""
+    x, y, z = np.eye(3)
+    place = Placement(np.eye(3), [0.2, 0.1, 0.3])
+    kinds = [("prismatic", z), ("revolute", z), ("revolute", x), ("revolute", y)]
+    joints = [Joint(f"j{k}", kind, k, place, axis, JointLimits(-1, 1.5)) for k, (kind, axis) in enumerate(kinds)]
+    bodies = [graphdyn.Body(f"b{k}", 1 + k, [0.02, 0.03, 0.05], np.diag([2, 3, 4]) * 1e-2) for k in range(4)]
+    return RobotModel("lifted", tuple(bodies), tuple(joints))
+
+
+def test_a_length_along_a_joint_that_slides_is_its_zero():
     model = sliding_arm()
-    again, *_ = disguised(model, np.random.default_rng(2), ("signs", "zeros", "base", "frames"))
-    assert moves_alike(model, align(model, again).model)
+    place = model.joints[1].placement @ Placement(translation=[0, 0, LENGTH])
+    longer = replace(model, joints=(model.joints[0], replace(model.joints[1], placement=place), *model.joints[2:]))
+    found = differences(model, longer, samples=STATES)
+    assert (found.joints, found.links) == ((), ())
+    assert found.alignment.map.zeros == pytest.approx([0, -LENGTH, 0, 0, 0])
 
 
 def sliding_arm():

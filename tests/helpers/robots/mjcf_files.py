@@ -1,4 +1,4 @@
-"""Eight robots in MJCF, which together have every form that is read, and what MuJoCo computes for them."""
+"""Nine robots in MJCF, which together have every form that is read, and what MuJoCo computes for them."""
 
 import warnings
 
@@ -213,6 +213,19 @@ INCLUDING = """\
 </mujoco>
 """
 
+ATTACHING = """\
+<mujoco model="attaching">
+  <asset><model name="grip" file="parts/grip.xml"/></asset>
+  <worldbody>
+    <body name="arm" pos="0 0 1">
+      <inertial pos="0 0.1 0" mass="2" diaginertia="0.1 0.1 0.15"/>
+      <joint name="arm" axis="0 1 0" armature="0.3"/>
+      <frame pos="0 0 0.5" euler="0 0 90"><attach model="grip" body="palm" prefix="grip_"/></frame>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
 INCLUDED = {
     "settings.xml": '<mujoco><option gravity="1 2 3"/><default><joint armature="0.125"/></default></mujoco>\n',
     "hand.xml": """\
@@ -222,6 +235,21 @@ INCLUDED = {
     <joint axis="1 0 0" damping="2"/>
   </body>
 </mujocoinclude>
+""",
+    "grip.xml": """\
+<mujoco model="grip">
+  <default><joint damping="0.1" armature="0.01"/></default>
+  <worldbody>
+    <body name="palm" pos="0.1 0 0">
+      <inertial pos="0 0 0.02" mass="0.5" diaginertia="0.001 0.001 0.001"/>
+      <joint name="spin" axis="0 0 1"/>
+      <body name="finger" pos="0.05 0 0">
+        <inertial pos="0 0 0.02" mass="0.1" diaginertia="0.0001 0.0001 0.0001"/>
+        <joint name="finger" type="slide" axis="1 0 0"/>
+      </body>
+    </body>
+  </worldbody>
+</mujoco>
 """,
 }
 
@@ -234,6 +262,7 @@ FILES = {
     "equalities": EQUALITIES,
     "welded": WELDED,
     "including": INCLUDING,
+    "attaching": ATTACHING,
 }
 
 

@@ -8,8 +8,9 @@ the cases in which exactly that link and kind is named, in which it is named wit
 named, and in which nothing differs; the last happens where the difference does not show: the axis of a joint that may
 be moved along itself, a length before the first joint, which base and tool absorb.
 
-The robots are names or files, `tuned` or `aside`: arms on which the method was, or was not, tuned. --seed changes the
-random numbers, --list prints every case that is not named exactly.
+The robots are names or files, with @LINK up to a tip; or `tuned` or `aside`: arms on which the method was, or was not,
+tuned; or `cut`: arms with grippers and one that slides up and down, up to their flanges. --seed changes the
+random numbers, --only planted leaves out the pairs, --list prints every case that is not named exactly.
 """
 
 import argparse
@@ -28,8 +29,10 @@ ASIDE = ("m1013", "kr16_r1610_2", "tx2_60l", "ur10e", "crx10ia_l", "vs060", "tal
 """Arms on which nothing was tuned."""
 
 BY_NAME = ("ur5", "ur10", "kr500", "panda")
-CUT = ("j2s6s200_standalone", "piper", "vx300s")
-"""Arms with grippers, which need a chain."""
+CUT = {"j2s6s200_standalone": "j2s6s200_link_6", "piper": "link6", "vx300s": "vx300s/gripper_link"}
+"""Arms with grippers, and the tips that cut these off."""
+
+CUT_BY_NAME = ("tiago@arm_7_link", "panda@panda_link8")
 
 
 def main() -> None:
@@ -37,19 +40,32 @@ def main() -> None:
     parser.add_argument("pairs", type=int, nargs="?", default=200)
     parser.add_argument("robots", nargs="*", default=["tuned"])
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", choices=("pairs", "planted"))
     parser.add_argument("--list", action="store_true")
     asked = parser.parse_args()
-    names = arms(*asked.robots) if asked.robots in (["tuned"], ["aside"]) else asked.robots
+    names = arms(*asked.robots) if asked.robots in (["tuned"], ["aside"], ["cut"]) else asked.robots
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", urdf.URDFWarning)
-        models = [urdf.load(name, mimic="locked") for name in names]
+        models = [loaded(name) for name in names]
     rng = np.random.default_rng(asked.seed)
-    pairs(models, asked.pairs, rng, asked.list)
-    plants(models, asked.pairs, rng, asked.list)
+    if asked.only != "planted":
+        pairs(models, asked.pairs, rng, asked.list)
+    if asked.only != "pairs":
+        plants(models, asked.pairs, rng, asked.list)
+
+
+def loaded(name: str):
+    """A robot, up to the tip that stands behind @."""
+    robot, _, tip = name.partition("@")
+    if not tip:
+        return urdf.load(robot, mimic="locked")
+    return urdf.load(robot, chain=(urdf.load(robot).base_name, tip))
 
 
 def arms(which: str) -> list[str]:
-    """Names and files of robots that need no chain."""
+    """Names and files of the robots of a share."""
+    if which == "cut":
+        return [*(f"{ARMS / name}.urdf@{tip}" for name, tip in CUT.items()), *CUT_BY_NAME]
     known = [path for path in sorted(ARMS.glob("*.urdf")) if path.stem not in CUT]
     chosen = [str(path) for path in known if (path.stem in ASIDE) == (which == "aside")]
     return chosen + [name for name in BY_NAME if which == "tuned" and name != "panda"]
@@ -84,8 +100,7 @@ def errors_of(model, again, rng):
 
 def plants(models, number, rng, listed) -> None:
     """Planted differences."""
-    counts = Counter()
-    k = 0
+    counts, k, most, several = Counter(), 0, 0, 0
     while k < number:
         model, kind = models[k % len(models)], KINDS[int(rng.integers(len(KINDS)))]
         j = int(rng.integers(1, model.n_bodies + 1))
@@ -101,6 +116,8 @@ def plants(models, number, rng, listed) -> None:
         result = "nothing" if not told else "exactly" if all(true) else "with others" if any(true) else "others"
         counts[kind, result] += 1
         k += 1
+        named = max(map(len, told), default=0)
+        most, several = max(most, named), several + (result == "exactly" and named > 1)
         if listed and result != "exactly":
             print(
                 result,
@@ -117,13 +134,15 @@ def plants(models, number, rng, listed) -> None:
     total = Counter()
     for (_, name), one in counts.items():
         total[name] += one
-    print(f"{number} planted:", dict(total))
+    print(f"{number} planted:", dict(total), f"of these exactly, {several} with other causes, {most} at most")
 
 
 def told_of(model, found):
-    """Of everything that is named the joints that it may be at, or the link, with its kind."""
-    joints = [
-        {(joint, "length" if each.kind == "length" else "axis") for joint in (each.joint, each.or_joint)}
-        for each in found.joints
-    ]
-    return [*joints, *({(each.link, each.kind)} for each in found.links)]
+    """Of everything that is named the causes that it may have."""
+    told = [{(each.joint, each.kind), *causes(each)} for each in found.joints]
+    told += [{(each.link, each.kind), *causes(each)} for each in found.links]
+    return [{(name, "axis" if kind == "angle" else kind) for name, kind in each} for each in told]
+
+
+def causes(difference):
+    return {(each.element, each.kind) for each in difference.or_else}

@@ -18,9 +18,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-import industrial_arms
 import numpy as np
-from shared_data import ARMS
+from shared_data import ARMS, DATA, REPOSITORY
 
 import urdf
 from crosscheck.commands.identify.command import new_warnings
@@ -158,17 +157,45 @@ def simulations(seeds):
     )
 
 
+MAPPINGS = REPOSITORY / "docs" / "recordings"
+UR10, TX40, KR300 = (DATA / "data" / arm for arm in ("ur10", "tx40", "kr300"))
+
+COMMANDS = {
+    "ur10": [
+        UR10 / "ur10_free_motion.csv", "--robot", "ur10", "--mapping", MAPPINGS / "ur10.toml", "--cutoff", 8,
+        "--models", "smooth.toml", "--split-rows", "60:1700", "1750:",
+    ],
+    "tx40": [
+        TX40 / "pos_read_data.csv", TX40 / "curr_data.csv", "--robot", TX40 / "tx40.urdf", "--mapping",
+        MAPPINGS / "tx40.toml", "--cutoff", 20, "--decimate", "10,10", "--terms",
+        "viscous,coulomb,offset,rotor,coupled-wrist", "--width", 0.05, "--split", "0:6", "6:9",
+    ],
+    "kr300": [
+        KR300 / "kr300_A.csv", "--robot", "kr300_150.urdf", "--mapping", MAPPINGS / "kr300.toml", "--cutoff", 8,
+        "--min-speed", 0.02, "--scaled-torque", f"{MAPPINGS / 'kr300.py'}:counterbalance", "--terms",
+        "viscous,coulomb,offset,rotor", "--split", "0:7", "7:10",
+    ],
+}  # fmt: skip
+
 MODEL_NAMES = {"ur10": "smooth: "}
 """What stands before the names of methods where the torque model has a name."""
 
 METHODS = "consistent,entropic,consistent-huber,entropic-huber"
 
 
+def make_inputs(folder):
+    """What the commands read and the shared data do not have: a robot file, and the second torque model of the UR10."""
+    figures = [MAPPINGS / "kr300.py", KR300 / "kr300.json", folder / "kr300_150.urdf", "150"]
+    subprocess.run([sys.executable, *map(str, figures)], check=True)
+    models = (MAPPINGS / "ur10_models.toml").read_text(encoding="utf-8")
+    (folder / "smooth.toml").write_text(models[models.index("[smooth]") :], encoding="utf-8")
+
+
 def recordings():
     print(f"{'arm':6} {'method':34} {'error %':>8} {'cost %':>7} {'masses [kg]':44} told")
     with tempfile.TemporaryDirectory() as folder:
-        for arm in industrial_arms.COMMANDS:
-            industrial_arms.inputs(Path(folder))
+        make_inputs(Path(folder))
+        for arm in COMMANDS:
             for method in METHODS.split(","):
                 limited, free = (_record(Path(folder), arm, method, more) for more in ([], ["--cad-factor", "inf"]))
                 error, without = (_error(record) for record in (limited, free))
@@ -181,8 +208,8 @@ def recordings():
 
 def _record(folder, arm, method, more):
     path = folder / "found.json"
-    command = [sys.executable, "-m", "crosscheck", "identify", *industrial_arms.COMMANDS[arm], "--methods", method]
-    environment = {**os.environ, "KR300_JSON": str(industrial_arms.KR300 / "kr300.json")}
+    command = [sys.executable, "-m", "crosscheck", "identify", *COMMANDS[arm], "--methods", method]
+    environment = {**os.environ, "KR300_JSON": str(KR300 / "kr300.json")}
     name = f"{MODEL_NAMES.get(arm, '')}{method_named(method).name}"
     wanted = [*command, *more, "--poses", "100", "--choose", name, "--json", path]
     done = subprocess.run(list(map(str, wanted)), cwd=folder, env=environment, check=False, capture_output=True)

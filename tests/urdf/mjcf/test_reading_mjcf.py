@@ -1,4 +1,4 @@
-"""Eight MJCF files against MuJoCo itself: torques, accelerations, limits, constraints, notes."""
+"""Nine MJCF files against MuJoCo itself: torques, accelerations, limits, constraints, notes."""
 
 import builtins
 import warnings

@@ -119,7 +119,7 @@ def changed(model):
     return dataclasses.replace(model, bodies=tuple(bodies), joints=tuple(joints))
 
 
-PATCHED = [name for name in FILES if name != "including"]
+PATCHED = [name for name in FILES if name not in ("including", "attaching")]
 
 
 @pytest.mark.parametrize("name", PATCHED)
@@ -144,6 +144,71 @@ def _without_numbers(data):
     head, body, rest = data.partition(b"<worldbody>")
     body = re.sub(rb"\s*<inertial [^>]*/>", b"", body + rest)
     return head + re.sub(rb' (damping|frictionloss|armature)="[^"]*"', b"", body)
+
+
+ODD = """\
+<?xml version='1.0' encoding='utf-8'?>\r
+<!-- Größe: <inertial mass="9"/> --><mujoco\tmodel='été "x"'>\r
+<worldbody><body name='Arm &lt;1&gt;'\tpos="0 0 .1"><!-- <joint name="a"/> -->\r
+\t<inertial\r
+\t\tmass = "2" pos='0 0 .1'\r
+\t\tdiaginertia='.02 .02 .01'\r
+\t/>\r
+\t<joint\tname = 'a &amp; b'\r
+axis='0 0 1' damping = '1'\r
+armature='.1'></joint>\r
+\t<body name='ü'><joint name="c" axis="1 0 0"/><inertial pos="0 0 0" mass=".3" diaginertia="1 1 1"></inertial>\
+<body name="d"><joint name="d"/><site/><inertial pos="0 0 0" mass=".3" diaginertia="1 1 1"/></body></body></body>\r
+</worldbody></mujoco>\r
+<!-- end -->"""
+"""Written by hand: other line ends, tabs, quotes, entities, several elements in one line."""
+
+
+SECOND = '<inertial pos="0.0 0.0 0.0" mass="0.6" diaginertia="2.0 2.0 2.0"/>'
+REPLACED = {
+    """<inertial\r
+\t\tmass = "2" pos='0 0 .1'\r
+\t\tdiaginertia='.02 .02 .01'\r
+\t/>""": '<inertial pos="0.0 0.0 0.1" mass="4.0" diaginertia="0.04 0.04 0.02"/>',
+    '<inertial pos="0 0 0" mass=".3" diaginertia="1 1 1"></inertial>': SECOND,
+    '<inertial pos="0 0 0" mass=".3" diaginertia="1 1 1"/>': SECOND,
+    "armature='.1'": "armature='0.5'",
+    '<joint name="c"': '<joint armature="0.5" name="c"',
+    '<joint name="d"': '<joint armature="0.5" name="d"',
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "iso-8859-1", "utf-8-sig"])
+def test_a_patch_of_a_file_that_is_written_by_hand(tmp_path, encoding):
+    data = ODD.replace("utf-8", encoding.removesuffix("-sig")).encode(encoding)
+    (tmp_path / "odd.xml").write_bytes(data)
+    model = loaded(tmp_path / "odd.xml")
+    heavier = [graphdyn.Body(one.name, 2 * one.mass, one.center_of_mass, 2 * one.inertia) for one in model.bodies]
+    armed = [dataclasses.replace(joint, armature=0.5) for joint in model.joints]
+    new = dataclasses.replace(model, bodies=tuple(heavier), joints=tuple(armed))
+    urdf.patch_mjcf(new, tmp_path / "odd.xml", tmp_path / "new.xml")
+    wanted = ODD.replace("utf-8", encoding.removesuffix("-sig"))
+    for old, numbers in REPLACED.items():
+        wanted = wanted.replace(old, numbers)
+    assert (tmp_path / "new.xml").read_bytes() == wanted.encode(encoding)
+
+
+def test_utf_16_is_read_and_not_patched(tmp_path):
+    (tmp_path / "odd.xml").write_bytes(ODD.replace("utf-8", "utf-16").encode("utf-16"))
+    model = loaded(tmp_path / "odd.xml")
+    assert model.joint_names == ("a & b", "c", "d")
+    with pytest.raises(urdf.CannotUpdate, match=r"the file is in UTF-16 .*; save it as UTF-8 first"):
+        urdf.patch_mjcf(model, tmp_path / "odd.xml", tmp_path / "new.xml")
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(ODD[:200], "not well-formed XML"), ("", "the file is empty"), ("a = 1", "the file has no XML element")],
+)
+def test_a_patch_of_a_file_that_is_no_xml(tmp_path, content, message):
+    (tmp_path / "bad.xml").write_text(content)
+    with pytest.raises(urdf.MalformedXML, match=message):
+        urdf.patch_mjcf(urdf.load("ur5"), tmp_path / "bad.xml", tmp_path / "new.xml")
 
 
 def test_numbers_that_are_the_same_stay_as_they_are_written(tmp_path):

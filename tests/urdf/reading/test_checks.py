@@ -170,14 +170,14 @@ def test_unsupported_joint_type(arm, kind):
 
 
 DOCUMENTS = {
-    "empty": (b"", r"robot.urdf: the file is empty; give a URDF file$"),
-    "no XML": (b"hello", r"robot.urdf: the file has no XML element; give a URDF file$"),
+    "empty": (b"", r"robot.urdf: the file is empty; give a URDF or MJCF file$"),
+    "no XML": (b"hello", r"robot.urdf: the file has no XML element; give a URDF or MJCF file$"),
     "text before": (b'Expanded.\n<robot name="r"/>', r"not well-formed XML"),
     "version 0.0": (b'<?xml version="0.0"?><robot name="r"/>', r"not well-formed XML: Unsupported version '0.0'"),
     "undeclared prefix": (b'<robot name="r"><xacro:foo/></robot>', r"not well-formed XML: Namespace prefix xacro"),
     "not closed": (b'<robot name="r">\n<link name="a">\n</robot>', r"robot.urdf:3: not well-formed XML"),
     "latin-1 undeclared": (b'<robot name="\xe9"/>', r"not well-formed XML"),
-    "other root": (b"\n<sdf/>", r"robot.urdf:2: the root element is <sdf>, not <robot>; give a URDF file"),
+    "other root": (b"\n<sdf/>", r"robot.urdf:2: the root element is <sdf>, not <robot>; give a URDF or MJCF file"),
     "entities": (
         b'<!DOCTYPE r [<!ENTITY a "b">]><robot name="&a;"/>',
         r"the document declares XML entities; write their text instead",

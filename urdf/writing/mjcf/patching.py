@@ -69,10 +69,11 @@ def patch_mjcf(model: RobotModel, source: str | PathLike[str], destination: str 
     """
     check_model(model)
     path = Path(source)
-    data = editable(path)
+    data = path.read_bytes()
     check_size(data, path)
     if not is_mjcf(root_of(path, data)):
         raise CannotUpdate("the file is not MJCF", "give a file whose root element is <mujoco>", path=path)
+    data = editable(path)
     document, _, parsed = parsed_source(path, AS_IT_STANDS)
     old = armed(build(parsed, document.gravity), document)
     native = compiled_mjcf(path, data, root_of(path, data))

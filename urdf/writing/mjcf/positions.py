@@ -74,7 +74,7 @@ def positions(data: bytes) -> Positions:
     def end(tag: str) -> None:
         at = parser.CurrentByteIndex
         path.pop()
-        if tag == "inertial" and path and path[-1][1] in found.inertials and data[at : at + 2] == b"</":
+        if tag == "inertial" and path and path[-1][1] in found.inertials and data.startswith(b"</inertial", at):
             begin, _, indent = found.inertials[path[-1][1]]
             found.inertials[path[-1][1]] = begin, at + len(tag_at(data, at)), indent
 

@@ -18,7 +18,7 @@ def written(tmp_path_factory):
     """The summary, and the folder of its files."""
     folder, found = tmp_path_factory.mktemp("paper"), outcomes(*study_tables(14))
     report = study_report(found, [], lambda scenario, run: [])
-    names = write_paper_files(summarized(found), report, folder)
+    names = write_paper_files(summarized(found), {}, report, folder)
     assert sorted(names) == sorted(file.name for file in folder.iterdir())
     return summarized(found), folder
 
@@ -66,6 +66,27 @@ def test_latex(written):
     assert len(body) == len(found.comparisons["torques", "torque_error"].pairs)
     assert all(line.endswith(r" \\") and line.count("&") == 4 for line in body)
     assert all(line[k - 1] == "\\" for line in body for k, sign in enumerate(line) if sign in "%_")
+
+
+def test_latex_of_methods_that_are_one_by_one_error(tmp_path):
+    """By torque error alone: the method has its row, with its ratios by the other errors."""
+    results, scenarios, times = study_tables(14)
+    reference = summarized(outcomes(results, scenarios, times)).comparisons["torques", "torque_error"].reference
+    other = next(row["method"] for row in results if row["measures"] == "torques" and row["method"] != reference)
+    known = {(row["scenario"], row["run"]): row for row in results if row["method"] == reference}
+    same = [
+        row | {key: known[row["scenario"], row["run"]][key] for key in ("torque_error", "status")}
+        if row["method"] == other
+        else row
+        for row in results
+    ]
+    found = summarized(outcomes(same, scenarios, times))
+    assert other in next(iter(found.comparisons["torques", "torque_error"].same))
+    assert other in found.comparisons["torques", "parameter_error"].with_reference
+    write_paper_files(found, {}, study_report(found.outcomes, [], lambda scenario, run: []), tmp_path)
+    lines = (tmp_path / "comparisons-torques.tex").read_text(encoding="utf-8").splitlines()
+    (row,) = (line for line in lines if line.startswith(f"{other} &"))
+    assert row.endswith(rf"& one with {reference} \\")
 
 
 def test_pictures(written):

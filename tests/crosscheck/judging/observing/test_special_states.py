@@ -149,7 +149,7 @@ FAULTS = {
         at(lambda q, v, a: (q[[0, 1]] == 2 * np.pi).all(), undefined, torques()),
         "every angle is a whole turn",
     ),
-    "parallel axes": (wrist_determinant, "right at 13 ordinary states, wrong at 6 special states"),
+    "parallel axes": (wrist_determinant, "right at 13 ordinary states, wrong at 7 special states"),
     "saturated velocities": (full_speed, "the limit of its velocity"),
 }
 OTHERS = {

@@ -261,6 +261,17 @@ def test_covariance_of_instrumental_variables():
     np.testing.assert_allclose(solved(units[0]).covariance, by_torque.T @ by_torque, rtol=1e-9)
 
 
+def test_instruments_that_show_nothing():
+    """A base parameter whose instrument is zero, and instruments that are not independent in the recording."""
+    products, squares = np.zeros((1, 1, 2, 3)), np.eye(2)[None]
+    for instruments, said in (
+        (np.diag([1.0, 0.0])[None], "the simulated motion does not excite base parameter 2"),
+        (squares, "the instruments do not determine the parameters: the simulated motion is another"),
+    ):
+        with pytest.raises(EstimationFailed, match=said):
+            CrossedEquations(products + np.array([1.0, 1.0, 0.0]), instruments).solve(np.ones(1))
+
+
 class TestExogeneity:
     def p(self, run, **noise):
         problem, loop = run.prepared(PREPARATION)
