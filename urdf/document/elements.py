@@ -93,6 +93,12 @@ class Drawing:
         return next((shape.get("filename", "") for shape in shapes if tag_of(shape) == "mesh"), None)
 
     @property
+    def shape(self) -> tuple[str, ...]:
+        """What is drawn, as written: the kind, and its file or sizes."""
+        shapes = (shape for inside in children(self.element, "geometry") for shape in inside)
+        return next(((tag_of(shape), *map(str, shape.attrib.values())) for shape in shapes), ())
+
+    @property
     def mesh(self) -> bool:
         """Whether it names a mesh file."""
         return self.mesh_file is not None

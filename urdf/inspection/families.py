@@ -17,11 +17,10 @@ from urdf.document.source import reduced
 from urdf.errors import URDFError
 from urdf.inspection.findings import Finding, Inspection, about, report
 from urdf.inspection.structure import LinkInertial, Structure
+from urdf.reading.corrections import DENSITIES
 
 MATERIALS = {
-    7.85: "steel in place of water",
-    2.7: "aluminum in place of water",
-    7.85 / 2.7: "steel in place of aluminum",
+    **DENSITIES,
     10.0: "a power of ten",
     100.0: "a power of ten",
     1000.0: "a power of ten, or kg in place of g",
@@ -76,7 +75,7 @@ def _parts(file: int, inspected: Inspection) -> Iterator[FolderLink]:
         return
     for each in structure.inertials:
         if structure.moving(each.link) and each.mass > 0 and each.size > 0:
-            form = np.concatenate([each.center, each.link_tensor[np.triu_indices(3)] / each.mass])
+            form = np.concatenate([each.center, each.turned[np.triu_indices(3)] / each.mass])
             onwards = [values(joint.find("origin"), "xyz", 3) for joint in structure.joints_from.get(each.link, ())]
             places = [place for place in onwards if place is not None]
             yield FolderLink(file, each, form, float(np.linalg.norm(places[0])) if len(places) == 1 else None)

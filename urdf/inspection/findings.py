@@ -32,8 +32,8 @@ NO_FORWARD_DYNAMICS = ("mass-matrix-singular", "mass-matrix-indefinite", "loop-c
 
 IMPROBABLE = (
     *("effort-below-gravity", "far-center-of-mass", "gyration-radius", "heavy-link", "inconsistent-body"),
-    *("indefinite-inertia", "inertial-density", "mesh-density", "miswritten-inertia", "other-density"),
-    *("placeholder-inertials", "suspicious-lengths", "suspicious-masses", "triangle-inequality"),
+    *("indefinite-inertia", "inertia-across-link", "inertial-density", "mesh-density", "miswritten-inertia"),
+    *("other-density", "placeholder-inertials", "suspicious-lengths", "suspicious-masses", "triangle-inequality"),
 )
 """Codes of the warnings about numbers that no arm has, or hardly any."""
 

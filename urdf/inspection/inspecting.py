@@ -28,6 +28,7 @@ from urdf.inspection.rules.model_rules import model_findings
 from urdf.inspection.rules.plausibility_rules import plausibility_findings
 from urdf.inspection.rules.reader_rules import reader_findings
 from urdf.inspection.rules.rounding_rules import rounding_findings
+from urdf.inspection.rules.slender_rules import slender_findings
 from urdf.inspection.structure import Structure
 from urdf.loops.closing import all_closures, closure_faults, stated_beside
 from urdf.reading.checks import faults
@@ -106,7 +107,14 @@ def _findings(document: Document, meshes: Meshes, reading: Reading) -> Iterator[
     refusals = [refusal(error) for error in islice(_refusals(source, beside, reading), MAX_FINDINGS + 1)]
     structure = Structure.of(source)
     found = [*_limited(iter(refusals))]
-    for rules in (unread_findings, name_findings, link_findings, density_findings, joint_findings):
+    for rules in (
+        unread_findings,
+        name_findings,
+        link_findings,
+        density_findings,
+        slender_findings,
+        joint_findings,
+    ):
         found += _limited(rules(structure))
     sound = not any(finding.severity == "error" for finding in found)
     drawn = [*_limited(mesh_findings(structure, meshes == "detail"))] if sound and meshes != "off" else []

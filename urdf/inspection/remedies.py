@@ -99,6 +99,7 @@ REMEDIES: Mapping[str, Mapping[str, str]] = {
         "so that they determine all others",
         "infinitesimal-mobility": "correct the lengths, or lock these joints (lock=, --lock)",
         "inertial-density": "give the mass in kg, and the tensor in kg m² about the center of mass",
+        "inertia-across-link": "give it in the axes of the link, or turn its <origin>; axes may be exchanged",
         "inertia-unlike-mesh": "compare them link by link: graphdyn inspect {robot} --meshes detail, "
         "urdf.inspect(…, meshes='detail')",
         "limits-missing": "write it",

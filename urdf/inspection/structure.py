@@ -6,66 +6,29 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
 from lxml import etree
 
-from graphdyn.layout import Array
 from urdf.document.elements import name_of
-from urdf.document.numbers import rotation_from_rpy, values
+from urdf.document.inertial_numbers import InertialNumbers, inertial_numbers
 from urdf.document.source import Source
 from urdf.document.tree import carriers, joint_into, joints_by, root_links
-from urdf.document.vocabulary import NUMBERS
 
 
 @dataclass(frozen=True, eq=False)
-class LinkInertial:
-    """mass [kg], center of mass (3,) [m] in the link frame, tensor (3, 3) [kg m²] in the axes of the inertial frame.
-
-    rotation: from these axes to those of the link          (3, 3)
-    moments: principal moments, ascending                   (3,)  [kg m²]
-    """
+class LinkInertial(InertialNumbers):
+    """The numbers of an <inertial>, with the link that has it."""
 
     link: str
     element: etree._Element
-    mass: float
-    center: Array
-    tensor: Array
-    rotation: Array
-    moments: Array
-
-    @property
-    def link_tensor(self) -> Array:
-        """The tensor in link axes (3, 3) [kg m²]."""
-        return np.asarray(self.rotation @ self.tensor @ self.rotation.T)
-
-    @property
-    def size(self) -> float:
-        """Sum of the sizes of the principal moments, zero for a tensor of zero [kg m²]."""
-        return float(np.abs(self.moments).sum())
 
 
 def inertials(source: Source) -> Iterator[LinkInertial]:
     """The <inertial> elements that are complete and have valid numbers."""
     for link in source.links:
         element = link.find("inertial")
-        if element is None:
-            continue
-        inertia = element.find("inertia")
-        mass = values(element.find("mass"), "value", 1)
-        entries = [values(inertia, name, 1) for name in NUMBERS["inertia"]]
-        if mass is None or mass[0] < 0 or None in entries:
-            continue
-        xx, xy, xz, yy, yz, zz = (entry[0] for entry in entries if entry is not None)
-        tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        try:
-            moments = np.linalg.eigvalsh(tensor)
-        except np.linalg.LinAlgError:  # overflow
-            moments = np.full(3, np.inf)
-        if np.isfinite(moments).all():
-            origin = element.find("origin")
-            center = np.array(values(origin, "xyz", 3) or (0.0, 0.0, 0.0))
-            rotation = rotation_from_rpy(*(values(origin, "rpy", 3) or (0.0, 0.0, 0.0)))
-            yield LinkInertial(name_of(link), element, mass[0], center, tensor, rotation, moments)
+        found = None if element is None else inertial_numbers(element)
+        if element is not None and found is not None:
+            yield LinkInertial(found.mass, found.center, found.rotation, found.tensor, name_of(link), element)
 
 
 @dataclass(frozen=True)

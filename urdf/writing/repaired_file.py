@@ -82,6 +82,7 @@ def repair(
     path, _ = locate(source)
     refuse_expanded(path)
     document = open_document(path, None)
+    data = editable(path)
     elements = [element for element in document.robot.iter() if isinstance(element.tag, str)]
     before = [dict(element.attrib) for element in elements]
     robot = reduced(document)
@@ -92,7 +93,7 @@ def repair(
             number: {str(key): str(value) for key, value in element.items() if old.get(key) != value}
             for number, (element, old) in enumerate(zip(elements, before, strict=True))
         }
-        data = with_attributes(editable(path), {number: new for number, new in attributes.items() if new})
+        data = with_attributes(data, {number: new for number, new in attributes.items() if new})
         spans, known = inertial_spans(data), set(elements)
         inertials = [(link, link.find("inertial")) for link in robot.links]
         new = [(spans[name_of(link)], found) for link, found in inertials if found is not None and found not in known]

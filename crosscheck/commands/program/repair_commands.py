@@ -22,13 +22,18 @@ def repair_command(robot: str, taken: list[str]) -> str:
     return shlex.join(["graphdyn", "repair", robot, *words, "--out", "repaired.urdf"])
 
 
-def repairs_of(robot: str) -> tuple[urdf.RepairedFile, str]:
-    """What could be repaired in a file, and the command that does it, "" where nothing can. Raises as urdf.repair."""
-    found = {name: urdf.repair(robot, None, [name]) for name in sorted(set(urdf.REPAIRED_CODES.values()))}
-    changes = tuple(change for each in found.values() for change in each.changes)
-    candidates = tuple(one for each in found.values() for one in each.candidates)
+LISTED = ("inertials", "limits", "axis", "angles")
+"""The repairs in the order in which they are listed: what changes the dynamics most is first."""
+
+
+def repairs_of(robot: str) -> tuple[dict[str, urdf.RepairedFile], str]:
+    """What each repair would do to a file, and the command of those that do something, "" where none does.
+
+    Raises as urdf.repair.
+    """
+    found = {name: urdf.repair(robot, None, [name]) for name in LISTED}
     taken = [name for name, each in found.items() if each.changes]
-    return urdf.RepairedFile(None, changes, candidates), repair_command(robot, taken) if taken else ""
+    return found, repair_command(robot, taken) if taken else ""
 
 
 def proposed(file: urdf.Inspection) -> list[str]:

@@ -53,17 +53,16 @@ def run(options: RepairOptions) -> None:
     """
     import urdf
     from crosscheck.commands.program.repair_commands import repairs_of
-    from crosscheck.commands.repair.report import repair_report
+    from crosscheck.commands.repair.report import list_report, repair_report
 
     if options.listed == bool(options.take):
         raise typer.BadParameter("give --take NAME for each repair, or --list to see what could be repaired")
     if options.take and options.out is None:
         raise typer.BadParameter("--take needs --out FILE, for the repaired copy")
     if options.listed:
-        repaired, command = repairs_of(options.robot)
-    else:
-        take = [repair_of("--take", text) for text in options.take or ()]
-        repaired = urdf.repair(options.robot, None if options.out is None else options.out.path, take)
-        command = ""
-    deliver(repair_report(options.robot, repaired, command), options)
-    raise typer.Exit(AGREED if options.listed or repaired.changes else DISAGREED)
+        deliver(list_report(options.robot, *repairs_of(options.robot)), options)
+        return
+    take = [repair_of("--take", text) for text in options.take or ()]
+    repaired = urdf.repair(options.robot, None if options.out is None else options.out.path, take)
+    deliver(repair_report(options.robot, repaired), options)
+    raise typer.Exit(AGREED if repaired.changes else DISAGREED)

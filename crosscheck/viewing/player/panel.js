@@ -90,6 +90,12 @@ class JointRows {
   }
 }
 
+// What a pose that is set by hand shows.
+function staticLoads({ lacking }) {
+  if (!lacking.some(Boolean)) return "static gravity loads";
+  return lacking.every(Boolean) ? "no loads, because links have no mass" : "static gravity loads, without the links that have no mass";
+}
+
 // Switches with their keys, sliders for see-through and arrow sizes; shown and sizes change, then change() is called.
 function makeSwitches(element, switches, shown, sizes, change) {
   const boxes = {};

@@ -54,14 +54,15 @@ async function main() {
     curves.at(state.t);
     $("time").value = state.t;
     $("now").textContent = `${state.t.toFixed(2)} s`;
-    $("state").textContent = state.selected.hand ? "Pose set by hand: static gravity loads." : "";
+    $("state").textContent = state.selected.hand ? `Pose set by hand: ${staticLoads(state.selected.robot)}.` : "";
     drawStage();
     state.dirty = false;
   }
 
   function drawStage() {
     stage.draw();
-    stage.legend(scales(), { force: shown["reaction forces"], moment: shown["reaction moments"], torques: shown["actuator torques"] });
+    const loads = figures.some((figure) => figure.duration > 0 || !figure.robot.lacking.every(Boolean));
+    stage.legend(scales(), { force: loads && shown["reaction forces"], moment: loads && shown["reaction moments"], torques: loads && shown["actuator torques"] });
   }
 
   function select(figure, quantity = $("quantity").value) {

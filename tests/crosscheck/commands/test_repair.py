@@ -50,6 +50,14 @@ def test_what_no_repair_mends_is_the_error_alone(program, tmp_path):
     assert len(refused.err.splitlines()) == 1
 
 
+def test_no_command_is_told_for_a_file_that_cannot_be_edited(program, crossed):
+    """Such as one in UTF-16, which is read."""
+    crossed.write_text(changed('rpy="0 0 0"', 'rpy="1.5708 0 0"'), encoding="utf-16")
+    assert "graphdyn repair" not in program("inspect", crossed.name).out
+    refused = program("repair", crossed.name, "--list")
+    assert (refused.code, "save it as UTF-8 first" in refused.err) == (BAD_INPUT, True)
+
+
 @pytest.mark.parametrize("asked", ["inspect", "repair"])
 def test_what_is_printed_can_be_typed_as_it_stands(program, crossed, asked):
     told = program(asked, crossed.name, *["--list"] * (asked == "repair"))
@@ -92,18 +100,50 @@ def test_json(program, crossed):
     assert record["changes"] == list(urdf.repair(crossed, None, ["limits"]).changes)
 
 
-def test_candidates_are_listed(program, crossed):
-    """They are told, and never taken."""
-    ambiguous = 'ixx="0.04" ixy="0.01" ixz="0.18" iyy="0.19" iyz="0.01" izz="0.04"'
-    crossed.write_text(changed('ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"', ambiguous), encoding="utf-8")
-    done = program("repair", crossed.name, "--list")
-    assert (done.code, "Not repaired, because it is not clear how" in done.out) == (AGREED, True)
-    assert (
-        "it fits with ixx and ixz exchanged (ixx 0.04 made 0.18, ixz 0.18 made 0.04); or ixz and izz exchanged"
-        in " ".join(done.out.split())
+AMBIGUOUS = (
+    'ixx="0.11" ixy="0" ixz="0" iyy="0.13" iyz="0" izz="0.17"',
+    'ixx="0.04" ixy="0.01" ixz="0.18" iyy="0.19" iyz="0.01" izz="0.04"',
+)
+
+LISTED = """Repairs of my arm.urdf: 1 change possible
+Nothing is written
+
+Written by
+graphdyn repair 'my arm.urdf' --take limits --out repaired.urdf
+
+--take limits: 1 change
+line 23: <limit> of joint 'shoulder': lower 2 and upper -1 exchanged
+
+Doubtful, and left as it is, because it is not clear what is right
+line 4: <inertial> of link 'upper': no body has this tensor; it fits with ixx and ixz exchanged or ixz and izz exchanged
+"""
+
+
+def test_what_is_listed(program, crossed):
+    """What is sure with the repair that makes it, what is ambiguous in a line; the latter is never taken."""
+    text = crossed.read_text(encoding="utf-8").replace(*AMBIGUOUS)
+    crossed.write_text(text, encoding="utf-8")
+    assert program("repair", crossed.name, "--list").out == LISTED
+    crossed.write_text(changed(*AMBIGUOUS), encoding="utf-8")
+    unsure = program("repair", crossed.name, "--list")
+    assert (unsure.code, unsure.out.splitlines()[:2]) == (
+        AGREED,
+        ["Repairs of my arm.urdf: no sure change", "1 inertial is doubtful, see below"],
     )
     taken = program("repair", crossed.name, "--take", "indefinite-inertia", "--out", "out.urdf")
     assert (taken.code, (crossed.parent / "out.urdf").exists()) == (DISAGREED, False)
+
+
+def test_many_changes_of_a_kind_are_cut_in_the_list(program, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    joint = '<joint name="j{}" type="fixed"><parent link="a{}"/><child link="a{}"/><origin rpy="1.5708 0 0"/></joint>'
+    chain = "".join(f'<link name="a{k}"/>' + (joint.format(k, k - 1, k) if k else "") for k in range(9))
+    moving = '<link name="m"/><joint name="m" type="continuous"><parent link="a8"/><child link="m"/></joint>'
+    Path("many.urdf").write_text(f'<robot name="r">{chain}{moving}</robot>', encoding="utf-8")
+    told = program("repair", "many.urdf", "--list", "--json", "many.json").out.splitlines()
+    assert "--take angles: 8 changes" in told
+    assert (sum("1.5708 0 0 made" in line for line in told), told[-1]) == (6, "and 2 more")
+    assert len(json.loads(Path("many.json").read_text(encoding="utf-8"))["changes"]) == 8
 
 
 def test_nothing_to_repair(program, crossed):

@@ -169,6 +169,33 @@ def test_a_slider(shown, figures):
     assert shown.value("document.getElementById('state').textContent") == "Pose set by hand: static gravity loads."
 
 
+@pytest.mark.parametrize(
+    ("massless", "said", "torques", "legend"),
+    [
+        ([1, 2, 3], "no loads, because links have no mass", "–––", 1),
+        ([2], "static gravity loads, without the links that have no mass", "––0", 4),
+    ],
+)
+def test_torques_that_miss_a_link_are_not_shown(tmp_path, massless, said, torques, legend):
+    """Of a robot without any mass the legend tells no size of forces."""
+    chain = random_tree(8, (0, 1, 2), ("revolute", "revolute", "revolute"))
+    bodies = [
+        Body(body.name, 0.0, np.zeros(3), np.zeros((3, 3))) if k in massless else body
+        for k, body in enumerate(chain.bodies, 1)
+    ]
+    robot = ShownRobot(RobotModel("light", bodies, chain.joints, chain.gravity), stand_ins(chain), ("no mass",))
+    file = tmp_path / "view.html"
+    file.write_text(page("light", [Figure("light", robot)]), encoding="utf-8")
+    with DrivenBrowser(tmp_path / "profile") as browser:
+        browser.open(file.as_uri())
+        assert browser.value("document.getElementById('noted').open")
+        assert browser.value("document.getElementById('state').textContent") == f"Pose set by hand: {said}."
+        torque = "row.querySelectorAll('output')[1].textContent"
+        shown = browser.value(f"[...document.querySelectorAll('#rows tr')].map((row) => {torque})")
+        assert ["–" if one == "–" else "0" for one in shown] == list(torques)
+        assert browser.value("document.querySelectorAll('#legend div').length") == legend
+
+
 def test_what_is_asked_of_a_server(shown, figures):
     """To let go from the pose that is shown, which is said where there is no answer; the figure that is chosen."""
     q = HAND[: figures[1][1].robot.model.nv]

@@ -61,9 +61,15 @@ def _drawn(kind: str, path: Path, rng: np.random.Generator) -> FileError | None:
     root = etree.parse(path).getroot()
     inertial = inertial_of(root, link)
     before = numbers(inertial)
-    KINDS[kind](inertial, rng, twins_of(path, link))
+    if kind == "mass of the robot":
+        inertial.find("mass").set("value", f"{sum(each[0] for each in moving(path).values()):.9g}")
+    elif kind == "inertial of another":
+        other = inertial_of(root, str(rng.choice(list(moving(path)))))
+        inertial[:] = deepcopy(other)[:]
+    else:
+        (KINDS | SECOND)[kind](inertial, rng, twins_of(path, link))
     after = numbers(inertial)
-    apart = max(np.abs(np.subtract(before[k], after[k])).max() / np.abs(before[k]).max() for k in (0, 2))
+    apart = max(np.abs(np.subtract(a, b)).max() / (np.abs(a).max() or 1) for a, b in zip(before, after, strict=True))
     return FileError(path, link, kind, etree.tostring(root)) if apart >= LEAST_CHANGE else None
 
 
@@ -127,8 +133,36 @@ def _unreflected(inertial: etree._Element, _rng: np.random.Generator, twins: Seq
 def _quarter(inertial: etree._Element, rng: np.random.Generator, _twins: Sequence[Numbers]) -> None:
     """The tensor in axes that are turned by 90°."""
     turn = rotation_from_rpy(*(np.pi / 2 * np.eye(3)[rng.integers(3)]))
+    _write(inertial, turn @ _tensor(inertial) @ turn.T)
+
+
+def _tensor(inertial: etree._Element) -> np.ndarray:
     xx, xy, xz, yy, yz, zz = (float(inertial.find("inertia").get(name)) for name in ENTRIES)
-    _write(inertial, turn @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turn.T)
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _about(sign: float) -> Plant:
+    """The term of parallel axes added, for a tensor about the origin of the link, or taken away twice."""
+
+    def shift(inertial: etree._Element, *_: object) -> None:
+        if values(inertial.find("origin"), "rpy", 3) in (None, [0.0, 0.0, 0.0]):
+            mass, center, _ = numbers(inertial)
+            _write(inertial, _tensor(inertial) + sign * mass * (center @ center * np.eye(3) - np.outer(center, center)))
+
+    return shift
+
+
+def _origin(name: str, factor: float) -> Plant:
+    def scale(inertial: etree._Element, *_: object) -> None:
+        for origin in inertial.findall("origin"):
+            found = values(origin, name, 3) or [0.0, 0.0, 0.0]
+            origin.set(name, " ".join(f"{factor * value:.9g}" for value in found))
+
+    return scale
+
+
+def _tensor_times(factor: float) -> Plant:
+    return lambda inertial, *_: _write(inertial, factor * _tensor(inertial))
 
 
 def _write(inertial: etree._Element, tensor: np.ndarray) -> None:
@@ -154,3 +188,19 @@ KINDS: dict[str, Plant] = {
     "quarter turn": _quarter,
     "twin not reflected": _unreflected,
 }
+
+SECOND: dict[str, Plant] = {
+    "center in mm": _origin("xyz", 1000),
+    "center in inches": _origin("xyz", 39.3700787),
+    "angles in degrees": _origin("rpy", 180 / np.pi),
+    "mass in pounds": _scaled(2.20462262, False),
+    "weight for mass": _scaled(9.81, False),
+    "tensor in g mm²": _tensor_times(1e9),
+    "tensor in kg mm²": _tensor_times(1e6),
+    "tensor about the origin": _about(1.0),
+    "axes shifted twice": _about(-1.0),
+    "aluminum for steel": _scaled(2.7 / 7.85, True),
+    "mass of the robot": lambda *_: None,
+    "inertial of another": lambda *_: None,
+}
+"""A second set, counted apart: what CAD, other units and copies leave. The last two need the other links."""

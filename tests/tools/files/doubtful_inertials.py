@@ -22,7 +22,7 @@ from urdf.inspection import compared
 CODES = (
     *("inertial-density", "miswritten-inertia", "mesh-density", "center-outside-mesh", "inertia-unlike-mesh"),
     *("effort-below-gravity", "effort-below-inertia", "heavy-link", "heaviest-link"),
-    *("equal-inertials", "unlike-twin", "other-density"),
+    *("equal-inertials", "unlike-twin", "other-density", "inertia-across-link"),
 )
 ENTRIES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 WITH_MESHES = ("ur3", "ur5", "ur10", "kinova", "xarm7", "panda", "z1", "talos_left_arm", "tiago_dual", "solo12", "go2")

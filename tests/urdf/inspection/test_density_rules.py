@@ -12,8 +12,7 @@ BOX = np.array([0.3, 0.1, 0.2])
 
 
 def of_tensor(mass, tensor):
-    moments = np.linalg.eigvalsh(tensor)
-    return LinkInertial("a", None, mass, np.zeros(3), tensor, np.eye(3), moments)
+    return LinkInertial(mass, np.zeros(3), np.eye(3), tensor, "a", None)
 
 
 def told(mass, moments):

@@ -41,7 +41,7 @@ def test_steel_in_place_of_water(told):
         (
             *upper,
             "2.5 kg, where this link of arm2.urdf has 19.62 kg with the same center of mass and tensor over mass: in 1 "
-            "link a ratio of 7.85, steel in place of water or the other way round",
+            "link a ratio of 7.85, steel for water or the other way round",
         )
     ]
     assert heavy[0][:3] == upper

@@ -330,6 +330,7 @@ def test_every_code_has_a_case():
         *MESH_CODES,
         "byte-order-mark",
         "crlf",
+        "inertia-across-link",
         "invalid-robot",
         "invalid-xacro",
         "joint-order",

@@ -13,7 +13,7 @@ from graphdyn.model import TRIANGLE_TOLERANCE_SHARE
 from urdf.errors import MAX_QUOTED_NAMES, shortened
 from urdf.geometry.mass_properties import FilledLink, filled_links
 from urdf.inspection.findings import Finding, about, of_file
-from urdf.inspection.rules.tensor_forms import MAX_DISTANCE, SAME_SIZE, distance, meant
+from urdf.inspection.rules.miswritten_rules import miswritten
 from urdf.inspection.structure import LinkInertial, Structure
 
 MAX_OUTSIDE_SHARE, DOUBTFULLY_OUTSIDE = 0.05, 0.25
@@ -23,9 +23,9 @@ from which it is doubtful; motors, feet and hands that are not drawn shift it le
 MIN_MESH_DENSITY, MAX_MESH_DENSITY = 50.0, 20_000.0
 """Plausible mass over volume [kg/m³]: foam, solid tungsten; printed shanks and open frames have 65 and more."""
 
-MAX_CENTER_SHARE, MAX_UNIFORM_DENSITY = 0.05, 9000.0
+MAX_CENTER_SHARE = 0.05
 """An inertial is that of its mesh if the centers of mass are apart by less than this part of the diagonal of the box
-around it, and mass over volume is below that of steel with some copper [kg/m³]."""
+around it."""
 
 MAX_MOMENT_RATIO = 10.0
 """Factor between a principal moment and that of the filled mesh beyond which they do not fit. A thin shell has at most
@@ -59,6 +59,13 @@ class Compared:
         return float(max(ratios.max(), 1 / ratios.min()))
 
     @property
+    def has_center(self) -> bool:
+        """Whether the center of mass is that of the filled link."""
+        solid = self.link.filled
+        apart = np.linalg.norm(self.inertial.center - solid.center)
+        return bool(apart <= MAX_CENTER_SHARE * np.linalg.norm(solid.high - solid.low))
+
+    @property
     def what(self) -> str:
         """ "visual mesh", "convex hull of its collision mesh"."""
         return f"{'convex hull of its ' if self.link.filled.hull else ''}{self.link.geometry} mesh"
@@ -78,7 +85,8 @@ def mesh_findings(structure: Structure, detail: bool) -> Iterator[Finding]:
     for each in compared:
         yield from _place(each)
         yield from _density(each)
-        yield from _written(each)
+        if each.factor != 1 and each.has_center:
+            yield from miswritten(each.inertial, each.link.filled, each.what)
         if detail:
             yield _tensor(each)
     yield from _tensors(compared)
@@ -118,34 +126,6 @@ def _density(each: Compared) -> Iterator[Finding]:
             each.inertial.element,
             f"{each.inertial.mass:.3g} kg in {each.link.filled.volume:.3g} m³ ({each.what}) are "
             f"{each.density:.4g} kg/m³",
-        )
-
-
-def _written(each: Compared) -> Iterator[Finding]:
-    """Tensors that are those of the mesh if products, axes or the power of ten are written otherwise."""
-    solid, own = each.link.filled, each.inertial
-    if each.factor == 1 or np.linalg.norm(own.center - solid.center) > MAX_CENTER_SHARE * np.linalg.norm(
-        solid.high - solid.low
-    ):
-        return
-    filled = solid.tensor * each.density
-    apart, factor = distance(own.link_tensor, filled)
-    power = round(np.log10(factor)) if factor > 0 else 0
-    where = f"that of the {each.what}, filled uniformly with {own.mass:.3g} kg"
-    if apart < MAX_DISTANCE and power and SAME_SIZE[0] < factor / 10.0**power < SAME_SIZE[1]:
-        yield about(
-            "miswritten-inertia",
-            own.element,
-            f"the tensor is {factor:.3g} times {where} ({each.density:.4g} kg/m³), and else the same up to "
-            f"{100 * apart:.1f} %: mass or tensor is off by a power of ten or by the density of another material",
-        )
-    elif each.density < MAX_UNIFORM_DENSITY and (found := meant(own.tensor, own.rotation, filled)):
-        apart, form, off = found
-        yield about(
-            "miswritten-inertia",
-            own.element,
-            f"the tensor differs by {100 * apart:.0f} % from {where} ({each.density:.4g} kg/m³), whose center of mass "
-            f"it has; {form.words} it differs by {100 * off:.1f} %",
         )
 
 

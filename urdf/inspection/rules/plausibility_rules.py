@@ -11,8 +11,9 @@ from graphdyn import RobotModel, gravity_torque, mass_matrix
 from urdf.document.elements import name_of
 from urdf.errors import listed, shortened
 from urdf.inspection.findings import Finding, about
-from urdf.inspection.rules.twin_rules import other_sides, twin_findings
+from urdf.inspection.rules.twin_rules import twin_findings
 from urdf.inspection.structure import LinkInertial, Structure
+from urdf.reading.corrections import mirrored_names
 
 N_POSES, SEED = 50, 0
 """Number of random poses at which motors are compared with links, and their seed."""
@@ -110,7 +111,7 @@ def _equal(structure: Structure, moving: list[LinkInertial]) -> Iterator[Finding
     for group in alike.values():
         files = {meshes[each.link] for each in group if each.link in meshes}
         first, *others = (each.link for each in group)
-        is_pair = len(others) == 1 and (others[0] in other_sides(first) or first in other_sides(others[0]))
+        is_pair = len(others) == 1 and (others[0] in mirrored_names(first) or first in mirrored_names(others[0]))
         if len(files) > 1 and not is_pair:
             yield about(
                 "equal-inertials",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from itertools import permutations, product
 
@@ -12,6 +11,7 @@ from graphdyn.layout import Array
 from urdf.errors import shortened
 from urdf.inspection.findings import Finding, about
 from urdf.inspection.structure import LinkInertial
+from urdf.reading.corrections import mirrored_names
 
 TWIN_TOLERANCE = 1e-3
 """Relative difference of masses and moments up to which a left and a right link are alike."""
@@ -19,8 +19,6 @@ TWIN_TOLERANCE = 1e-3
 MIRROR_TOLERANCE, MIRRORED_CENTER_TOLERANCE = 3e-3, 1e-2
 """What a mirror image may miss of the sum of the moments, and of the distance of the center of mass from the origin of
 the link, or of the radius of gyration."""
-
-_SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"), ("l", "r"), ("L", "R"))
 
 _AXES = [
     np.eye(3)[list(order)] * np.array(signs)[:, None]
@@ -30,19 +28,11 @@ _AXES = [
 """Axes of one side in those of the other: link frames are mirrored, turned, or both (48, 3, 3)."""
 
 
-def other_sides(name: str) -> Iterator[str]:
-    """Names of the link on the other side: of one called left, or l between the ends and marks of words."""
-    for left, right in _SIDES:
-        pattern = left if len(left) > 1 else rf"(?<![A-Za-z]){left}(?![A-Za-z])"
-        if re.search(pattern, name):
-            yield re.sub(pattern, right, name)
-
-
 def twin_findings(moving: Sequence[LinkInertial]) -> Iterator[Finding]:
     """Left links whose mass, moments, or center and tensor together are not those of the right one."""
     by_name = {each.link: each for each in moving}
     for left in moving:
-        right = next((by_name[name] for name in other_sides(left.link) if name in by_name), None)
+        right = next((by_name[name] for name in mirrored_names(left.link) if name in by_name), None)
         if right is None:
             continue
         other = f"'{shortened(right.link)}'"
@@ -67,7 +57,7 @@ def _missed(left: LinkInertial, right: LinkInertial) -> str | None:
     reach = max(float(np.linalg.norm(left.center)), float(np.sqrt(left.size / left.mass)))
     images = [
         (
-            float(np.linalg.norm(axes @ left.link_tensor @ axes.T - right.link_tensor)) / (left.size or 1.0),
+            float(np.linalg.norm(axes @ left.turned @ axes.T - right.turned)) / (left.size or 1.0),
             float(np.linalg.norm(axes @ left.center - right.center)) / (reach or 1.0),
         )
         for axes in _AXES

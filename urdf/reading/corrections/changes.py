@@ -11,6 +11,8 @@ from typing import Literal
 
 from lxml import etree
 
+from graphdyn.model import parallel_axis
+from urdf.document.inertial_numbers import inertial_numbers
 from urdf.document.numbers import rotation_from_rpy, rpy_from_rotation, text, values
 from urdf.document.vocabulary import NUMBERS
 
@@ -25,13 +27,20 @@ TENSOR_POWERS = (-9, -7, -6, -4, -3, -2, -1, 1, 2, 3, 4, 6, 7, 9)
 CENTER_POWERS = (-3, -2, -1, 1, 2, 3)
 """Powers of ten that a center of mass is wrong by: a shifted point, cm, mm."""
 
-DENSITIES = {"7.85": "steel for water", "2.7": "aluminum for water", "2.9": "steel for aluminum"}
+INCHES = 1 / 0.0254
+"""The inches in a meter. Nothing tells of pounds and newtons for kilograms: 2.2 is near 2.7, and 9.81 near 10."""
+
+DENSITIES: Mapping[float, str] = {
+    7.85: "steel for water",
+    2.7: "aluminum for water",
+    2.907: "steel for aluminum",
+}
 """Densities over one another, and what was taken for what."""
 
 Edits = Mapping[tuple[str, str], str]
 """New texts by tag and attribute."""
 
-Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density"]
+Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density", "inches", "point"]
 
 
 @dataclass(frozen=True)
@@ -53,10 +62,15 @@ class Correction:
         return self.what.startswith("mass") and " times " in self.what
 
     @property
+    def of_center(self) -> bool:
+        """Whether a coordinate of the center of mass changes its sign, which shapes tell least."""
+        return self.what.endswith("mass with the opposite sign")
+
+    @property
     def guessed(self) -> bool:
         """Whether it is never sure by itself: a density; a mass that is too small, as placeholders are; a factor of
-        100, for which no unit is a reason; a sign of a center of mass, which shapes tell least."""
-        return self.kind == "density" or self.enlarges or self.what.endswith((" 100", "mass with the opposite sign"))
+        100, for which no unit is a reason; a sign of a center of mass."""
+        return self.kind == "density" or self.enlarges or self.of_center or self.what.endswith(" 100")
 
     def applied(self, inertial: etree._Element) -> etree._Element:
         """A copy of the element with the change."""
@@ -80,6 +94,20 @@ def changes(inertial: etree._Element) -> Iterator[Correction]:
     yield from _turned_back(inertial)
 
 
+def shifted(inertial: etree._Element) -> Iterator[Correction]:
+    """A tensor about the origin of the link, and one that was shifted to the center of mass twice, about the latter."""
+    found = inertial_numbers(inertial)
+    if found is None or not found.center.any():
+        return
+    term = parallel_axis(found.mass, found.rotation.T @ found.center)
+    for what, tensor in (
+        ("shifted from the origin of the link to the center of mass", found.tensor - term),
+        ("shifted back, as it was shifted to the center of mass twice", found.tensor + term),
+    ):
+        edits = {("inertia", f"i{'xyz'[i]}{'xyz'[j]}"): f"{tensor[i, j]:.9g}" for i in range(3) for j in range(i, 3)}
+        yield Correction("point", what, edits)
+
+
 def _texts(inertial: etree._Element, tag: str, names: tuple[str, ...]) -> dict[tuple[str, str], str]:
     part = inertial.find(tag)
     return {} if part is None else {(tag, name): part.get(name, "") for name in names if part.get(name)}
@@ -98,11 +126,14 @@ def _scaled(inertial: etree._Element) -> Iterator[Correction]:
         for power in powers if texts else ():
             said = f"{'times' if power > 0 else 'divided by'} {10 ** abs(power):,}"
             yield Correction("power of ten", f"{what} {said}", _times(texts, Decimal(1).scaleb(power)))
+    if center:
+        edits = {key: " ".join(repr(float(word) / INCHES) for word in words.split()) for key, words in center.items()}
+        yield Correction("inches", f"center of mass divided by {INCHES:.4g} (inches)", edits)
     for ratio, reason in DENSITIES.items():
         for what, texts in (("mass", mass), ("mass and tensor", mass | tensor)):
-            edits = {key: repr(float(word) / float(ratio)) for key, word in texts.items() if float(word)}
+            edits = {key: repr(float(word) / ratio) for key, word in texts.items() if float(word)}
             yield Correction("density", f"{what} divided by {ratio} ({reason})", edits)
-            edits = {key: repr(float(word) * float(ratio)) for key, word in texts.items() if float(word)}
+            edits = {key: repr(float(word) * ratio) for key, word in texts.items() if float(word)}
             yield Correction("density", f"{what} times {ratio}", edits)
 
 
@@ -176,3 +207,4 @@ def _turned_back(inertial: etree._Element) -> Iterator[Correction]:
     else:
         words = text(rpy_from_rotation(rotation_from_rpy(*angles).T)).split()
     yield Correction("rotation", "rotation transposed", {("origin", "rpy"): " ".join(words)})
+    yield Correction("rotation", "rotation left out", {("origin", "rpy"): "0 0 0"})

@@ -15,6 +15,7 @@ import numpy as np
 from lxml import etree
 
 from urdf.document.elements import name_of
+from urdf.document.inertial_numbers import FEW_DIGITS, InertialNumbers, inertial_numbers
 from urdf.document.source import Source
 from urdf.document.tree import carriers
 from urdf.errors import listed
@@ -22,7 +23,6 @@ from urdf.geometry.mass_properties import filled_links
 from urdf.reading.corrections.changes import Correction, changes
 from urdf.reading.corrections.evidence import CLEARLY_POSITIVE, LinkSurroundings, Usual, measures, usual_among, worst
 from urdf.reading.corrections.evidence import strangeness as squares
-from urdf.reading.corrections.inertial_numbers import FEW_DIGITS, InertialNumbers, inertial_numbers
 from urdf.reading.corrections.surroundings import surroundings
 from urdf.reading.corrections.twins import Twin, same, twins
 
@@ -38,6 +38,10 @@ FITTING_SHARE = 0.25
 FAR_SHARE = 0.04
 """The same for a power of ten, which takes an inertial from far away."""
 
+WHOLE_ROBOT = 0.05
+"""Part of the mass of all other links up to which that of one is the mass of the whole robot, written into a link: no
+factor tells its own."""
+
 MAX_PRODUCT_SHARE = 0.4
 """Largest product of inertia as a part of the smallest moment in a tensor that is corrected because it is impossible.
 Four of five published links have less; a published tensor that is impossible for another reason becomes possible with
@@ -49,6 +53,7 @@ class SuspectInertial:
     """An inertial that cannot be right, or hardly, and why, in words.
 
     ways: the changes that make it right, best first; unique: the one that is sure
+    gain: by how much less strange the best of them makes it; twins: links that are like it afterwards
     """
 
     link: str
@@ -56,6 +61,17 @@ class SuspectInertial:
     reason: str
     ways: tuple[Correction, ...]
     unique: Correction | None
+    gain: float
+    twins: tuple[str, ...] = ()
+
+
+def numbers_of_body(inertial: etree._Element) -> InertialNumbers | None:
+    """None without a mass or a tensor, and where squares are infinite."""
+    found = inertial_numbers(inertial)
+    if found is None or found.mass == 0 or not found.tensor.any():
+        return None
+    with np.errstate(all="ignore"):
+        return found if np.isfinite([*(found.tensor @ found.tensor).flat, found.center @ found.center]).all() else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,40 +81,45 @@ class _Way:
     strangeness: float
 
 
-def suspect_inertials(source: Source) -> Iterator[SuspectInertial]:
-    """The inertials of moving links that some change would make right, in the order of the file."""
+def suspect_inertials(source: Source) -> list[SuspectInertial]:
+    """The inertials of moving links that some change would make right, the surest first."""
     moving = carriers(source)
     elements = {
         name_of(link): inertial
         for link in source.links
         if (inertial := link.find("inertial")) is not None and moving.get(name_of(link)) is not None
     }
-    read = {link: inertial_numbers(element) for link, element in elements.items()}
+    read = {link: numbers_of_body(element) for link, element in elements.items()}
     numbers = {link: found for link, found in read.items() if found is not None}
     filled, _ = filled_links(source, list(numbers))
     around = surroundings(source, numbers, filled)
     measured = {link: measures(each, around[link]) for link, each in numbers.items()}
     related = twins(source, numbers, filled)
+    found = list[SuspectInertial]()
     for link, given in numbers.items():
         usual = usual_among([measured[other] for other in numbers if other != link])
-        suspect = _Link(link, elements[link], given, around[link], usual, related.get(link, ())).suspect()
-        if suspect is not None:
-            yield suspect
+        rest = sum(numbers[other].mass for other in numbers if other != link)
+        suspect = _Link(link, elements[link], given, around[link], usual, related.get(link, ()), rest).suspect()
+        found += [suspect] if suspect is not None else []
+    return sorted(found, key=lambda suspect: -suspect.gain)
 
 
 @dataclass(frozen=True, eq=False)
 class _Link:
+    """rest: mass of all other links [kg]"""
+
     name: str
     element: etree._Element
     given: InertialNumbers
     around: LinkSurroundings
     usual: Mapping[str, Usual]
     twins: Sequence[Twin]
+    rest: float
 
     def suspect(self) -> SuspectInertial | None:
         now = self._strangeness(self.given, -FEW_DIGITS)
-        alike = [twin for twin in self.twins if twin.alike and same(self.given, twin.numbers)]
-        unlike = [twin for twin in self.twins if twin not in alike and twin.numbers.is_possible(-FEW_DIGITS)]
+        alike = [twin for twin in self.twins if twin.has(self.given)]
+        unlike = [twin for twin in self.twins if twin not in alike and twin.views[0].is_possible(-FEW_DIGITS)]
         if now < inf and (alike or (now < DOUBTFUL and not unlike)):
             return None
         ways = sorted(self._ways(), key=lambda way: way.strangeness)
@@ -110,26 +131,29 @@ class _Link:
 
     def _ways(self) -> Iterator[_Way]:
         for change in changes(self.element):
-            new = inertial_numbers(change.applied(self.element))
+            new = numbers_of_body(change.applied(self.element))
             if new is not None and not same(new, self.given):
                 yield _Way(change, new, self._strangeness(new, CLEARLY_POSITIVE))
 
     def _of_twins(self, now: float, ways: Sequence[_Way], unlike: Sequence[Twin]) -> SuspectInertial | None:
-        """The change that makes the link like its twins, where these agree."""
-        target = unlike[0].numbers
-        way = next((way for way in ways if same(way.numbers, target)), None)
-        if way is None or not all(same(target, twin.numbers) for twin in unlike):
+        """The change that makes the link like its twins, where these agree; those whose axes are known decide."""
+        voting = [twin for twin in unlike if twin.sure_axes] or unlike
+        reaching = [way for way in ways if all(twin.has(way.numbers) for twin in voting)]
+        if not reaching:
             return None
-        like = self._strangeness(target, -FEW_DIGITS)
-        turns = way.change.kind in ("sign", "exchange", "axes")
-        known = now == inf or not turns or all(twin.sure_axes for twin in unlike)
-        apart = now - like >= CLEAR and (now >= WRONG or not turns)
-        better = apart and not way.change.enlarges and like <= max(FITTING, FITTING_SHARE * now)
-        sure = (
-            known and like < inf and ((len(unlike) > 1 and (not turns or like <= now + CLEAR)) or now == inf or better)
-        )
-        reason = f"{listed(twin.link for twin in unlike)} has other numbers"
-        return SuspectInertial(self.name, self.element, reason, (way.change,), way.change if sure else None)
+        way = reaching[0]
+        like = self._strangeness(way.numbers, -FEW_DIGITS)
+        known = all(same(way.numbers, other.numbers) for other in reaching)
+        others = [twin for twin in unlike if twin.has(way.numbers)]
+        turns = way.change.kind in ("sign", "exchange", "axes", "rotation")
+        several = len(others) > 1 and (not turns or (like <= now + CLEAR and sum(twin.near for twin in others) > 1))
+        apart = now - like >= (WRONG - FITTING if turns else CLEAR) and like <= max(FITTING, FITTING_SHARE * now)
+        better = apart and not way.change.enlarges and not way.change.of_center
+        sure = known and like < inf and (several or now == inf or better)
+        names = tuple(twin.link for twin in others)
+        reason = f"{listed(names)} {'has' if len(names) == 1 else 'have'} other numbers"
+        unique = way.change if sure else None
+        return SuspectInertial(self.name, self.element, reason, (way.change,), unique, now - like, names)
 
     def _alone(self, now: float, ways: Sequence[_Way]) -> SuspectInertial | None:
         """The changes that bring the link to what is usual."""
@@ -144,33 +168,35 @@ class _Link:
         fits = best.strangeness <= max(FITTING, far) or self._tensor_fits(now, best)
         fits = fits or (now == inf and self._is_only_change(best))
         told_by = self.around.filled is not None or not self.given.is_placeholder
-        sure = one and now >= WRONG and fits and told_by and not simplest.guessed
+        whole = abs(self.given.mass - self.rest) <= WHOLE_ROBOT * self.rest and best.numbers.mass != self.given.mass
+        sure = one and now >= WRONG and fits and told_by and not simplest.guessed and not whole
         reason = "no body has this tensor" if now == inf else worst(self.given, self.around, self.usual)
         told = (simplest,) if one else tuple(way.change for way in close)
-        return SuspectInertial(self.name, self.element, reason, told, simplest if sure else None)
+        unique = simplest if sure else None
+        return SuspectInertial(self.name, self.element, reason, told, unique, now - best.strangeness)
 
     def _tensor_fits(self, now: float, way: _Way) -> bool:
         """Whether a change of the tensor's axes makes it that of the shape, whatever mass and center of mass are."""
         found = measures(way.numbers, self.around)
         of_tensor: dict[str, float] = {name: found[name] for name in ("form", "scale") if name in found}
-        turned = way.change.kind in ("exchange", "axes")
+        turned = way.change.kind in ("sign", "exchange", "axes", "rotation") and not way.change.of_center
         clearly = now < inf and now - way.strangeness >= WRONG - FITTING
         return bool(of_tensor) and turned and clearly and squares(of_tensor, self.usual) <= FITTING
 
     def _is_only_change(self, way: _Way) -> bool:
         only = only_change(self.element)
-        new = None if only is None else inertial_numbers(only.applied(self.element))
+        new = None if only is None else numbers_of_body(only.applied(self.element))
         return new is not None and same(new, way.numbers)
 
 
 def only_change(inertial: etree._Element) -> Correction | None:
     """The only exchange of two entries, or sign of a moment, that makes an impossible tensor possible, if it leaves
     small products."""
-    given = inertial_numbers(inertial)
+    given = numbers_of_body(inertial)
     if given is None or given.is_possible(-FEW_DIGITS):
         return None
     tried = (
-        (change, inertial_numbers(change.applied(inertial))) for change in changes(inertial) if change.mends_tensors
+        (change, numbers_of_body(change.applied(inertial))) for change in changes(inertial) if change.mends_tensors
     )
     possible = [(change, new) for change, new in tried if new is not None and new.is_possible(CLEARLY_POSITIVE)]
     if not possible or not all(same(possible[0][1], new) for _, new in possible):

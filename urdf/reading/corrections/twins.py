@@ -1,4 +1,4 @@
-"""Links that should have the same inertial: left and right, and those drawn with one mesh; up to a reflection."""
+"""Links that should have the same inertial up to a reflection: left and right, legs, and those drawn alike."""
 
 from __future__ import annotations
 
@@ -10,21 +10,28 @@ from itertools import product
 import numpy as np
 
 from graphdyn.layout import Array
+from urdf.document.inertial_numbers import InertialNumbers
 from urdf.document.source import Source
 from urdf.geometry.mass_properties import FilledLink
-from urdf.reading.corrections.inertial_numbers import InertialNumbers
 
-TWIN_ROUNDING = 5e-3
+TWIN_ROUNDING = 0.01
 """Relative difference up to which masses, centers and tensors are those of a twin, written with few digits."""
 
 _WORDS = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"))
-_LETTERS = ("l", "L"), ("r", "R")
 _PAIRS = (
     ("l", "r"),
     ("L", "R"),
     *((f"{a}{left}", f"{a}{right}") for a in "fhrbFHRB" for left, right in ("lr", "LR")),
     *((f"{left}{a}", f"{right}{a}") for a in "fhrbFHRB" for left, right in ("lr", "LR")),
 )
+
+_LEGS = tuple(
+    (case(f"{front}l"), case(f"{front}r"), case(f"{hind}l"), case(f"{hind}r"))
+    for front, hind in ("fr", "fh")
+    for case in (str, str.upper)
+)
+_LEGS += tuple((a[::-1], b[::-1], c[::-1], d[::-1]) for a, b, c, d in _LEGS)
+"""Names of the four legs: fl, fr, rl, rr; LF, RF, LH, RH; and the like."""
 
 CLEAR_OF_AXES = 0.02
 """Part of the largest coordinate of a center of mass from which all others tell how a twin is reflected."""
@@ -39,42 +46,49 @@ SHAPE_TOLERANCE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Twin:
-    """link: by name; numbers: its inertial in the axes of the link whose twin it is
+    """link: by name; views: its inertial in the axes of the link whose twin it is, for every reflection that may be
 
-    alike: whether they are equal; sure_axes: the reflection is that of their shapes, or of centers of mass off all axes
+    sure_axes: the reflection is that of their shapes, or of centers of mass off all axes
+    near: it is the left of a right one, or drawn with the same files: those of other legs are copied with their slips
     """
 
     link: str
-    numbers: InertialNumbers
-    alike: bool
+    views: tuple[InertialNumbers, ...]
     sure_axes: bool
+    near: bool
+
+    def has(self, numbers: InertialNumbers) -> bool:
+        """Whether these are its own, seen in one of the ways."""
+        return any(same(numbers, view) for view in self.views)
 
 
 def twins(
     source: Source, inertials: Mapping[str, InertialNumbers], filled: Mapping[str, FilledLink]
 ) -> dict[str, list[Twin]]:
     """Per link those that agree in two of mass, center of mass and tensor."""
-    meshes: dict[str, set[str]] = {}
-    for drawing in source.drawings.drawings:
-        if drawing.geometry == "visual" and drawing.mesh_file and drawing.link in inertials:
-            meshes.setdefault(drawing.mesh_file, set()).add(drawing.link)
-    related: dict[str, set[str]] = {link: set() for link in inertials}
-    for link in inertials:
-        for other in mirrored_names(link):
-            if other in inertials:
-                related[link].add(other)
-                related[other].add(link)
-    for sharing in meshes.values():
-        for link in sharing:
-            related[link] |= sharing - {link}
+    near = _near(source, inertials)
     found: dict[str, list[Twin]] = {}
-    for link, others in related.items():
-        for other in sorted(others):
+    for link, own in inertials.items():
+        legs = set(_other_legs(link))
+        for other, its in inertials.items():
             axes = _axes_of_shapes(filled.get(link), filled.get(other))
-            twin = _twin(inertials[link], other, inertials[other], axes)
-            if twin is not None:
-                found.setdefault(link, []).append(twin)
+            if other != link and (other in near[link] or other in legs or axes):
+                found.setdefault(link, []).extend(_twin(own, other, its, axes, other in near[link]))
     return found
+
+
+def _near(source: Source, inertials: Mapping[str, InertialNumbers]) -> dict[str, set[str]]:
+    """Per link those with the name of the other side, and those drawn with the same files."""
+    drawn: dict[str, list[tuple[str, ...]]] = {}
+    for drawing in source.drawings.drawings:
+        if drawing.geometry == "visual" and drawing.link in inertials:
+            drawn.setdefault(drawing.link, []).append(drawing.shape)
+    sharing: dict[tuple[tuple[str, ...], ...], set[str]] = {}
+    for link, shapes in drawn.items():
+        sharing.setdefault(tuple(shapes), set()).add(link)
+    near = {link: sharing[tuple(drawn[link])] if link in drawn else {link} for link in inertials}
+    near = {link: others.union(mirrored_names(link)) for link, others in near.items()}
+    return {link: {other for other in inertials if other in near[link] or link in near[other]} for link in inertials}
 
 
 def _axes_of_shapes(one: FilledLink | None, other: FilledLink | None) -> list[Array]:
@@ -101,20 +115,30 @@ def mirrored_names(name: str) -> Iterator[str]:
             yield re.sub(pattern, right, name)
 
 
-def _twin(own: InertialNumbers, link: str, other: InertialNumbers, axes: Sequence[Array]) -> Twin | None:
+def _other_legs(name: str) -> Iterator[str]:
+    for legs in _LEGS:
+        found = re.search(rf"(?<![A-Za-z])({'|'.join(legs)})(?![A-Za-z])", name)
+        if found is not None:
+            yield from (name[: found.start()] + leg + name[found.end() :] for leg in legs)
+
+
+def _twin(own: InertialNumbers, link: str, other: InertialNumbers, axes: Sequence[Array], near: bool) -> Iterator[Twin]:
+    """The other link, if it is a twin."""
     seen = [_reflected(other, each) for each in axes or REFLECTIONS]
+    fits = [agreements(own, each) for each in seen]
+    plain = bool(axes) and (axes[0] == np.eye(3)).all()
+    if plain and not any(map(all, fits)):
+        seen, fits = seen[:1], fits[:1]
+    most = max(map(sum, fits))
+    if most < 2:
+        return
+    views = list[InertialNumbers]()
+    for view, agreeing in zip(seen, fits, strict=True):
+        if sum(agreeing) == most and not any(same(view, each) for each in views):
+            views.append(view)
     oblique = bool(np.abs(own.center).min() > CLEAR_OF_AXES * np.abs(own.center).max())
-
-    def rank(each: InertialNumbers) -> tuple[int, bool, float]:
-        fits = agreements(own, each)
-        return -sum(fits), oblique and not fits[1], float(np.linalg.norm(own.turned - each.turned))
-
-    best, plain = min(seen, key=rank), bool(axes) and (axes[0] == np.eye(3)).all()
-    if plain and sum(agreements(own, best)) < 3:
-        best = seen[0]
-    fits = agreements(own, best)
-    sure = plain or (oblique and fits[1]) or (bool(axes) and all(same(best, each) for each in seen))
-    return Twin(link, best, all(fits), sure) if sum(fits) >= 2 else None
+    sure = plain or (len(views) == 1 and (oblique or bool(axes)))
+    yield Twin(link, tuple(views), sure, near)
 
 
 def _reflected(inertial: InertialNumbers, axes: Array) -> InertialNumbers:

@@ -18,7 +18,10 @@ FEW_DIGITS = 0.02
 
 @dataclass(frozen=True, eq=False)
 class InertialNumbers:
-    """mass [kg], center of mass (3,) [m], rotation (3, 3) of the axes of the tensor (3, 3) [kg m²]."""
+    """mass [kg], center of mass (3,) [m] in the link frame, tensor (3, 3) [kg m²] in the axes of the inertial frame.
+
+    rotation: from these axes to those of the link          (3, 3)
+    """
 
     mass: float
     center: Array
@@ -37,6 +40,11 @@ class InertialNumbers:
         return np.linalg.eigvalsh(self.tensor).astype(float)
 
     @property
+    def size(self) -> float:
+        """Sum of the sizes of the principal moments, zero for a tensor of zero [kg m²]."""
+        return float(np.abs(self.moments).sum())
+
+    @property
     def is_placeholder(self) -> bool:
         """Whether all moments are the same, as of a guess, which tells nothing of the size of a link."""
         return bool((self.tensor == self.tensor[0, 0] * np.eye(3)).all())
@@ -49,16 +57,17 @@ class InertialNumbers:
 
 
 def inertial_numbers(inertial: etree._Element) -> InertialNumbers | None:
-    """None where a number is missing or malformed, infinite when squared, or the mass is not positive."""
+    """None where a number is missing, malformed or so large that moments are infinite, or the mass is negative."""
     origin, inertia = inertial.find("origin"), inertial.find("inertia")
     mass = values(inertial.find("mass"), "value", 1)
     entries = [values(inertia, name, 1) for name in NUMBERS["inertia"]]
-    if mass is None or mass[0] <= 0 or None in entries:
+    if mass is None or mass[0] < 0 or None in entries:
         return None
     xx, xy, xz, yy, yz, zz = (entry[0] for entry in entries if entry is not None)
     center, angles = (values(origin, name, 3) or [0.0, 0.0, 0.0] for name in ("xyz", "rpy"))
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     found = InertialNumbers(mass[0], np.array(center), rotation_from_rpy(*angles), tensor)
-    with np.errstate(all="ignore"):
-        finite = np.isfinite(tensor @ tensor).all() and np.isfinite(found.center @ found.center)
-    return found if finite and tensor.any() else None
+    try:
+        return found if np.isfinite(found.moments).all() else None
+    except np.linalg.LinAlgError:  # overflow
+        return None

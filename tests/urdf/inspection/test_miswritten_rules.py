@@ -5,43 +5,54 @@ import pytest
 from robots.mesh_files import box, mesh, one_link, stl, visual
 
 import urdf
-from urdf.document.numbers import rotation_from_rpy
-from urdf.inspection.rules.tensor_forms import distance, forms, meant
+from graphdyn import Body
+from urdf.document.inertial_numbers import inertial_numbers
+from urdf.document.numbers import inertial_element, rotation_from_rpy, rpy_from_rotation
+from urdf.inspection.rules.miswritten_rules import OF_TENSOR, distance, meant
+from urdf.inspection.structure import LinkInertial
+from urdf.reading.corrections import changes
 
 MESH = rotation_from_rpy(0.1, 0.2, -1.0) @ np.diag([0.05, 0.21, 0.24]) @ rotation_from_rpy(0.1, 0.2, -1.0).T
 TURN = rotation_from_rpy(0.5, 0.9, -0.4)
-WAYS = [form.words for form in forms(MESH, np.eye(3))]
 
 
-@pytest.mark.parametrize("way", WAYS)
-def test_every_way_is_undone(way):
-    written = next(form.tensor for form in forms(MESH, np.eye(3)) if form.words == way)
-    apart, found, off = meant(0.9 * written, np.eye(3), MESH)
-    assert apart == pytest.approx(distance(written, MESH)[0])
-    assert apart > 0.12
-    assert distance(found.tensor, MESH) == pytest.approx((0, 0.9))
-    assert off < 1e-12
-    if way.startswith(("with its products of inertia", "mirrored")):  # each undoes itself
-        assert found.words == way
+def written(tensor, turn=None, center=(0.0, 0.0, 0.0), mass=1.0):
+    element = inertial_element(Body("a", mass, np.array(center), tensor))
+    if turn is not None:
+        element.find("origin").set("rpy", " ".join(map(repr, map(float, rpy_from_rotation(turn)))))
+    return element
+
+
+def read(element):
+    found = inertial_numbers(element)
+    return LinkInertial(found.mass, found.center, found.rotation, found.tensor, "a", element)
+
+
+SLIPS = [change for change in changes(written(0.9 * MESH)) if change.kind in OF_TENSOR]
+
+
+@pytest.mark.parametrize("slip", SLIPS, ids=lambda slip: slip.what)
+def test_every_slip_is_undone(slip):
+    wrong = read(slip.applied(written(0.9 * MESH)))
+    found = meant(wrong, MESH)
+    if distance(wrong.turned, MESH)[0] > 0.12:
+        change, off = found
+        assert distance(inertial_numbers(change.applied(wrong.element)).turned, MESH) == pytest.approx((0, 0.9))
+        assert off < 1e-12
 
 
 @pytest.mark.parametrize(
-    ("written", "words"),
-    [
-        (MESH, "without the rotation of <origin>"),
-        (TURN @ MESH @ TURN.T, "with the opposite rotation of <origin>"),
-    ],
+    ("tensor", "what"), [(MESH, "rotation left out"), (TURN @ MESH @ TURN.T, "rotation transposed")]
 )
-def test_rotations(written, words):
-    assert meant(written, TURN, MESH)[1].words == words
+def test_rotations(tensor, what):
+    assert meant(read(written(tensor, TURN)), MESH)[0].what == what
 
 
 def test_what_is_no_mistake():
-    assert meant(MESH, np.eye(3), MESH) is None
-    other = TURN @ MESH @ TURN.T
-    assert meant(other, np.eye(3), MESH) is None
+    assert meant(read(written(MESH)), MESH) is None
+    assert meant(read(written(TURN @ MESH @ TURN.T)), MESH) is None
     negated = 2 * np.diag(np.diag(MESH)) - MESH
-    assert meant(2 * negated, np.eye(3), MESH) is None  # another size: a hollow body, or another one
+    assert meant(read(written(2 * negated)), MESH) is None  # another size: a hollow body, or another one
 
 
 class TestFiles:
@@ -65,12 +76,27 @@ class TestFiles:
         assert (finding.severity, finding.element) == ("warning", "<inertial> of link 'arm'")
         assert finding.message == (
             "the tensor differs by 51 % from that of the visual mesh, filled uniformly with 8 kg (1000 kg/m³), whose "
-            "center of mass it has; with its products of inertia negated it differs by 0.0 %"
+            "center of mass it has; ixz with the opposite sign, it differs by 0.0 %"
         )
         assert finding.remedy == (
             "compare it with CAD; SolidWorks, for one, writes products of inertia with the opposite sign unless told "
             "otherwise"
         )
+
+    @pytest.mark.parametrize(
+        ("sign", "what"),
+        [
+            (1, "shifted from the origin of the link to the center of mass"),
+            (-1, "shifted back, as it was shifted to the center of mass twice"),
+        ],
+    )
+    def test_a_tensor_about_another_point(self, tmp_path, sign, what):
+        """SolidWorks gives both. A box with its center at (0.1, 0.05, -0.2) m of the link."""
+        center = np.array([0.1, 0.05, -0.2])
+        tensor = self.TENSOR + sign * self.MASS * (center @ center * np.eye(3) - np.outer(center, center))
+        found = meant(read(written(tensor, center=center, mass=self.MASS)), self.TENSOR)
+        assert found[0].what == what
+        assert found[1] < 1e-6
 
     @pytest.mark.parametrize("factor", [1e-9, 0.001, 0.1, 10, 1000])
     def test_powers_of_ten(self, tmp_path, factor):
