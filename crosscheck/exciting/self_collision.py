@@ -27,6 +27,7 @@ from graphdyn.excitation import (
     OptimizedMotion,
     Poses,
     Sphere,
+    Trajectory,
     optimized,
     sample_times,
     smallest_distances,
@@ -206,15 +207,18 @@ MAX_SEARCHES = 6
 """Searches at most, each with more distance between the spheres of links that collided in the one before."""
 
 
-def collision_free(problem: ExcitationProblem, robot: SelfCollision, seed: int) -> OptimizedMotion:
+def collision_free(
+    problem: ExcitationProblem, robot: SelfCollision, seed: int, start: Trajectory | None = None
+) -> OptimizedMotion:
     """The best motion that is found from one start, free of collisions on the meshes at CHECK_RATE.
 
     problem: without clearances; usages of the result are with those of the last search
+    start: as in optimized
 
     Raises NoFeasibleMotion where none is found.
     """
     times = sample_times(problem.basis.duration, CHECK_RATE)
-    found = optimized(robot.with_limits(problem), seed)
+    found = optimized(robot.with_limits(problem), seed, start=start)
     for _ in range(MAX_SEARCHES - 1):
         q = found.trajectory.motion(times).q
         hits = robot.hits(q)

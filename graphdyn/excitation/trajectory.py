@@ -63,6 +63,14 @@ class Trajectory:
         """Motion at the times (N,) [s]."""
         return JointMotion(*(self.basis.rows(times, order) @ self.coefficients.T for order in range(4)))
 
+    def of(self, basis: Basis) -> Trajectory:
+        """The nearest motion of another basis of the same duration, by least squares of the positions: the same one
+        where that basis has it."""
+        times = np.linspace(0.0, self.duration, 4 * max(basis.size, self.basis.size))
+        positions = self.basis.rows(times, 0) @ self.coefficients.T
+        coefficients = np.linalg.lstsq(basis.rows(times, 0), positions, rcond=None)[0].T
+        return Trajectory(basis, np.asarray(coefficients, dtype=float))
+
 
 LARGEST_COEFFICIENT = 1e150
 """Bound of the splines of a motion and of their derivatives, whose squares are numbers then [SI units]."""

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from crosscheck.exciting.self_collision import SelfCollision
     from crosscheck.recordings import Recording
     from graphdyn import RobotModel
-    from graphdyn.excitation import ExcitationProblem, OptimizedMotion
+    from graphdyn.excitation import ExcitationProblem, OptimizedMotion, Trajectory
     from graphdyn.layout import Array
 
 EPILOG = f"""{EXAMPLES}  graphdyn excite --robot ur5 --out motion.csv --html plan.html
@@ -166,24 +166,27 @@ def _best_of_bases(
     advance: Callable[[str, int], None],
     jobs: int,
 ) -> tuple[ExcitationProblem, SearchSummary]:
-    """The first problem whose successor hardly gains anything, and what was found for it."""
-    best: tuple[ExcitationProblem, SearchSummary] | None = None
-    for k, problem in enumerate(problems):
-        trial = replace(problem, known=known)
-        count = (lambda what, steps: None) if k else advance
-        found = best_of(trial, collisions, seeds, jobs, count, noise)
-        before = None if best is None else best[1]
-        gained = (
-            before is None
-            or before.best is None
-            or (found.best is not None and found.error < before.error - MIN_GAIN_BY_HARMONICS)
-        )
-        if gained:
-            best = problem, found
-        if not gained or found.interrupted:
+    """The first problem whose successor hardly gains anything, and what was found for it.
+
+    The first one is searched from all seeds, each other one from the best motion of the one before.
+    """
+    problem, *others = problems
+    best = best_of(replace(problem, known=known), collisions, seeds, jobs, advance, noise)
+    for other in others:
+        if best.best is None or best.interrupted:
             break
-    assert best is not None
-    return best
+        start = best.best.trajectory.of(other.basis)
+        seed = range(best.best.seed, best.best.seed + 1)
+        advance("more harmonics", 0)
+        try:
+            found = best_of(replace(other, known=known), collisions, seed, 1, lambda what, steps: None, noise, start)
+        except KeyboardInterrupt:
+            say(f"interrupted: the best motion so far, of seed {best.best.seed}, is kept", "yellow")
+            return problem, best._replace(interrupted=True)
+        if found.best is None or found.error >= best.error - MIN_GAIN_BY_HARMONICS:
+            break
+        problem, best = other, found._replace(failures=best.failures)
+    return problem, best
 
 
 def _recordings(options: ExciteOptions, option: str, logs: list[Path] | None, model: RobotModel) -> list[Recording]:
@@ -218,9 +221,12 @@ def _write(found: Excited, model: RobotModel, out: OutputFile, rate: float, sett
 
 
 class SearchTask(NamedTuple):
+    """start: random motions of the seed if left out"""
+
     problem: ExcitationProblem
     seed: int
     collisions: SelfCollision | None
+    start: Trajectory | None = None
 
 
 class SearchSummary(NamedTuple):
@@ -242,8 +248,8 @@ def search(task: SearchTask) -> OptimizedMotion | str:
 
     try:
         if task.collisions is None:
-            return optimized(task.problem, task.seed)
-        return collision_free(task.problem, task.collisions, task.seed)
+            return optimized(task.problem, task.seed, start=task.start)
+        return collision_free(task.problem, task.collisions, task.seed, task.start)
     except NoFeasibleMotion as error:
         return str(error)
 
@@ -261,12 +267,15 @@ def best_of(
     processes_used: int,
     advance: Callable[[str, int], None],
     encoder: EncoderNoise | None = None,
+    start: Trajectory | None = None,
 ) -> SearchSummary:
     """The best motion from these seeds, by the criterion, or by its errors with noise of positions.
 
+    start: of every search, random motions of the seed if left out
+
     Raises KeyboardInterrupt where it comes before the first motion is found.
     """
-    tasks = [SearchTask(problem, seed, collisions) for seed in seeds]
+    tasks = [SearchTask(problem, seed, collisions, start) for seed in seeds]
     best: OptimizedMotion | None = None
     least = math.inf
     failures = list[str]()

@@ -325,6 +325,27 @@ def test_harmonics_choose_themselves(program, words, small_arm, monkeypatch):
 
 
 @pytest.mark.usefixtures("unpictured")
+def test_more_harmonics_go_on_from_the_best_motion(program, words, small_arm, monkeypatch):
+    """Which is kept where Ctrl-C comes before a better one."""
+    starts = []
+
+    def best(problem, _collisions, seeds, _jobs, _advance, _noise, start=None):
+        starts.append((problem.basis.harmonics, list(seeds), start))
+        if len(starts) == 3:
+            raise KeyboardInterrupt
+        return excite_search.SearchSummary(optimized(problem, 0, start=start), [], False, -len(starts))
+
+    monkeypatch.setattr(excite_search, "best_of", best)
+    few = ("--duration", 4, "--rate", 50, "--random", 0, "--seeds", 2, "--jobs", 1, "--no-collisions", *LIMITS)
+    done = program("excite", "--robot", small_arm, *few)
+    assert done.code == AGREED, done.err
+    assert "Fourier series of 7 harmonics" in words(done.out)
+    assert "interrupted: the best motion so far, of seed 0, is kept" in done.err
+    assert [(harmonics, seeds) for harmonics, seeds, _ in starts] == [(5, [0, 1]), (7, [0]), (9, [0])]
+    assert [start and start.basis.harmonics for *_, start in starts] == [None, 7, 9]
+
+
+@pytest.mark.usefixtures("unpictured")
 def test_a_period_that_no_controller_has_is_told(program, words, small_arm, tmp_path):
     """Rows every 2 ms or a multiple where the duration is one; the program has the name of its file."""
     out = tmp_path / "my-motion.script"

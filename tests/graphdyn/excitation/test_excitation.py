@@ -113,6 +113,14 @@ def test_coefficients_of_splines_have_the_size_of_velocities():
     assert basis.rows(np.linspace(0.0, 6.0, 50), 0) @ basis.middle == pytest.approx(1.0)
 
 
+def test_a_motion_in_a_basis_of_more_functions_is_the_same():
+    few, more = (FourierBasis(5.0, harmonics) for harmonics in (3, 5))
+    coefficients = np.random.default_rng(0).normal(size=(2, few.size))
+    trajectory, times = Trajectory(few, coefficients), np.linspace(0, 5, 101)
+    for one, other in zip(trajectory.motion(times), trajectory.of(more).motion(times), strict=True):
+        assert np.abs(other - one).max() <= ROUNDING * np.abs(one).max()
+
+
 def test_series_in_the_notation_of_swevers():
     basis, times = FourierBasis(5.0, 4), np.linspace(0, 5, 20)
     coefficients = np.random.default_rng(0).normal(size=basis.size)
