@@ -121,8 +121,7 @@ def prior_spread(torque_model: TorqueModel) -> Array:
 
 
 def expected_parameters(torque_model: TorqueModel) -> Array:
-    """Standard parameters (p,) of a robot whose bodies are those of the model, and whose drives are as large as their
-    prior spread."""
+    """Standard parameters (p,) with the bodies of the model, and drives as large as their prior spread."""
     x, bodies = _spreads(torque_model), torque_model.slice_of(RigidBodies)
     if bodies is not None:
         x[bodies] = torque_model.prior()[bodies]

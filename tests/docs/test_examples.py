@@ -14,6 +14,7 @@ FIRST_FUNCTIONS = (
     "crosscheck.judge",
     "graphdyn.aligning.align",
     "graphdyn.aligning.differences",
+    "graphdyn.aligning.same_names",
     "graphdyn.excitation.optimized",
     "urdf.dh_table",
     "urdf.inspect",
