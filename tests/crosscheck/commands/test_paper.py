@@ -30,7 +30,7 @@ from crosscheck.commands.program import console
 from crosscheck.paper.printed import TABLE_2, Printed
 from crosscheck.paper.reproduction import PROGRESS_STEPS, REFERENCE_BOUND, Check, reproduce
 from crosscheck.report.html import page as html_page
-from crosscheck.report.records.record import plain, versions
+from crosscheck.report.records.record import plain, taking_part, versions
 from crosscheck.report.report import Plot
 from crosscheck.report.text import renderables
 
@@ -287,7 +287,7 @@ class TestPage:
 
     @LONG
     def test_same_arguments_same_page(self, found, page):
-        assert html_page(paper_report(found), COMMAND, versions()) == page
+        assert html_page(paper_report(found), COMMAND, taking_part()) == page
 
     @pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine")
     def test_never_wider_than_its_window(self, tmp_path, page):
