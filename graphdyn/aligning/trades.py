@@ -7,6 +7,7 @@ changes and other limits.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -68,6 +69,7 @@ def traded(
     about = walk.signs[:, None] * walk.first.directions
     ends, turning = _ends(walk, robots), next((k for k, slides in enumerate(walk.first.slides) if not slides), 0)
 
+    @cache
     def laid(from_base: float, to_tool: float, turned: float = 0.0) -> LaidRobot:
         moved, added = places.copy(), zeros.copy()
         if turned:

@@ -34,8 +34,14 @@ def refuse_expanded(path: Path) -> None:
 
 
 def editable(path: Path) -> bytes:
-    """The bytes of a document that can be read. Raises CannotUpdate for UTF-16 and the like; OSError."""
+    """The bytes of a document that can be read. Raises the error of check_editable; OSError."""
     data = path.read_bytes()
+    check_editable(path, data)
+    return data
+
+
+def check_editable(path: Path, data: bytes) -> None:
+    """Raises CannotUpdate for UTF-16 and the like. data: of a document that can be read"""
     try:
         if b"\0" in data:
             raise LookupError
@@ -43,7 +49,6 @@ def editable(path: Path) -> bytes:
     except (LookupError, ValueError, expat.ExpatError):  # of other encodings than of one byte, or UTF-8
         problem = "the file is in UTF-16 or another encoding that cannot be edited"
         raise CannotUpdate(problem, "save it as UTF-8 first", path=path) from None
-    return data
 
 
 @dataclass(frozen=True)

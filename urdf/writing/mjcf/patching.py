@@ -21,7 +21,7 @@ from urdf.errors import CannotUpdate, listed, one_line, shortened
 from urdf.reading.loading import armed
 from urdf.reading.parsing import build, parsed_source
 from urdf.reading.reading import AS_IT_STANDS
-from urdf.writing.in_place import editable
+from urdf.writing.in_place import check_editable
 from urdf.writing.mjcf.grouping import refuse_impossible
 from urdf.writing.mjcf.positions import Edit, positions, with_edits
 from urdf.writing.mjcf.saving import mjcf_inertial
@@ -71,12 +71,13 @@ def patch_mjcf(model: RobotModel, source: str | PathLike[str], destination: str 
     path = Path(source)
     data = path.read_bytes()
     check_size(data, path)
-    if not is_mjcf(root_of(path, data)):
+    root = root_of(path, data)
+    if not is_mjcf(root):
         raise CannotUpdate("the file is not MJCF", "give a file whose root element is <mujoco>", path=path)
-    data = editable(path)
+    check_editable(path, data)
     document, _, parsed = parsed_source(path, AS_IT_STANDS)
     old = armed(build(parsed, document.gravity), document)
-    native = compiled_mjcf(path, data, root_of(path, data))
+    native = compiled_mjcf(path, data, root)
     wanted = _wanted(model, old, path)
     found = positions(data)
     edits: list[Edit] = []
