@@ -8,7 +8,7 @@ import urdf
 from graphdyn import Body
 from urdf.document.inertial_numbers import inertial_numbers
 from urdf.document.numbers import inertial_element, rotation_from_rpy, rpy_from_rotation
-from urdf.inspection.rules.miswritten_rules import OF_TENSOR, distance, meant
+from urdf.inspection.rules.miswritten_rules import distance, meant
 from urdf.inspection.structure import LinkInertial
 from urdf.reading.corrections import changes
 
@@ -28,7 +28,7 @@ def read(element):
     return LinkInertial(found.mass, found.center, found.rotation, found.tensor, "a", element)
 
 
-SLIPS = [change for change in changes(written(0.9 * MESH)) if change.kind in OF_TENSOR]
+SLIPS = [change for change in changes(written(0.9 * MESH)) if change.turns]
 
 
 @pytest.mark.parametrize("slip", SLIPS, ids=lambda slip: slip.what)

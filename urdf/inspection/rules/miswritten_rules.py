@@ -17,9 +17,6 @@ from urdf.inspection.findings import Finding, about
 from urdf.inspection.structure import LinkInertial
 from urdf.reading.corrections import Correction, changes, shifted
 
-OF_TENSOR = ("sign", "exchange", "axes", "rotation", "point")
-"""Kinds of changes that give another tensor, not only of another size."""
-
 MAX_DISTANCE, MIN_GAIN, MIN_DISTANCE = 0.1, 3.0, 0.12
 """A tensor is that of the mesh up to the first distance; another one is meant if it is so and nearer by the second
 factor, where the written one is farther away than the last."""
@@ -65,8 +62,8 @@ def meant(own: LinkInertial, filled: Array) -> tuple[Correction, float] | None:
         return None
     limit = min(MAX_DISTANCE, apart / MIN_GAIN)
     fitting = list[tuple[Correction, float]]()
-    for change in (*changes(own.element), *shifted(own.element)):
-        new = inertial_numbers(change.applied(own.element)) if change.kind in OF_TENSOR else None
+    for change in (*(change for change in changes(own.element) if change.turns), *shifted(own.element)):
+        new = inertial_numbers(change.applied(own.element))
         if new is not None and new.tensor.any():
             off, factor = distance(new.turned, filled)
             if off < limit and SAME_SIZE[0] < factor < SAME_SIZE[1]:

@@ -45,32 +45,39 @@ Kind = Literal["power of ten", "exchange", "sign", "axes", "rotation", "density"
 
 @dataclass(frozen=True)
 class Correction:
-    """A change of the numbers of an <inertial>. what: in words"""
+    """A change of the numbers of an <inertial>. what: in words; factor: of all that change, where they are scaled"""
 
     kind: Kind
     what: str
     edits: Edits
+    factor: float = 1.0
+
+    @property
+    def turns(self) -> bool:
+        """Whether it gives another tensor, not only of another size."""
+        return self.kind in ("sign", "exchange", "axes", "rotation")
 
     @property
     def mends_tensors(self) -> bool:
         """Whether it is one of the two slips that make tensors impossible."""
-        return self.kind == "exchange" or self.what.endswith("without its sign")
+        of_moment = any(("inertia", name) in self.edits for name in MOMENTS)
+        return self.kind == "exchange" or (self.kind == "sign" and of_moment)
 
     @property
     def enlarges(self) -> bool:
         """Whether the mass becomes larger."""
-        return self.what.startswith("mass") and " times " in self.what
+        return ("mass", "value") in self.edits and self.factor > 1
 
     @property
     def of_center(self) -> bool:
         """Whether a coordinate of the center of mass changes its sign, which shapes tell least."""
-        return self.what.endswith("mass with the opposite sign")
+        return self.kind == "sign" and ("origin", "xyz") in self.edits
 
     @property
     def guessed(self) -> bool:
         """Whether it is never sure by itself: a density; a mass that is too small, as placeholders are; a factor of
         100, for which no unit is a reason; a sign of a center of mass."""
-        return self.kind == "density" or self.enlarges or self.of_center or self.what.endswith(" 100")
+        return self.kind == "density" or self.enlarges or self.of_center or self.factor in (0.01, 100.0)
 
     def applied(self, inertial: etree._Element) -> etree._Element:
         """A copy of the element with the change."""
@@ -125,16 +132,16 @@ def _scaled(inertial: etree._Element) -> Iterator[Correction]:
     ):
         for power in powers if texts else ():
             said = f"{'times' if power > 0 else 'divided by'} {10 ** abs(power):,}"
-            yield Correction("power of ten", f"{what} {said}", _times(texts, Decimal(1).scaleb(power)))
+            yield Correction("power of ten", f"{what} {said}", _times(texts, Decimal(1).scaleb(power)), 10.0**power)
     if center:
         edits = {key: " ".join(repr(float(word) / INCHES) for word in words.split()) for key, words in center.items()}
         yield Correction("inches", f"center of mass divided by {INCHES:.4g} (inches)", edits)
     for ratio, reason in DENSITIES.items():
         for what, texts in (("mass", mass), ("mass and tensor", mass | tensor)):
             edits = {key: repr(float(word) / ratio) for key, word in texts.items() if float(word)}
-            yield Correction("density", f"{what} divided by {ratio} ({reason})", edits)
+            yield Correction("density", f"{what} divided by {ratio} ({reason})", edits, 1 / ratio)
             edits = {key: repr(float(word) * ratio) for key, word in texts.items() if float(word)}
-            yield Correction("density", f"{what} times {ratio}", edits)
+            yield Correction("density", f"{what} times {ratio}", edits, ratio)
 
 
 def _times(texts: Edits, factor: Decimal) -> Edits:

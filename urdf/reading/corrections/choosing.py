@@ -145,7 +145,7 @@ class _Link:
         like = self._strangeness(way.numbers, -FEW_DIGITS)
         known = all(same(way.numbers, other.numbers) for other in reaching)
         others = [twin for twin in unlike if twin.has(way.numbers)]
-        turns = way.change.kind in ("sign", "exchange", "axes", "rotation")
+        turns = way.change.turns
         several = len(others) > 1 and (not turns or (like <= now + CLEAR and sum(twin.near for twin in others) > 1))
         apart = now - like >= (WRONG - FITTING if turns else CLEAR) and like <= max(FITTING, FITTING_SHARE * now)
         better = apart and not way.change.enlarges and not way.change.of_center
@@ -179,7 +179,7 @@ class _Link:
         """Whether a change of the tensor's axes makes it that of the shape, whatever mass and center of mass are."""
         found = measures(way.numbers, self.around)
         of_tensor: dict[str, float] = {name: found[name] for name in ("form", "scale") if name in found}
-        turned = way.change.kind in ("sign", "exchange", "axes", "rotation") and not way.change.of_center
+        turned = way.change.turns and not way.change.of_center
         clearly = now < inf and now - way.strangeness >= WRONG - FITTING
         return bool(of_tensor) and turned and clearly and squares(of_tensor, self.usual) <= FITTING
 
